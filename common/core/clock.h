@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+namespace livegs {
+
+// Nanoseconds of a monotonic clock (CLOCK_MONOTONIC, as OpenXR's timespec conversion uses). Never wall time.
+int64_t now_ns();
+
+// Blocks the calling thread until `moment_ns` of that clock; returns at once if it has passed.
+void sleep_until_ns(int64_t moment_ns);
+
+constexpr double seconds_from_ns(int64_t duration_ns) { return static_cast<double>(duration_ns) * 1e-9; }
+constexpr double milliseconds_from_ns(int64_t duration_ns) { return static_cast<double>(duration_ns) * 1e-6; }
+
+}  // namespace livegs

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace livegs {
+namespace {
+
+struct Descriptor {
+  int fd = -1;
+  ~Descriptor() {
+    if (fd >= 0) ::close(fd);
+  }
+};
+
+template <class Container>
+Result<Container> read_whole(const std::filesystem::path& path, uint64_t max_bytes) {
+  Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  if (file.fd < 0) {
+    if (errno == ENOENT) return not_found(path.string() + ": no such file");
+    return Error{ErrorCode::PermissionDenied, path.string() + ": cannot be opened: " + std::strerror(errno)};
+  }
+  struct stat status {};
+  if (::fstat(file.fd, &status) != 0 || !S_ISREG(status.st_mode)) {
+    return invalid_argument(path.string() + ": is not a regular file");
+  }
+  const auto size = static_cast<uint64_t>(status.st_size);
+  if (size > max_bytes) {
+    return Error{ErrorCode::TooLarge, path.string() + ": has " + std::to_string(size) + " bytes; the limit is " +
+                                          std::to_string(max_bytes)};
+  }
+  Container content;
+  content.resize(size);
+  size_t done = 0;
+  while (done < size) {
+    const ssize_t got = ::read(file.fd, reinterpret_cast<char*>(content.data()) + done, size - done);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return Error{ErrorCode::Internal, path.string() + ": reading failed: " + std::strerror(errno)};
+    if (got == 0) break;  // the file shrank meanwhile
+    done += static_cast<size_t>(got);
+  }
+  content.resize(done);
+  return content;
+}
+
+Error write_error(const std::filesystem::path& path) {
+  return {ErrorCode::PermissionDenied, path.string() + ": cannot be written: " + std::strerror(errno)};
+}
+
+}  // namespace
+
+Result<std::vector<std::byte>> read_file(const std::filesystem::path& path, uint64_t max_bytes) {
+  return read_whole<std::vector<std::byte>>(path, max_bytes);
+}
+
+Result<std::string> read_text_file(const std::filesystem::path& path, uint64_t max_bytes) {
+  return read_whole<std::string>(path, max_bytes);
+}
+
+Result<void> write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+  std::string pattern = path.string() + ".XXXXXX";
+  Descriptor file{::mkostemp(pattern.data(), O_CLOEXEC)};
+  if (file.fd < 0) return write_error(path);
+  const auto fail = [&] {
+    Error error = write_error(path);
+    ::unlink(pattern.c_str());
+    return error;
+  };
+  size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t wrote = ::write(file.fd, bytes.data() + done, bytes.size() - done);
+    if (wrote < 0 && errno == EINTR) continue;
+    if (wrote < 0) return fail();
+    done += static_cast<size_t>(wrote);
+  }
+  if (::fchmod(file.fd, 0644) != 0 || ::fsync(file.fd) != 0) return fail();
+  if (::rename(pattern.c_str(), path.c_str()) != 0) return fail();
+  return {};
+}
+
+Result<void> write_file_atomically(const std::filesystem::path& path, std::string_view text) {
+  return write_file_atomically(path, std::as_bytes(std::span(text.data(), text.size())));
+}
+
+}  // namespace livegs

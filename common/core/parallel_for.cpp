@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/parallel_for.h"
+
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+namespace livegs {
+namespace {
+
+std::mutex control_mutex;  // guards control
+std::unique_ptr<tbb::global_control> control;
+
+}  // namespace
+
+void set_thread_count(int threads) {
+  const int count = threads > 0 ? threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  std::lock_guard lock(control_mutex);
+  control.reset();
+  control = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                  static_cast<size_t>(count));
+}
+
+int thread_count() {
+  return static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+}
+
+void parallel_for(size_t count, size_t block, const std::function<void(size_t, size_t)>& body) {
+  if (count == 0) return;
+  block = std::max<size_t>(block, 1);
+  const size_t blocks = (count + block - 1) / block;
+  const auto run = [&](size_t index) noexcept { body(index * block, std::min(count, (index + 1) * block)); };
+  if (blocks == 1) return run(0);
+  tbb::parallel_for(size_t{0}, blocks, run);
+}
+
+}  // namespace livegs

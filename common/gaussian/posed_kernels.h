@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <vector>
+
+#include "gaussian/gaussian_asset.h"
+
+namespace livegs {
+
+// xx, xy, xz, yy, yz, zz of a symmetric matrix.
+using Symmetric3f = std::array<float, 6>;
+
+// The kernels of one asset where they are now, in the world frame, in metres: what skinning writes and drawing reads.
+// Opacity and colour stay in the asset; all arrays have its length.
+struct PosedKernels {
+  std::vector<Eigen::Vector3f> positions_m;
+  std::vector<Symmetric3f> covariances_m2;
+  std::vector<Eigen::Quaternionf> world_from_asset;  // rotation only; SH are evaluated at its inverse times the view direction
+
+  void resize(size_t count) {
+    positions_m.resize(count);
+    covariances_m2.resize(count);
+    world_from_asset.resize(count);
+  }
+};
+
+// One object to draw. Both pointers outlive the call they are given to.
+struct DrawnObject {
+  const GaussianAsset* asset = nullptr;
+  const PosedKernels* kernels = nullptr;
+  uint32_t object_id = 0;
+};
+
+}  // namespace livegs

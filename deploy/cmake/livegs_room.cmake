@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: Apache-2.0
+# livegs_add_room(NAME SOURCES ... [PUBLIC ...] [PRIVATE ...] [INCLUDE dir])
+#   A room is one static library livegs_NAME with the alias livegs::NAME. Its headers are included with the
+#   room in the path ("skin/driver_frame.h"), from the folder that holds the room: common/, server/ or client/.
+function(livegs_add_room name)
+  cmake_parse_arguments(ROOM "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  add_library(livegs_${name} STATIC ${ROOM_SOURCES})
+  add_library(livegs::${name} ALIAS livegs_${name})
+  target_include_directories(livegs_${name} PUBLIC ${CMAKE_CURRENT_SOURCE_DIR}/..)
+  target_link_libraries(livegs_${name} PUBLIC ${ROOM_PUBLIC} PRIVATE livegs::options ${ROOM_PRIVATE})
+endfunction()
+
+# livegs_add_test(NAME SOURCES ... LINK ... [LABELS ...])
+#   One GoogleTest program; every TEST becomes a ctest of its own, found when ctest runs.
+function(livegs_add_test name)
+  cmake_parse_arguments(TEST "" "" "SOURCES;LINK;LABELS" ${ARGN})
+  if(NOT TEST_LABELS)
+    set(TEST_LABELS unit)
+  endif()
+  add_executable(${name} ${TEST_SOURCES})
+  target_link_libraries(${name} PRIVATE livegs::options ${TEST_LINK} GTest::gtest_main)
+  target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests)
+  target_compile_definitions(${name} PRIVATE LIVEGS_SHARED_DATA_DIR="${CMAKE_SOURCE_DIR}/../shared/data"
+                                             LIVEGS_TESTS_DIR="${CMAKE_SOURCE_DIR}/tests")
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT 300)
+endfunction()
+
+# livegs_add_bench(NAME SOURCES ... LINK ...)
+#   A program that is built with the tests and run by hand; its CSV goes to tests/bench/results.
+function(livegs_add_bench name)
+  cmake_parse_arguments(BENCH "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${BENCH_SOURCES})
+  target_link_libraries(${name} PRIVATE livegs::options ${BENCH_LINK})
+  target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests)
+  target_compile_definitions(${name} PRIVATE LIVEGS_SHARED_DATA_DIR="${CMAKE_SOURCE_DIR}/../shared/data"
+                                             LIVEGS_TESTS_DIR="${CMAKE_SOURCE_DIR}/tests")
+endfunction()

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "geometry/triangle_mesh.h"
+
+namespace livegs {
+
+// Signed distance to a closed mesh on a regular grid, negative inside, trilinear between nodes, in the mesh's frame.
+// Immutable after building; any thread may sample.
+class DistanceField {
+ public:
+  // cell_m: edge of a grid cell; margin_m: how far the grid reaches beyond the mesh.
+  DistanceField(const TriangleMesh& mesh, double cell_m, double margin_m);
+
+  struct Sample {
+    double distance_m;
+    Eigen::Vector3d gradient;  // unit where the distance is smooth
+  };
+  // Outside the grid: the distance at the nearest grid point plus the way to it (never less than the true distance
+  // minus one cell).
+  Sample sample(const Eigen::Vector3d& point_m) const;
+
+  double cell_m() const { return cell_m_; }
+  const Eigen::Vector3i& node_counts() const { return counts_; }
+
+ private:
+  double cell_m_;
+  Eigen::Vector3d origin_m_;
+  Eigen::Vector3i counts_;
+  std::vector<float> distances_m_;
+};
+
+}  // namespace livegs

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+namespace livegs {
+
+enum class Behavior { Auto, Static, Rigid, Elastic };
+
+// What the enclosed volume of an object's surface mesh is filled with.
+enum class Fill {
+  Solid,      // material throughout
+  Shell,      // a closed wall around air
+  OpenShell,  // a wall with an opening: a cup, a bowl
+  Filled,     // a container with its contents, taken as one effective density
+};
+
+// What a body is made of, in SI units. Made from PhysicalParameters (server/analysis) or a scene's `physics`.
+struct Material {
+  Behavior behavior = Behavior::Rigid;  // never Auto in a world
+  double mass_kg = 0.0;                 // of the whole body; > 0
+  Fill fill = Fill::Solid;
+  double wall_thickness_m = 0.0;        // Shell and OpenShell; 0 when unknown
+  double youngs_modulus_pa = 1e5;       // > 0
+  double poisson_ratio = 0.3;           // 0 … 0.49
+  double structure_coefficient = 1.0;   // s of LIVE-GS, 0 … 1: E* = s E is what the body as a whole shows
+  double plasticity = 0.0;              // p of LIVE-GS, 0 … 1
+  double loss_factor = 0.1;             // damping of deformation, unitless, 0 … 2
+  bool fragile = false;
+  double break_impulse_n_s = 0.0;
+  double friction = 0.5;                // 0 … 2
+  double restitution = 0.2;             // 0 … 1
+
+  double effective_youngs_modulus_pa() const { return structure_coefficient * youngs_modulus_pa; }
+};
+
+// LIVE-GS's deformation resistance d_R in 0 … 1 from E* = s E: piecewise linear through (0, 0), (0.1 MPa, 0.1),
+// (1 MPa, 0.5), (50 MPa, 0.8), (200 MPa, 1) and its inverse. Above 200 MPa an object is rigid.
+double deformation_resistance(double effective_youngs_modulus_pa);
+double effective_youngs_modulus_pa(double deformation_resistance);
+
+}  // namespace livegs
