@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <variant>
+
+#include "core/pose.h"
+#include "geometry/distance_field.h"
+
+// What never moves and everything can touch.
+
+namespace livegs {
+
+struct PlaneShape {};  // the half-space y <= 0 of the collider's frame is solid
+struct BoxShape {
+  Eigen::Vector3d size_m = Eigen::Vector3d::Ones();  // full edge lengths, centred
+};
+struct SphereShape {
+  double radius_m = 0.5;
+};
+struct FieldShape {
+  std::shared_ptr<const DistanceField> field;  // a mesh or the captured background; immutable, shared by threads
+};
+
+struct Collider {
+  std::variant<PlaneShape, BoxShape, SphereShape, FieldShape> shape;
+  Pose world_from_collider;
+  double friction = 0.5;
+  double restitution = 0.2;
+};
+
+// Signed distance from a world point to the collider's surface (negative inside) and the unit normal there, world
+// frame, pointing out of the solid.
+struct SurfaceSample {
+  double distance_m;
+  Eigen::Vector3d normal;
+};
+SurfaceSample sample_surface(const Collider& collider, const Eigen::Vector3d& point_m);
+
+// Of two touching things: friction is the geometric mean, restitution the larger one.
+double mixed_friction(double a, double b);
+double mixed_restitution(double a, double b);
+
+}  // namespace livegs

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/pose.h"
+#include "core/result.h"
+#include "geometry/sample_particles.h"
+#include "physics/collider.h"
+#include "physics/material.h"
+#include "skin/driver_frame.h"
+#include "skin/rest_body.h"
+
+// The seam between the world's substep loop and an elastic solver. Two solvers stand behind it: `cells` (an embedded
+// lattice of eight-node cells) and `livegs-v1` (the paper's shape-matching blend, the baseline of every chart).
+
+namespace livegs {
+
+// A box of the object's rest frame whose particles do not move.
+struct FixedRegion {
+  Eigen::Vector3d min_m, max_m;
+};
+
+struct ElasticBodyDescription {
+  uint32_t object_id = 0;
+  ParticleSet particles;  // object frame, at rest
+  Material material;
+  Pose world_from_object;  // where the rest shape starts
+  Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();           // world frame, of the centre of mass
+  Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero(); // world frame
+  std::vector<Eigen::Vector3d> particle_velocities_m_s;             // added to the above; empty or one a particle
+  std::vector<FixedRegion> fixed_regions;
+  double cell_width_m = 0.0;  // 0: chosen from the material and the rate
+};
+
+// A ball that is simulated by the world and touched by everything during one substep.
+struct MovingSphere {
+  Eigen::Vector3d position_m;
+  Eigen::Vector3d velocity_m_s;
+  double radius_m;
+  double mass_kg;
+  double friction;
+  double restitution;
+  Eigen::Vector3d impulse_n_s = Eigen::Vector3d::Zero();  // out: what the body gave the ball in this substep
+};
+
+// A force on one material point, constant over the substep. The point is in the object's rest frame.
+struct PointForce {
+  Eigen::Vector3d point_m;
+  Eigen::Vector3d force_n;  // world frame
+};
+
+struct SubstepContext {
+  double duration_s = 0.0;
+  Eigen::Vector3d gravity_m_s2;
+  std::span<const Collider> colliders;
+  std::span<MovingSphere> spheres;  // this body's own copies
+  std::span<const PointForce> forces;
+};
+
+struct ParticleState {
+  Eigen::Vector3d position_m, velocity_m_s;
+  double mass_kg;
+  Eigen::Matrix3d deformation_gradient;  // rest object frame to world
+};
+
+struct BodyEnergy {
+  double kinetic_j = 0, elastic_j = 0, gravity_j = 0;
+  Eigen::Vector3d linear_momentum = Eigen::Vector3d::Zero();   // kg m/s
+  Eigen::Vector3d angular_momentum = Eigen::Vector3d::Zero();  // kg m²/s about the world's origin
+};
+
+// How far the numbers can be trusted at the chosen cells and substeps (elastic-study.md 2.4, 2.7).
+struct ElasticAccuracy {
+  double cell_width_m = 0;
+  int substeps = 0;                 // a frame, of this body
+  double courant = 0;               // sqrt(E*/rho) h / a
+  double reached_youngs_modulus_pa = 0;  // less than asked for when clipped
+  bool clipped = false;
+  size_t nodes = 0, cells = 0, particles = 0;
+};
+
+// One elastic body. One thread at a time; different bodies may run on different threads. All lengths inside are
+// relative to an origin that follows the body, so precision does not depend on where it stands.
+class ElasticBody {
+ public:
+  virtual ~ElasticBody() = default;
+
+  virtual void substep(const SubstepContext& context) = 0;
+  virtual void end_frame(double frame_s) = 0;  // plasticity and the sleep test happen here
+
+  virtual void set_material(const Material& material) = 0;
+  virtual const Material& material() const = 0;
+  virtual bool asleep() const = 0;
+  virtual void wake() = 0;
+
+  // RestBody without object_from_asset, which its owner fills in. Drivers in the world frame.
+  virtual RestBody rest_body() const = 0;
+  virtual void write_drivers(ObjectDrivers& drivers) const = 0;
+
+  virtual Pose centre_pose() const = 0;  // centre of mass and best-fit rotation of the body as a whole
+  virtual Eigen::Vector3d velocity_m_s() const = 0;          // of the centre of mass
+  virtual Eigen::Vector3d angular_velocity_rad_s() const = 0;
+  virtual std::vector<ParticleState> particles() const = 0;
+  virtual BodyEnergy energy(const Eigen::Vector3d& gravity_m_s2) const = 0;
+  virtual ElasticAccuracy accuracy() const = 0;
+
+  // Where a material point (rest object frame) is now, and its velocity.
+  virtual Eigen::Vector3d world_point(const Eigen::Vector3d& rest_point_m) const = 0;
+  virtual Eigen::Vector3d point_velocity_m_s(const Eigen::Vector3d& rest_point_m) const = 0;
+  // The particle met first by a ray (within its spacing), as its rest point; nothing if the ray misses.
+  struct RayHit {
+    double distance_m;
+    Eigen::Vector3d rest_point_m;
+  };
+  virtual std::optional<RayHit> ray_cast(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction) const = 0;
+};
+
+enum class ElasticSolver { Cells, LivegsV1 };
+
+// `rate_hz` and `substeps` are the scene's: a body may take more substeps inside each, never fewer.
+// Fails on a description that is not physical (no particles, mass <= 0, …), with the reason.
+Result<std::unique_ptr<ElasticBody>> make_elastic_body(const ElasticBodyDescription& description,
+                                                       ElasticSolver solver, double rate_hz, int substeps,
+                                                       bool may_sleep);
+
+}  // namespace livegs

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/pose.h"
+#include "core/result.h"
+#include "geometry/mass_properties.h"
+#include "geometry/triangle_mesh.h"
+#include "physics/collider.h"
+#include "physics/elastic_body.h"
+#include "physics/material.h"
+#include "skin/driver_frame.h"
+#include "skin/rest_body.h"
+
+// Everything that moves, and the one substep loop that moves it. One thread owns a World; nothing in it locks.
+// step() uses several threads inside, and gives the same bits for any number of them.
+
+namespace livegs {
+
+struct WorldSettings {
+  Eigen::Vector3d gravity_m_s2{0, -9.81, 0};
+  double rate_hz = 90.0;  // ticks a second
+  int substeps = 4;       // a tick
+  ElasticSolver elastic_solver = ElasticSolver::Cells;
+  bool sleep = true;
+};
+
+struct RigidBodyDescription {
+  uint32_t object_id = 0;
+  TriangleMesh mesh;           // object frame; closed
+  MassProperties properties;   // of 1 kg, object frame
+  Material material;
+  Pose world_from_object;
+  Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();            // world frame, of the centre of mass
+  Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero();  // world frame
+};
+
+struct BallDescription {
+  uint32_t object_id = 0;
+  Eigen::Vector3d position_m;
+  Eigen::Vector3d velocity_m_s;
+  double radius_m = 0.03;
+  double mass_kg = 0.1;
+  double friction = 0.4;
+  double restitution = 0.6;
+};
+
+// One row of bodies.csv.
+struct BodyState {
+  uint32_t object_id = 0;
+  uint32_t body_index = 0;  // within the object: 0 until it breaks
+  Pose world_from_body;     // the body's origin is its centre of mass, axes parallel to the object's at rest
+  Eigen::Vector3d velocity_m_s, angular_velocity_rad_s;
+  double mass_kg = 0;
+  bool asleep = false;
+};
+
+enum class WorldEventKind { Contact, Sleep, Wake };
+struct WorldEvent {
+  uint64_t tick = 0;
+  WorldEventKind kind = WorldEventKind::Contact;
+  uint32_t object_id = 0;
+  double impulse_n_s = 0;  // Contact: summed over the tick, when above kReportedImpulse
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
+};
+
+struct RayHit {
+  uint32_t object_id = 0;
+  double distance_m = 0;
+  Eigen::Vector3d rest_point_m;  // object frame, at rest
+};
+
+// Wall times of the last step, milliseconds.
+struct StepTimes {
+  double rigid_ms = 0, elastic_ms = 0, total_ms = 0;
+};
+
+class World {
+ public:
+  explicit World(const WorldSettings& settings);
+  ~World();
+  World(World&&) noexcept;
+  World& operator=(World&&) noexcept;
+
+  const WorldSettings& settings() const;
+
+  // Ids are the caller's and unique; errors name the object's id and what is not physical.
+  void add_collider(const Collider& collider);
+  Result<void> add_static(uint32_t object_id, const Pose& world_from_object);
+  Result<void> add_rigid(const RigidBodyDescription& description);
+  Result<void> add_elastic(const ElasticBodyDescription& description);
+  Result<void> add_ball(const BallDescription& description);
+  void remove(uint32_t object_id);  // balls that have gone far; unknown ids are ignored
+
+  // One tick: 1 / rate_hz seconds.
+  void step();
+  uint64_t tick() const;
+
+  // A constant force (world frame) on a material point (rest object frame) from now until cleared. Ids are the
+  // caller's; setting one again replaces it. A force on an unknown object is ignored.
+  void set_force(uint64_t force_id, uint32_t object_id, const PointForce& force);
+  void clear_force(uint64_t force_id);
+  // A spring of constant stiffness from a material point to a world point, damped critically for the mass it feels,
+  // its force bounded by max_force_n. Evaluated every substep.
+  struct Spring {
+    Eigen::Vector3d rest_point_m, target_m;
+    double stiffness_n_m = 50.0, max_force_n = 50.0;
+  };
+  void set_spring(uint64_t spring_id, uint32_t object_id, const Spring& spring);
+  void clear_spring(uint64_t spring_id);
+  // The force a spring applied in the last substep, for the arrow a client draws; zero when there is none.
+  Eigen::Vector3d spring_force_n(uint64_t spring_id) const;
+
+  // What a ray from `origin_m` along the unit `direction` meets first within `max_distance_m`.
+  std::optional<RayHit> ray_cast(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
+                                 double max_distance_m) const;
+  // Where a material point is now; the rest point itself for an unknown object.
+  Eigen::Vector3d world_point(uint32_t object_id, const Eigen::Vector3d& rest_point_m) const;
+
+  Result<void> set_material(uint32_t object_id, const Material& material);  // the same behaviour only
+  const Material* material(uint32_t object_id) const;
+
+  // Without object_from_asset, which the scene fills in. Precondition: the object exists.
+  RestBody rest_body(uint32_t object_id) const;
+  DriverFrame drivers() const;  // objects in ascending id
+  std::vector<BodyState> bodies() const;
+  const ElasticBody* elastic_body(uint32_t object_id) const;  // nullptr if it is not elastic
+  BodyEnergy energy() const;
+  std::vector<WorldEvent> take_events();
+  StepTimes last_times() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+// Contacts weaker than this over a tick are not reported as events.
+inline constexpr double kReportedImpulse_n_s = 0.02;
+
+}  // namespace livegs
