@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "gaussian/gaussian_asset.h"
+#include "livegs/v1/scene.pb.h"
+#include "physics/world.h"
+#include "skin/rest_body.h"
+
+// From a scene file, or a folder of assets, to a world that can be stepped and objects that can be drawn. Used the
+// same way by the server and by the offline tools.
+
+namespace livegs {
+
+// One thing that is drawn. The environment is one too: it is `environment`, never moves and is never touched.
+struct SceneObject {
+  uint32_t id = 0;
+  std::string name;
+  bool environment = false;
+  std::shared_ptr<const GaussianAsset> asset;  // shared with the service that sends it
+  RestBody rest;
+  v1::PhysicalParameters physics;  // with the source of each value
+  double mass_kg = 0;
+  size_t particle_count = 0;       // 0 unless elastic
+  std::string surface_note;        // how its surface was repaired or replaced; empty when it was not
+};
+
+struct SceneOptions {
+  std::optional<double> rate_hz;  // override the scene's
+  std::optional<int> substeps;
+  ElasticSolver elastic_solver = ElasticSolver::Cells;
+  bool sleep = true;
+};
+
+// A scene that runs. One thread owns it. `objects` grows when a ball is shot and shrinks when one is taken away; ids
+// are never used twice.
+class Scene {
+ public:
+  // `path` is a *.scene.json or a folder of assets. Errors name the file, the field and the remedy.
+  static Result<Scene> load(const std::filesystem::path& path, const SceneOptions& options);
+  // The same from a parsed file; `folder` is what its paths are relative to.
+  static Result<Scene> build(const v1::Scene& file, const std::filesystem::path& folder, std::string name,
+                             const SceneOptions& options);
+
+  // Applies the file's events that are due, then steps the world by one tick.
+  void step();
+
+  World& world() { return *world_; }
+  const World& world() const { return *world_; }
+  const std::string& name() const { return name_; }
+  const v1::Scene& file() const { return file_; }
+  const std::deque<SceneObject>& objects() const { return objects_; }  // ascending id; addresses stay
+  const SceneObject* find(std::string_view name) const;
+  const SceneObject* find(uint32_t object_id) const;
+
+  // Shoots one of the scene's balls (all are alike). The oldest is taken away when there are more than kMaxBalls.
+  const SceneObject& shoot_ball(const Eigen::Vector3d& from_m, const Eigen::Vector3d& velocity_m_s);
+  static constexpr size_t kMaxBalls = 16;
+
+  // Ids of objects that came or went since the last call, for clients that are connected.
+  struct Changes {
+    std::vector<uint32_t> added, removed;
+  };
+  Changes take_changes();
+
+ private:
+  friend class SceneBuilder;
+  std::string name_;
+  v1::Scene file_;
+  std::unique_ptr<World> world_;
+  std::deque<SceneObject> objects_;
+  std::shared_ptr<const GaussianAsset> ball_asset_;
+  uint32_t next_id_ = 1;
+  size_t next_event_ = 0;
+  std::vector<std::pair<uint64_t, uint64_t>> running_forces_;  // end tick, force id
+  Changes changes_;
+};
+
+// A scene file, checked as far as that goes without its assets. Comments (//, /* */) are allowed.
+Result<v1::Scene> read_scene_file(const std::filesystem::path& path);
+// A scene of every asset in a folder, standing in rows on a floor, all AUTO.
+Result<v1::Scene> scene_of_folder(const std::filesystem::path& folder);
+
+}  // namespace livegs
