@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace livegs {
+
+inline constexpr float kSqrtHalf = 0.70710678118654752f;
+
+// A unit quaternion from all components but its largest, which is positive and makes up the unit length.
+// Components are in the order of the format; `others` are in ascending order.
+inline Eigen::Vector4f from_smallest_three(unsigned largest, const std::array<float, 3>& others) {
+  Eigen::Vector4f q;
+  float squares = 0;
+  for (unsigned i = 0, next = 0; i < 4; ++i) {
+    if (i == largest) continue;
+    q[i] = others[next++];
+    squares += q[i] * q[i];
+  }
+  q[largest] = std::sqrt(std::max(0.0f, 1.0f - squares));
+  return q;
+}
+
+}  // namespace livegs
