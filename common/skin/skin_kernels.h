@@ -17,7 +17,9 @@
 // Lattice (default): a kernel rides in its cell; position by the eight trilinear weights, the deformation gradient F
 // from the same lattice, covariance F Σ Fᵀ with singular values of F clamped. Node gradients are the volume-weighted
 // means of the cells around them and are interpolated like positions, so F has no seam at a cell face and an affine
-// motion is exact.
+// motion is exact. A kernel outside every cell stands at an offset from the nearest point of its cell: the first
+// cell width of the offset turns and stretches with F at that point, the rest with the mean F of the body, so that
+// haze moves with the body and a fluttering edge does not fling it. Its own F is the one at that point.
 // Particles: LIVE-GS (Mao et al.), section "Gaussian kernel deformation", eq. 3 to 6: the m = 4 nearest particles,
 // inverse-distance weights, translation plus recursive slerp; sizes never change.
 // Rigid: m = 1.
@@ -30,9 +32,26 @@ struct KernelBinding {
   std::array<float, 4> weights{};     // Lattice: [0..2] local coordinates, 0..1 inside the cell. Particles: sum to 1
 };
 
+// One term of the gradient of a lattice node: column `axis` += weight_per_m * (position of neighbour - of node).
+struct NodeGradientTerm {
+  uint32_t neighbour = 0;
+  uint32_t axis = 0;
+  float weight_per_m = 0.0f;
+};
+
+// Besides the ties, what skinning needs of the rest state, worked out once: recomputing covariances every frame
+// costs more than reading them (tests/bench/skin_bench.cpp, column kind).
 struct KernelBindings {
   DriverKind kind = DriverKind::Rigid;
   std::vector<KernelBinding> kernels;
+
+  // Each kernel at rest. Lattice: along the lattice's axes. Particles: in the object frame. Rigid: in its body's.
+  std::vector<Symmetric3f> rest_covariances_m2;
+  std::vector<Eigen::Vector3f> rest_positions_m;  // Particles and Rigid, the same frames; empty for Lattice
+
+  // Lattice: the terms of node n are node_terms[node_terms_begin[n]] up to node_terms_begin[n + 1].
+  std::vector<NodeGradientTerm> node_terms;
+  std::vector<uint32_t> node_terms_begin;
 };
 
 // How far F may stretch or shrink a kernel along any axis before it is clamped: keeps needles and vanishing kernels
@@ -41,7 +60,9 @@ inline constexpr float kMinKernelStretch = 0.25f;
 inline constexpr float kMaxKernelStretch = 4.0f;
 
 // Ties each kernel of `asset` to the drivers of `rest`. A kernel outside every lattice cell (haze, floaters) rides in
-// the nearest one. Fails if `rest` has no driver of its kind or an index out of range.
+// the nearest one. In a rigid object of several bodies a kernel rides in the body whose origin is nearest. Ties go to
+// the lower index. Fails if `rest` has no driver of its kind, an index out of range, a cell that is not a cube of its
+// nodes, or a value that is not finite.
 Result<KernelBindings> bind_kernels(const GaussianAsset& asset, const RestBody& rest);
 
 // Writes where the kernels are for `drivers`. Deterministic for any thread count.
