@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <deque>
 #include <filesystem>
@@ -21,6 +22,8 @@
 
 namespace livegs {
 
+struct ObjectFacts;  // analysis/estimate.h
+
 // One thing that is drawn. The environment is one too: it is `environment`, never moves and is never touched.
 struct SceneObject {
   uint32_t id = 0;
@@ -30,8 +33,9 @@ struct SceneObject {
   RestBody rest;
   v1::PhysicalParameters physics;  // with the source of each value
   double mass_kg = 0;
-  size_t particle_count = 0;       // 0 unless elastic
+  std::vector<Eigen::Vector3d> rest_particles_m;  // of an elastic body, object frame; empty otherwise
   std::string surface_note;        // how its surface was repaired or replaced; empty when it was not
+  std::shared_ptr<const ObjectFacts> facts;  // what the analysis looked at; empty for the environment and balls
 };
 
 struct SceneOptions {
@@ -61,6 +65,8 @@ class Scene {
   const std::deque<SceneObject>& objects() const { return objects_; }  // ascending id; addresses stay
   const SceneObject* find(std::string_view name) const;
   const SceneObject* find(uint32_t object_id) const;
+  // World bounds of all objects as they started, without the environment.
+  const Eigen::AlignedBox3d& bounds_m() const { return bounds_m_; }
 
   // Shoots one of the scene's balls (all are alike). The oldest is taken away when there are more than kMaxBalls.
   const SceneObject& shoot_ball(const Eigen::Vector3d& from_m, const Eigen::Vector3d& velocity_m_s);
@@ -73,15 +79,19 @@ class Scene {
   Changes take_changes();
 
  private:
-  friend class SceneBuilder;
+  void apply(const v1::Event& event, uint64_t event_id);
+  const SceneObject& add_drawn(SceneObject drawn, const Similarity& object_from_asset);
+
   std::string name_;
   v1::Scene file_;
   std::unique_ptr<World> world_;
   std::deque<SceneObject> objects_;
   std::shared_ptr<const GaussianAsset> ball_asset_;
   uint32_t next_id_ = 1;
+  Eigen::AlignedBox3d bounds_m_;
   size_t next_event_ = 0;
-  std::vector<std::pair<uint64_t, uint64_t>> running_forces_;  // end tick, force id
+  std::vector<std::pair<uint64_t, uint64_t>> running_forces_;  // end tick, force id; in the order they began
+  std::deque<uint32_t> balls_;                                  // oldest first
   Changes changes_;
 };
 

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <filesystem>
+#include <memory>
+
+#include "cli/commands.h"
+#include "gaussian/asset_file.h"
+#include "gaussian/asset_summary.h"
+#include "scene/scene.h"
+
+namespace livegs {
+namespace {
+
+int print_scene(const std::filesystem::path& path) {
+  auto scene = read_scene_file(path);
+  if (!scene) return report(scene.error());
+  std::printf("scene        %s\n", path.filename().c_str());
+  std::printf("rate         %g Hz, %d substeps\n", scene->has_rate_hz() ? scene->rate_hz() : 90.0,
+              scene->has_substeps() ? scene->substeps() : 4);
+  std::printf("environment  %s, %d colliders\n",
+              scene->environment().asset().empty() ? "no asset" : scene->environment().asset().c_str(),
+              scene->environment().colliders_size());
+  for (const v1::Object& object : scene->objects()) {
+    const char* form = object.form_case() == v1::Object::kShape ? "shape"
+                       : object.form_case() == v1::Object::kPoints ? object.points().c_str()
+                                                                   : object.asset().c_str();
+    std::printf("object       %s: %s, %s\n", object.name().empty() ? "(unnamed)" : object.name().c_str(), form,
+                v1::Physics::Behavior_Name(object.physics().behavior()).c_str());
+  }
+  std::printf("events       %d\n", scene->events_size());
+  return 0;
+}
+
+int print_asset(const std::filesystem::path& path) {
+  auto file = read_asset(path);
+  if (!file) return report(file.error());
+  const AssetSummary summary = summarise(file->asset);
+  std::printf("format       %s", format_name(file->format));
+  if (file->format_version > 0) std::printf(" v%d", file->format_version);
+  std::printf("\naxes         %s\n", file->y_up_in_file ? "y up in the file, turned to -y up here" : "-y up");
+  std::printf("kernels      %zu\n", summary.count);
+  std::printf("SH degree    %d%s\n", summary.sh_degree, file->asset.antialiased ? ", trained antialiased" : "");
+  const auto vector = [](const char* name, const Eigen::Vector3f& v) {
+    std::printf("%-12s %.5g %.5g %.5g\n", name, v.x(), v.y(), v.z());
+  };
+  vector("bounds min", summary.bounds_min);
+  vector("bounds max", summary.bounds_max);
+  vector("size", summary.bounds_max - summary.bounds_min);
+  std::printf("opacity      mean %.4f; 1 %% %.4f, 50 %% %.4f, 99 %% %.4f\n", summary.mean_opacity,
+              summary.opacity_percentiles[0], summary.opacity_percentiles[1], summary.opacity_percentiles[2]);
+  std::printf("scale        1 %% %.4g, 50 %% %.4g, 99 %% %.4g\n", summary.scale_percentiles[0],
+              summary.scale_percentiles[1], summary.scale_percentiles[2]);
+  for (const std::string& note : file->notes) std::printf("note         %s\n", note.c_str());
+  return 0;
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, int& exit_code) {
+  auto path = std::make_shared<std::filesystem::path>();
+  CLI::App* command = app.add_subcommand("info", "Print what a splat asset or a scene file holds, or what is wrong with it");
+  command->add_option("FILE", *path, "A splat file, an unpacked .sog folder, or a *.scene.json")->required();
+  command->callback([path, &exit_code] {
+    exit_code = path->extension() == ".json" && path->filename() != "meta.json" ? print_scene(*path) : print_asset(*path);
+  });
+}
+
+}  // namespace livegs

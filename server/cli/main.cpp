@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cstdio>
+
+#include "cli/commands.h"
+#include "core/log.h"
+#include "core/parallel_for.h"
+
+namespace livegs {
+
+int report(const Error& error) {
+  std::fprintf(stderr, "livegs: %s\n", error.message.c_str());
+  switch (error.code) {
+    case ErrorCode::InvalidArgument:
+    case ErrorCode::InvalidData:
+    case ErrorCode::NotFound:
+    case ErrorCode::Unsupported:
+    case ErrorCode::TooLarge: return 2;
+    default: return 1;
+  }
+}
+
+}  // namespace livegs
+
+int main(int argc, char** argv) {
+  CLI::App app("Gaussian splats that behave like what they show: the LiveGS rooms from the shell.", "livegs");
+  app.set_version_flag("--version", LIVEGS_VERSION);
+  app.require_subcommand(1);
+  int threads = 0;
+  bool quiet = false, verbose = false;
+  app.add_option("--threads", threads, "Threads to use; 0 means one a core. Results do not depend on it")
+      ->check(CLI::Range(0, 256));
+  app.add_flag("--quiet", quiet, "Say only what goes wrong");
+  app.add_flag("--verbose", verbose, "Say everything");
+  app.parse_complete_callback([&] {
+    livegs::set_thread_count(threads);
+    if (quiet) livegs::set_log_level(livegs::LogLevel::Warn);
+    if (verbose) livegs::set_log_level(livegs::LogLevel::Debug);
+  });
+  app.fallthrough();  // `livegs simulate … --threads 2` too
+
+  int exit_code = 0;
+  livegs::add_info(app, exit_code);
+  livegs::add_convert(app, exit_code);
+  livegs::add_sample(app, exit_code);
+  livegs::add_render(app, exit_code);
+  livegs::add_mesh(app, exit_code);
+  livegs::add_simulate(app, exit_code);
+  livegs::add_analyze(app, exit_code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  return exit_code;
+}

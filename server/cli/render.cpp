@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <filesystem>
+#include <memory>
+#include <numbers>
+
+#include "cli/camera_file.h"
+#include "cli/commands.h"
+#include "core/file.h"
+#include "scene/place_asset.h"
+#include "scene/scene_drawing.h"
+#include "splat/frame_bounds.h"
+#include "splat/rasterise.h"
+#include "wire/frame_codec.h"
+
+namespace livegs {
+namespace {
+
+struct RenderCommand {
+  std::filesystem::path input, output = "render.png", camera, frame;
+  std::string up;
+  int width = 640, height = 480;
+  double azimuth_deg = 0, elevation_deg = kDefaultElevation_rad * 180 / std::numbers::pi;
+  int turns = 1;
+  std::vector<double> background = {0.08, 0.08, 0.1};
+};
+
+Camera camera_at(const RenderCommand& options, const Eigen::AlignedBox3d& bounds, int turn) {
+  const double azimuth = options.azimuth_deg + 360.0 * turn / options.turns;
+  return frame_bounds(bounds, options.width, options.height, azimuth * std::numbers::pi / 180,
+                      options.elevation_deg * std::numbers::pi / 180);
+}
+
+std::filesystem::path numbered(const std::filesystem::path& output, int turn, int turns) {
+  if (turns == 1) return output;
+  char number[16];
+  std::snprintf(number, sizeof number, "_%03d", turn);
+  return output.parent_path() / (output.stem().string() + number + output.extension().string());
+}
+
+int draw(const RenderCommand& options, std::span<const DrawnObject> objects, const Eigen::AlignedBox3d& bounds) {
+  RasteriseOptions rasterise;
+  rasterise.background = Eigen::Vector3d(options.background[0], options.background[1], options.background[2]);
+  Rasteriser rasteriser;
+  RasterisedView view;
+  for (int turn = 0; turn < options.turns; ++turn) {
+    Camera camera = camera_at(options, bounds, turn);
+    if (!options.camera.empty()) {
+      auto read = read_camera_file(options.camera);
+      if (!read) return report(read.error());
+      camera = *read;
+    }
+    rasteriser.draw(objects, camera, rasterise, view);
+    const auto path = numbered(options.output, turn, options.turns);
+    if (auto written = write_png(path, view.image); !written) return report(written.error());
+    const Rasteriser::Times& times = rasteriser.last_times();
+    std::printf("%s: %zu kernels in view, %.1f ms\n", path.c_str(), times.visible_kernels,
+                times.project_ms + times.sort_ms + times.blend_ms);
+  }
+  return 0;
+}
+
+// An asset by itself, as a one-object still.
+int render_asset(const RenderCommand& options) {
+  auto placed = place_asset(options.input, "", 1.0, options.up, "render");
+  if (!placed) return report(placed.error());
+  RestBody rest;
+  rest.object_from_asset = placed->object_from_asset;
+  rest.bodies = {Pose{}};
+  auto bindings = bind_kernels(*placed->asset, rest);
+  if (!bindings) return report(bindings.error());
+  ObjectDrivers drivers;
+  drivers.poses = {Pose{}};
+  PosedKernels kernels;
+  skin_kernels(*placed->asset, rest, *bindings, drivers, kernels);
+  Eigen::AlignedBox3d bounds;
+  for (const Eigen::Vector3d& point : placed->body_points_m) bounds.extend(point);
+  const DrawnObject object{placed->asset.get(), &kernels, 0};
+  return draw(options, std::span(&object, 1), bounds);
+}
+
+int render_scene(const RenderCommand& options) {
+  auto scene = Scene::load(options.input, {});
+  if (!scene) return report(scene.error());
+  DriverFrame frame;
+  if (!options.frame.empty()) {
+    auto bytes = read_file(options.frame);
+    if (!bytes) return report(bytes.error());
+    auto decoded = decode_frame(*bytes);
+    if (!decoded) return report({decoded.error().code, options.frame.filename().string() + ": " + decoded.error().message});
+    frame = std::move(*decoded);
+  }
+  SceneDrawing drawing;
+  auto drawn = drawing.pose(*scene, options.frame.empty() ? nullptr : &frame);
+  if (!drawn) return report(drawn.error());
+  return draw(options, *drawn, scene->bounds_m());
+}
+
+int run(const RenderCommand& options) {
+  std::error_code ignored;
+  const bool unpacked_sog = std::filesystem::exists(options.input / "meta.json", ignored);
+  const bool scene = options.input.string().ends_with(".scene.json") ||
+                     (std::filesystem::is_directory(options.input, ignored) && !unpacked_sog);
+  if (!scene && !options.frame.empty()) return report(invalid_argument("--frame: needs a scene, not a single asset"));
+  return scene ? render_scene(options) : render_asset(options);
+}
+
+}  // namespace
+
+void add_render(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<RenderCommand>();
+  CLI::App* command = app.add_subcommand("render", "Draw an asset or a scene's start to PNG");
+  command->add_option("INPUT", options->input, "A splat asset, a *.scene.json or a folder of assets")->required();
+  command->add_option("--output,-o", options->output, "The PNG to write")->capture_default_str();
+  command->add_option("--camera", options->camera, "A camera file; all of it from in front when left out");
+  command->add_option("--frame", options->frame, "Pose the scene by this recorded driver frame");
+  command->add_option("--up", options->up, "An asset's up axis: x -x y -y z -z")->default_str("-y");
+  command->add_option("--width", options->width)->check(CLI::Range(1, 16384))->capture_default_str();
+  command->add_option("--height", options->height)->check(CLI::Range(1, 16384))->capture_default_str();
+  command->add_option("--azimuth", options->azimuth_deg, "Degrees around, to the right")->capture_default_str();
+  command->add_option("--elevation", options->elevation_deg, "Degrees up")->check(CLI::Range(-89.0, 89.0))->capture_default_str();
+  command->add_option("--turns", options->turns, "Pictures all around, numbered")->check(CLI::Range(1, 3600))->capture_default_str();
+  command->add_option("--background", options->background, "Red, green, blue, 0 to 1")->expected(3)->capture_default_str();
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace livegs

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <filesystem>
+#include <memory>
+
+#include "cli/commands.h"
+#include "core/file.h"
+#include "core/log.h"
+#include "gaussian/asset_file.h"
+#include "sample/sample_scene.h"
+
+namespace livegs {
+namespace {
+
+// Where each sample asset starts: a little above the floor or on nothing at all, so that the scene moves at once.
+constexpr const char* kSceneFile = R"({
+  "rate_hz": 90,
+  "substeps": 4,
+  "environment": {
+    "asset": "room.ply",
+    "colliders": [ { "plane": { "normal": [0, 1, 0] }, "friction": 0.6, "restitution": 0.2 } ]
+  },
+  "objects": [
+    { "name": "stool",  "asset": "stool.ply",  "scale": 1, "pose": { "position_m": [-0.55, 0.02, 0.10] } },
+    { "name": "plant",  "asset": "plant.ply",  "scale": 1, "pose": { "position_m": [ 0.60, 0.05, 0.05] } },
+    { "name": "pillow", "asset": "pillow.ply", "scale": 1, "pose": { "position_m": [ 0.02, 0.45, 0.30] } },
+    { "name": "hat",    "asset": "hat.ply",    "scale": 1, "pose": { "position_m": [-0.42, 0.35, 0.72] } },
+    { "name": "cup",    "asset": "cup.ply",    "scale": 1, "pose": { "position_m": [ 0.42, 0.25, 0.72] } },
+    { "name": "duck",   "asset": "duck.ply",   "scale": 1, "pose": { "position_m": [ 0.06, 0.40, 0.85] } }
+  ]
+}
+)";
+
+int write_sample(const std::filesystem::path& folder, uint64_t seed) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return report({ErrorCode::PermissionDenied, folder.string() + ": cannot be made: " + error.message()});
+  for (const SampleAsset& sample : make_sample_assets(seed)) {
+    const auto path = folder / (sample.name + ".ply");
+    if (auto written = write_asset(path, sample.asset); !written) return report(written.error());
+    std::printf("%-28s %6zu kernels, SH degree %d\n", path.c_str(), sample.asset.size(), sample.asset.sh_degree);
+  }
+  const auto scene = folder / "sample.scene.json";
+  if (auto written = write_file_atomically(scene, kSceneFile); !written) return report(written.error());
+  std::printf("%s\n", scene.c_str());
+  return 0;
+}
+
+}  // namespace
+
+void add_sample(CLI::App& app, int& exit_code) {
+  struct Options {
+    std::filesystem::path folder;
+    uint64_t seed = 1;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("sample", "Make a scene of our own: six objects and a room, in code");
+  command->add_option("DIR", options->folder, "Folder to write, made if it is not there")->required();
+  command->add_option("--seed", options->seed, "Another seed, other details")->capture_default_str();
+  command->callback([options, &exit_code] { exit_code = write_sample(options->folder, options->seed); });
+}
+
+}  // namespace livegs

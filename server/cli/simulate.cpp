@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cli/camera_file.h"
+#include "cli/commands.h"
+#include "cli/simulation_record.h"
+#include "core/clock.h"
+#include "core/file.h"
+#include "core/log.h"
+#include "core/parallel_for.h"
+#include "splat/frame_bounds.h"
+#include "splat/rasterise.h"
+
+namespace livegs {
+namespace {
+
+struct SimulateCommand {
+  std::filesystem::path scene, output, camera;
+  double seconds = 2.0;
+  double rate_hz = 0;
+  int substeps = 0;
+  std::string solver = "cells", skinning = "lattice";
+  bool particles = false, kernels = false, no_sleep = false, draw = false;
+  int every = 1;
+  uint64_t seed = 1;
+};
+
+double peak_memory_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+double percentile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  return values[static_cast<size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+}
+
+nlohmann::json object_summary(const Scene& scene, const SceneObject& object) {
+  nlohmann::json summary = {{"name", object.name},
+                            {"kernels", object.asset->size()},
+                            {"behavior", v1::Physics::Behavior_Name(object.physics.behavior())},
+                            {"material", object.physics.material()},
+                            {"mass_kg", object.mass_kg},
+                            {"surface", object.surface_note}};
+  if (const ElasticBody* elastic = scene.world().elastic_body(object.id)) {
+    const ElasticAccuracy accuracy = elastic->accuracy();
+    summary["particles"] = accuracy.particles;
+    summary["nodes"] = accuracy.nodes;
+    summary["cells"] = accuracy.cells;
+    summary["cell_width_m"] = accuracy.cell_width_m;
+    summary["substeps"] = accuracy.substeps;
+    summary["courant"] = accuracy.courant;
+    summary["youngs_modulus_pa"] = elastic->material().effective_youngs_modulus_pa();
+    summary["reached_youngs_modulus_pa"] = accuracy.reached_youngs_modulus_pa;
+    summary["clipped"] = accuracy.clipped;
+  }
+  return summary;
+}
+
+struct PhaseTimes {
+  double load_ms = 0, step_ms = 0, elastic_ms = 0, rigid_ms = 0, pose_ms = 0, draw_ms = 0, write_ms = 0;
+  std::vector<double> steps_ms;
+};
+
+nlohmann::json run_summary(const SimulateCommand& options, const Scene& scene, const PhaseTimes& times, uint64_t frames) {
+  const WorldSettings& settings = scene.world().settings();
+  nlohmann::json summary;
+  summary["version"] = LIVEGS_VERSION;
+  summary["scene"] = scene.name();
+  summary["settings"] = {{"rate_hz", settings.rate_hz},   {"substeps", settings.substeps},
+                         {"seconds", options.seconds},    {"elastic_solver", options.solver},
+                         {"skinning", options.skinning},  {"sleep", settings.sleep},
+                         {"threads", thread_count()},     {"seed", options.seed}};
+  size_t nodes = 0, particles = 0, kernels = 0, bodies = 0, clipped = 0;
+  double node_substeps = 0;
+  summary["objects"] = nlohmann::json::array();
+  summary["warnings"] = nlohmann::json::array();
+  for (const SceneObject& object : scene.objects()) {
+    kernels += object.asset->size();
+    if (object.environment) continue;
+    summary["objects"].push_back(object_summary(scene, object));
+    if (const ElasticBody* elastic = scene.world().elastic_body(object.id)) {
+      const ElasticAccuracy accuracy = elastic->accuracy();
+      nodes += accuracy.nodes;
+      particles += accuracy.particles;
+      node_substeps += static_cast<double>(accuracy.nodes) * accuracy.substeps * static_cast<double>(frames);
+      if (accuracy.clipped) {
+        ++clipped;
+        summary["warnings"].push_back(object.name + ": stiffness clipped to " +
+                                      std::to_string(accuracy.reached_youngs_modulus_pa) + " Pa");
+      }
+    } else {
+      ++bodies;
+    }
+    if (!object.surface_note.empty()) summary["warnings"].push_back(object.name + ": " + object.surface_note);
+  }
+  summary["counts"] = {{"frames", frames},       {"objects", scene.objects().size()}, {"kernels", kernels},
+                       {"rigid_bodies", bodies}, {"nodes", nodes},                    {"particles", particles}};
+  summary["times_ms"] = {{"load", times.load_ms},
+                         {"step", times.step_ms},
+                         {"elastic", times.elastic_ms},
+                         {"rigid", times.rigid_ms},
+                         {"pose", times.pose_ms},
+                         {"draw", times.draw_ms},
+                         {"write", times.write_ms},
+                         {"step_p50", percentile(times.steps_ms, 0.5)},
+                         {"step_p99", percentile(times.steps_ms, 0.99)}};
+  summary["ns_per_node_substep"] = node_substeps > 0 ? times.elastic_ms * 1e6 / node_substeps : 0.0;
+  summary["peak_memory_mb"] = peak_memory_mb();
+  return summary;
+}
+
+int run(const SimulateCommand& options) {
+  SceneOptions scene_options;
+  if (options.rate_hz > 0) scene_options.rate_hz = options.rate_hz;
+  if (options.substeps > 0) scene_options.substeps = options.substeps;
+  scene_options.elastic_solver = options.solver == "cells" ? ElasticSolver::Cells : ElasticSolver::LivegsV1;
+  scene_options.sleep = !options.no_sleep;
+
+  PhaseTimes times;
+  int64_t mark_ns = now_ns();
+  const auto lap = [&mark_ns] {
+    const int64_t before = mark_ns;
+    mark_ns = now_ns();
+    return milliseconds_from_ns(mark_ns - before);
+  };
+  auto scene = Scene::load(options.scene, scene_options);
+  if (!scene) return report(scene.error());
+  std::error_code error;
+  std::filesystem::create_directories(options.output, error);
+  if (error) return report({ErrorCode::PermissionDenied, options.output.string() + ": cannot be made: " + error.message()});
+  std::optional<Camera> camera;
+  if (!options.camera.empty()) {
+    auto read = read_camera_file(options.camera);
+    if (!read) return report(read.error());
+    camera = *read;
+  } else if (options.draw) {
+    camera = frame_bounds(scene->bounds_m(), 640, 480);
+  }
+  auto record = SimulationRecord::open(options.output, {options.particles, options.kernels});
+  if (!record) return report(record.error());
+  times.load_ms = lap();
+
+  SceneDrawing drawing(options.skinning == "lattice" ? Skinning::Lattice : Skinning::LivegsV1);
+  drawing.keep_deformation_gradients(options.kernels);
+  Rasteriser rasteriser;
+  RasterisedView view;
+  const double rate_hz = scene->world().settings().rate_hz;
+  const auto frames = static_cast<uint64_t>(std::llround(options.seconds * rate_hz));
+  int64_t told_ns = mark_ns;
+  for (uint64_t frame = 0; frame <= frames; ++frame) {
+    if (frame > 0) {
+      scene->step();
+      const StepTimes step = scene->world().last_times();
+      times.elastic_ms += step.elastic_ms;
+      times.rigid_ms += step.rigid_ms;
+      times.steps_ms.push_back(lap());
+      times.step_ms += times.steps_ms.back();
+    }
+    const bool drawn_now = camera && frame % static_cast<uint64_t>(options.every) == 0;
+    if (drawn_now || options.kernels) {
+      auto drawn = drawing.pose(*scene);
+      if (!drawn) return report(drawn.error());
+      times.pose_ms += lap();
+      if (drawn_now) {
+        rasteriser.draw(*drawn, *camera, {.background = {0.08, 0.08, 0.1}}, view);
+        char name[32];
+        std::snprintf(name, sizeof name, "frame_%04lu.png", frame);
+        if (auto written = write_png(options.output / name, view.image, false, 3); !written) return report(written.error());
+        times.draw_ms += lap();
+      }
+    }
+    record->write(*scene, drawing);
+    times.write_ms += lap();
+    if (mark_ns - told_ns > 2'000'000'000) {
+      told_ns = mark_ns;
+      log_info("%.0f %%: %.2f s of %.2f s simulated", 100.0 * static_cast<double>(frame) / static_cast<double>(frames),
+               static_cast<double>(frame) / rate_hz, options.seconds);
+    }
+  }
+  if (auto closed = record->close(); !closed) return report(closed.error());
+  const nlohmann::json summary = run_summary(options, *scene, times, frames);
+  if (auto written = write_file_atomically(options.output / "summary.json", summary.dump(2) + "\n"); !written) {
+    return report(written.error());
+  }
+  std::printf("%s: %lu frames at %g Hz, step p50 %.2f ms, p99 %.2f ms\n", options.output.c_str(), frames, rate_hz,
+              percentile(times.steps_ms, 0.5), percentile(times.steps_ms, 0.99));
+  return 0;
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<SimulateCommand>();
+  CLI::App* command = app.add_subcommand("simulate", "Simulate a scene without a network and write what moved");
+  command->add_option("SCENE", options->scene, "A *.scene.json or a folder of assets")->required();
+  command->add_option("--seconds", options->seconds, "How long")->check(CLI::Range(0.0, 86400.0))->capture_default_str();
+  command->add_option("--output,-o", options->output, "Folder for the CSV files, pictures and summary.json")->required();
+  command->add_option("--rate", options->rate_hz, "Ticks a second, instead of the scene's")->check(CLI::Range(1.0, 1000.0));
+  command->add_option("--substeps", options->substeps, "Substeps a tick, instead of the scene's")->check(CLI::Range(1, 1024));
+  command->add_option("--elastic-solver", options->solver, "cells, or the paper's baseline livegs-v1")
+      ->check(CLI::IsMember({"cells", "livegs-v1"}))->capture_default_str();
+  command->add_option("--skinning", options->skinning, "lattice, or the paper's baseline livegs-v1")
+      ->check(CLI::IsMember({"lattice", "livegs-v1"}))->capture_default_str();
+  command->add_flag("--particles", options->particles, "Write particles.csv");
+  command->add_flag("--kernels", options->kernels, "Write kernels.csv");
+  command->add_option("--render", options->camera, "Draw PNGs with this camera file");
+  command->add_flag("--pictures", options->draw, "Draw PNGs of everything from in front");
+  command->add_option("--every", options->every, "Draw every n-th frame")->check(CLI::Range(1, 100000))->capture_default_str();
+  command->add_option("--seed", options->seed, "Recorded in summary.json; nothing in this version draws random numbers")->capture_default_str();
+  command->add_flag("--no-sleep", options->no_sleep, "Keep simulating what has come to rest");
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace livegs

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <variant>
+
+#include "analysis/estimate.h"
+#include "core/result.h"
+#include "livegs/v1/scene.pb.h"
+#include "physics/world.h"
+#include "scene/scene.h"
+
+namespace livegs {
+
+struct StaticBodyDescription {
+  Pose world_from_object;
+  std::shared_ptr<const DistanceField> field;  // what others touch
+  double friction = 0.5, restitution = 0.2;
+};
+
+// One object of a scene, ready to be put into a world: what is drawn, what it is made of, and its body.
+struct BuiltObject {
+  SceneObject drawn;  // without id and rest
+  Similarity object_from_asset;
+  std::vector<Eigen::Vector3d> body_points_m;  // what takes up room, object frame
+  std::variant<StaticBodyDescription, RigidBodyDescription, ElasticBodyDescription> body;
+  double build_ms = 0;
+};
+
+// Asset, shape or points to surface, facts, parameters and body. Pure but for reading files: objects of a scene are
+// built in parallel. `index` picks a colour for what has none; `field` is what errors call the object.
+Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem::path& folder, int index,
+                                 const std::string& field);
+
+// Cells of a collision field along the longest side of what it covers.
+inline constexpr int kFieldCells = 64;
+std::shared_ptr<const DistanceField> collision_field(const TriangleMesh& mesh);
+
+}  // namespace livegs

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/log.h"
+#include "core/parallel_for.h"
+#include "geometry/shape_mesh.h"
+#include "scene/build_object.h"
+#include "scene/check_scene.h"
+#include "scene/scene_values.h"
+#include "scene/scenery.h"
+#include "scene/shape_asset.h"
+
+namespace livegs {
+namespace {
+
+// The one kind of ball that is shot: a rubber ball of 60 mm.
+constexpr double kBallRadius_m = 0.03;
+constexpr double kBallMass_kg = 0.1;
+const Eigen::Vector3f kBallRgb(0.85f, 0.25f, 0.2f);
+
+// Ids of forces of the file's events; hands and tools use ids without this bit.
+constexpr uint64_t kEventForceBit = uint64_t{1} << 63;
+
+Result<WorldSettings> world_settings(const v1::Scene& file, const SceneOptions& options) {
+  WorldSettings settings;
+  auto gravity = vector_value(file.gravity_m_s2(), settings.gravity_m_s2, "gravity_m_s2");
+  if (!gravity) return gravity.error();
+  settings.gravity_m_s2 = *gravity;
+  settings.rate_hz = options.rate_hz.value_or(file.has_rate_hz() ? file.rate_hz() : settings.rate_hz);
+  settings.substeps = options.substeps.value_or(file.has_substeps() ? file.substeps() : settings.substeps);
+  settings.elastic_solver = options.elastic_solver;
+  settings.sleep = options.sleep;
+  return settings;
+}
+
+// A folder with one scene file means that scene.
+std::optional<std::filesystem::path> only_scene_file(const std::filesystem::path& folder) {
+  std::optional<std::filesystem::path> found;
+  std::error_code error;
+  for (auto at = std::filesystem::directory_iterator(folder, error); !error && at != std::filesystem::directory_iterator();
+       at.increment(error)) {
+    if (!at->path().string().ends_with(".scene.json")) continue;
+    if (found) return std::nullopt;
+    found = at->path();
+  }
+  return found;
+}
+
+void log_built(const BuiltObject& built) {
+  const SceneObject& drawn = built.drawn;
+  const v1::PhysicalParameters& physics = drawn.physics;
+  log_info("%s: %zu kernels, %s of %s, %.3g kg, %.0f ms%s%s", drawn.name.c_str(), drawn.asset->size(),
+           v1::Physics::Behavior_Name(physics.behavior()).c_str(), physics.material().c_str(), drawn.mass_kg,
+           built.build_ms, drawn.surface_note.empty() ? "" : "; ", drawn.surface_note.c_str());
+}
+
+}  // namespace
+
+Result<Scene> Scene::load(const std::filesystem::path& path, const SceneOptions& options) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) {
+    if (const auto scene_file = only_scene_file(path)) return load(*scene_file, options);
+    auto file = scene_of_folder(path);
+    if (!file) return file.error();
+    return build(*file, path, std::filesystem::absolute(path).lexically_normal().filename().string(), options);
+  }
+  auto file = read_scene_file(path);
+  if (!file) return file.error();
+  auto scene = build(*file, path.parent_path(), path.filename().string(), options);
+  if (!scene) return Error{scene.error().code, path.filename().string() + ": " + scene.error().message};
+  return scene;
+}
+
+Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& folder, std::string name,
+                           const SceneOptions& options) {
+  if (auto checked = check_scene(file); !checked) return checked.error();
+  auto settings = world_settings(file, options);
+  if (!settings) return settings.error();
+  Scene scene;
+  scene.name_ = std::move(name);
+  scene.file_ = file;
+  std::stable_sort(scene.file_.mutable_events()->begin(), scene.file_.mutable_events()->end(),
+                   [](const v1::Event& a, const v1::Event& b) { return a.time_s() < b.time_s(); });
+  scene.world_ = std::make_unique<World>(*settings);
+
+  // Each object is built by itself, so several at a time; the results are put together in the file's order.
+  const auto count = static_cast<size_t>(file.objects_size());
+  std::vector<std::optional<Result<BuiltObject>>> built(count);
+  parallel_for(count, 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const int index = static_cast<int>(i);
+      built[i] = build_object(file.objects(index), folder, index, "objects[" + std::to_string(i) + "]");
+      if (*built[i]) log_built(**built[i]);
+    }
+  });
+  for (auto& object : built) {
+    if (!*object) return object->error();
+  }
+
+  scene.bounds_m_ = built_bounds(built);
+  auto scenery = make_scenery(file.environment(), folder, scene.bounds_m_);
+  if (!scenery) return scenery.error();
+  for (const Collider& collider : scenery->colliders) scene.world_->add_collider(collider);
+  if (scenery->asset) {
+    SceneObject drawn;
+    drawn.id = scene.next_id_++;
+    drawn.name = "environment";
+    drawn.environment = true;
+    drawn.asset = scenery->asset;
+    if (auto added = scene.world_->add_static(drawn.id, scenery->world_from_object); !added) return added.error();
+    scene.add_drawn(std::move(drawn), scenery->object_from_asset);
+  }
+  for (auto& object : built) {
+    BuiltObject& one = **object;
+    one.drawn.id = scene.next_id_++;
+    Result<void> added;
+    if (auto* fixed = std::get_if<StaticBodyDescription>(&one.body)) {
+      scene.world_->add_collider({FieldShape{fixed->field}, fixed->world_from_object, fixed->friction, fixed->restitution});
+      added = scene.world_->add_static(one.drawn.id, fixed->world_from_object);
+    } else if (auto* rigid = std::get_if<RigidBodyDescription>(&one.body)) {
+      rigid->object_id = one.drawn.id;
+      added = scene.world_->add_rigid(*rigid);
+    } else {
+      auto& elastic = std::get<ElasticBodyDescription>(one.body);
+      elastic.object_id = one.drawn.id;
+      added = scene.world_->add_elastic(elastic);
+    }
+    if (!added) return Error{added.error().code, one.drawn.name + ": " + added.error().message};
+    const Similarity object_from_asset = one.object_from_asset;
+    scene.add_drawn(std::move(one.drawn), object_from_asset);
+  }
+  scene.changes_ = {};
+  return scene;
+}
+
+const SceneObject& Scene::add_drawn(SceneObject drawn, const Similarity& object_from_asset) {
+  drawn.rest = world_->rest_body(drawn.id);
+  drawn.rest.object_from_asset = object_from_asset;
+  changes_.added.push_back(drawn.id);
+  objects_.push_back(std::move(drawn));
+  return objects_.back();
+}
+
+void Scene::step() {
+  const uint64_t tick = world_->tick();
+  std::erase_if(running_forces_, [&](const auto& running) {
+    if (running.first > tick) return false;
+    world_->clear_force(running.second);
+    return true;
+  });
+  const double rate_hz = world_->settings().rate_hz;
+  for (; next_event_ < static_cast<size_t>(file_.events_size()); ++next_event_) {
+    const v1::Event& event = file_.events(static_cast<int>(next_event_));
+    // An event acts from the first tick that starts at its time or later.
+    if (static_cast<double>(tick) < std::ceil(event.time_s() * rate_hz - 1e-6)) break;
+    apply(event, next_event_);
+  }
+  world_->step();
+}
+
+void Scene::apply(const v1::Event& event, uint64_t event_id) {
+  const auto vector = [](const Numbers& numbers) { return vector_value(numbers, Eigen::Vector3d::Zero(), "").value(); };
+  switch (event.action_case()) {
+    case v1::Event::kForce: {
+      const SceneObject* object = find(event.force().object());
+      const uint64_t force_id = kEventForceBit | event_id;
+      world_->set_force(force_id, object->id, {vector(event.force().point_m()), vector(event.force().force_n())});
+      const double ticks = std::max(1.0, std::round(event.force().duration_s() * world_->settings().rate_hz));
+      running_forces_.emplace_back(world_->tick() + static_cast<uint64_t>(ticks), force_id);
+      break;
+    }
+    case v1::Event::kBall: shoot_ball(vector(event.ball().from_m()), vector(event.ball().velocity_m_s())); break;
+    case v1::Event::kSetPhysics: {
+      const auto object = std::find_if(objects_.begin(), objects_.end(), [&](const SceneObject& one) {
+        return one.name == event.set_physics().object() && one.facts;
+      });
+      auto merged = merge_scene_physics(object->physics, event.set_physics().physics(), *object->facts);
+      if (!merged) {
+        log_warn("%s: set_physics at %.3f s: %s", object->name.c_str(), event.time_s(), merged.error().message.c_str());
+        break;
+      }
+      if (auto set = world_->set_material(object->id, to_material(*merged)); !set) {
+        log_warn("%s: set_physics at %.3f s: %s", object->name.c_str(), event.time_s(), set.error().message.c_str());
+        break;
+      }
+      object->physics = std::move(*merged);
+      object->mass_kg = object->physics.mass_kg().best();
+      break;
+    }
+    case v1::Event::ACTION_NOT_SET: break;
+  }
+}
+
+const SceneObject* Scene::find(std::string_view name) const {
+  const auto found = std::find_if(objects_.begin(), objects_.end(), [&](const auto& one) { return one.name == name; });
+  return found == objects_.end() ? nullptr : &*found;
+}
+
+const SceneObject* Scene::find(uint32_t object_id) const {
+  const auto found = std::lower_bound(objects_.begin(), objects_.end(), object_id,
+                                      [](const SceneObject& one, uint32_t id) { return one.id < id; });
+  return found == objects_.end() || found->id != object_id ? nullptr : &*found;
+}
+
+const SceneObject& Scene::shoot_ball(const Eigen::Vector3d& from_m, const Eigen::Vector3d& velocity_m_s) {
+  if (balls_.size() == kMaxBalls) {
+    const uint32_t oldest = balls_.front();
+    balls_.pop_front();
+    world_->remove(oldest);
+    std::erase_if(objects_, [&](const SceneObject& one) { return one.id == oldest; });
+    changes_.removed.push_back(oldest);
+  }
+  if (!ball_asset_) {
+    ball_asset_ = std::make_shared<GaussianAsset>(mesh_asset(sphere_mesh(kBallRadius_m, 3), kBallRgb, 1500));
+  }
+  SceneObject drawn;
+  drawn.id = next_id_++;
+  drawn.name = "ball " + std::to_string(drawn.id);
+  drawn.asset = ball_asset_;
+  drawn.mass_kg = kBallMass_kg;
+  drawn.physics.set_label("ball");
+  drawn.physics.set_material("rubber");
+  drawn.physics.set_behavior(v1::Physics::RIGID);
+  BallDescription ball;
+  ball.object_id = drawn.id;
+  ball.position_m = from_m;
+  ball.velocity_m_s = velocity_m_s;
+  ball.radius_m = kBallRadius_m;
+  ball.mass_kg = kBallMass_kg;
+  const auto added = world_->add_ball(ball);
+  if (!added) log_error("ball: %s", added.error().message.c_str());
+  balls_.push_back(drawn.id);
+  return add_drawn(std::move(drawn), Similarity{});
+}
+
+Scene::Changes Scene::take_changes() { return std::exchange(changes_, {}); }
+
+}  // namespace livegs
