@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sample/dart_board.h"
+
+#include <cmath>
+
+namespace livegs::sample {
+
+DartBoard::DartBoard(double largest_radius, size_t expected_darts) : cell_(largest_radius) {
+  size_t buckets = 1024;
+  while (buckets < 2 * expected_darts) buckets *= 2;
+  heads_.assign(buckets, -1);
+  darts_.reserve(expected_darts);
+}
+
+size_t DartBoard::bucket(int64_t x, int64_t y, int64_t z) const {
+  return static_cast<size_t>(static_cast<uint64_t>(x) * 73856093u ^ static_cast<uint64_t>(y) * 19349663u ^
+                             static_cast<uint64_t>(z) * 83492791u) &
+         (heads_.size() - 1);
+}
+
+bool DartBoard::take(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double radius) {
+  const Eigen::Vector3d cell = (point / cell_).array().floor();
+  const auto x = static_cast<int64_t>(cell.x()), y = static_cast<int64_t>(cell.y()), z = static_cast<int64_t>(cell.z());
+  for (int64_t dz = -1; dz <= 1; ++dz)
+    for (int64_t dy = -1; dy <= 1; ++dy)
+      for (int64_t dx = -1; dx <= 1; ++dx)
+        for (int32_t i = heads_[bucket(x + dx, y + dy, z + dz)]; i >= 0; i = darts_[i].next) {
+          const Dart& dart = darts_[i];
+          if ((dart.point - point).squaredNorm() < radius * radius && dart.normal.dot(normal) > 0.0) return false;
+        }
+  add(point, normal, radius);
+  return true;
+}
+
+bool DartBoard::fill(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double radius) {
+  // Kernels of standard deviation 0.75 radius and opacity 0.95; a hole is where more than 5 % passes.
+  constexpr double kSigma = 0.75, kOpacity = 0.95, kClosedDepth = 3.0;
+  const Eigen::Vector3d cell = (point / cell_).array().floor();
+  const auto x = static_cast<int64_t>(cell.x()), y = static_cast<int64_t>(cell.y()), z = static_cast<int64_t>(cell.z());
+  double depth = 0.0;
+  for (int64_t dz = -1; dz <= 1; ++dz)
+    for (int64_t dy = -1; dy <= 1; ++dy)
+      for (int64_t dx = -1; dx <= 1; ++dx)
+        for (int32_t i = heads_[bucket(x + dx, y + dy, z + dz)]; i >= 0; i = darts_[i].next) {
+          const Dart& dart = darts_[i];
+          if (dart.normal.dot(normal) <= 0.0) continue;
+          const double sigma = kSigma * dart.radius;
+          const double power = 0.5 * (dart.point - point).squaredNorm() / (sigma * sigma);
+          if (power < 6.0) depth -= std::log1p(-kOpacity * std::exp(-power));
+          if (depth > kClosedDepth) return false;
+        }
+  add(point, normal, radius);
+  return true;
+}
+
+void DartBoard::add(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double radius) {
+  const Eigen::Vector3d cell = (point / cell_).array().floor();
+  int32_t& head = heads_[bucket(static_cast<int64_t>(cell.x()), static_cast<int64_t>(cell.y()),
+                                static_cast<int64_t>(cell.z()))];
+  darts_.push_back({point, normal, radius, head});
+  head = static_cast<int32_t>(darts_.size()) - 1;
+}
+
+}  // namespace livegs::sample

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "sample/occlusion_grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace livegs::sample {
+
+OcclusionGrid::OcclusionGrid(const SurfaceSamples& samples, int cells) {
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(1e9), high = -low;
+  for (const SurfaceSample& s : samples) {
+    low = low.cwiseMin(s.position_m);
+    high = high.cwiseMax(s.position_m);
+  }
+  cell_m_ = (high - low).maxCoeff() / cells;
+  low_m_ = low - Eigen::Vector3d::Constant(2.5 * cell_m_);
+  const Eigen::Vector3d span = (high - low) / cell_m_;
+  nx_ = static_cast<int>(span.x()) + 6;
+  ny_ = static_cast<int>(span.y()) + 6;
+  nz_ = static_cast<int>(span.z()) + 6;
+  density_.assign(static_cast<size_t>(nx_) * ny_ * nz_, 0.0);
+  for (const SurfaceSample& s : samples) {
+    // A saturated sheet across a cell sums to optical depth 3, shared between the eight nearest cells.
+    const double depth = 3.0 * s.spacing_m * s.spacing_m * s.stretch / 0.65 / (cell_m_ * cell_m_);
+    const Eigen::Vector3d place = (s.position_m - low_m_) / cell_m_;
+    const Eigen::Vector3d base = (place - Eigen::Vector3d::Constant(0.5)).array().floor();
+    const Eigen::Vector3d w = place - Eigen::Vector3d::Constant(0.5) - base;
+    for (int corner = 0; corner < 8; ++corner) {
+      const int dx = corner & 1, dy = (corner >> 1) & 1, dz = corner >> 2;
+      cell(static_cast<int>(base.x()) + dx, static_cast<int>(base.y()) + dy, static_cast<int>(base.z()) + dz) +=
+          depth * (dx ? w.x() : 1 - w.x()) * (dy ? w.y() : 1 - w.y()) * (dz ? w.z() : 1 - w.z());
+    }
+  }
+}
+
+double OcclusionGrid::density_at(const Eigen::Vector3d& p) const {
+  const double fx = std::floor(p.x()), fy = std::floor(p.y()), fz = std::floor(p.z());
+  const int x = static_cast<int>(fx), y = static_cast<int>(fy), z = static_cast<int>(fz);
+  const double wx = p.x() - fx, wy = p.y() - fy, wz = p.z() - fz;
+  const double* c = &density_[(static_cast<size_t>(z) * ny_ + y) * nx_ + x];
+  const size_t row = static_cast<size_t>(nx_), slab = static_cast<size_t>(nx_) * ny_;
+  const auto line = [&](const double* q) { return q[0] + (q[1] - q[0]) * wx; };
+  const double bottom = line(c) + (line(c + row) - line(c)) * wy;
+  const double top = line(c + slab) + (line(c + slab + row) - line(c + slab)) * wy;
+  return bottom + (top - bottom) * wz;
+}
+
+double OcclusionGrid::transmittance(const Eigen::Vector3d& point_m, const Eigen::Vector3d& normal,
+                                    const Eigen::Vector3d& direction, double clearance) const {
+  Eigen::Vector3d p = (point_m - low_m_) / cell_m_ - Eigen::Vector3d::Constant(0.5) + clearance * normal;
+  double depth = 0.0, step = 0.9;
+  // Steps grow as the cone of light that a direction stands for widens.
+  for (p += 0.5 * direction; depth < 5.0; p += step * direction, step *= 1.08) {
+    if (p.x() < 0 || p.y() < 0 || p.z() < 0 || p.x() >= nx_ - 1 || p.y() >= ny_ - 1 || p.z() >= nz_ - 1) break;
+    depth += step * density_at(p);
+  }
+  return std::exp(-depth);
+}
+
+}  // namespace livegs::sample

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A cushion of undyed linen with indigo stripes and piping, lying on its back.
+#include <algorithm>
+#include <cmath>
+
+#include "sample/baked_light.h"
+#include "sample/colour.h"
+#include "sample/noise.h"
+#include "sample/sample_scene.h"
+#include "sample/shapes.h"
+
+namespace livegs {
+namespace {
+
+using namespace sample;
+using Eigen::Vector3d;
+
+constexpr int kTop = 0, kBottom = 1, kPiping = 2;
+constexpr double kHalf_m = 0.2215;
+constexpr double kHalfTurn = 1.5707963267948966;
+constexpr double kSquareness = 12.0;  // exponent of the superellipse that the seam follows
+
+class PillowShape {
+ public:
+  explicit PillowShape(uint64_t seed) : seed_(seed) {}
+
+  // a, b in -1..1: angles to the edges, so that the steep rim is evenly resolved.
+  Vector3d top(double a, double b) const {
+    const double s = std::sin(kHalfTurn * a), t = std::sin(kHalfTurn * b);
+    const double dome = std::cos(kHalfTurn * a) * std::cos(kHalfTurn * b);
+    const Vector3d flat = seam_plane(s, t);
+    const double height = 0.088 * std::pow(dome, 0.72) + wrinkles(s, t, dome, seed_);
+    return {flat.x(), seam_height(s, t) + height, flat.z()};
+  }
+
+  Vector3d bottom(double a, double b) const {
+    const double s = std::sin(kHalfTurn * a), t = std::sin(kHalfTurn * b);
+    const double dome = std::cos(kHalfTurn * a) * std::cos(kHalfTurn * b);
+    const Vector3d flat = seam_plane(s, t);
+    const double sag = 0.085 * std::pow(dome, 0.72) + wrinkles(s, t, dome, seed_ + 5);
+    // Its own weight presses it flat on the floor.
+    constexpr double kFlat_m = 0.052;
+    const double depth = sag - 0.5 * (sag - kFlat_m + std::sqrt((sag - kFlat_m) * (sag - kFlat_m) + 4e-5));
+    return {flat.x(), seam_height(s, t) - std::max(0.0, depth), flat.z()};
+  }
+
+  // u in 0..1 once around the seam.
+  Vector3d seam(double u) const {
+    const double angle = 4 * kHalfTurn * u, c = std::cos(angle), d = std::sin(angle);
+    const double scale = std::pow(std::pow(std::abs(c), kSquareness) + std::pow(std::abs(d), kSquareness),
+                                  -1 / kSquareness);
+    const double s = c * scale, t = d * scale;
+    Vector3d p(kHalf_m * s * (1 - pull(t)), 0, kHalf_m * t * (1 - pull(s)));
+    p += 0.002 * p.normalized();
+    const double reach = std::max(std::abs(s), std::abs(t));
+    p.y() = seam_height(s / reach, t / reach);
+    return p;
+  }
+
+ private:
+  // The filling pulls the middle of each edge in and leaves the corners standing out.
+  static double pull(double along) { return 0.055 * (1 - along * along); }
+
+  static Vector3d seam_plane(double s, double t) {
+    const double reach = std::max(std::abs(s), std::abs(t));
+    double round = 1.0;
+    if (reach > 1e-9)
+      round = reach / std::pow(std::pow(std::abs(s), kSquareness) + std::pow(std::abs(t), kSquareness),
+                               1 / kSquareness);
+    s *= round;
+    t *= round;
+    return {kHalf_m * s * (1 - pull(t) * std::abs(s)), 0, kHalf_m * t * (1 - pull(s) * std::abs(t))};
+  }
+
+  double seam_height(double s, double t) const {
+    return 0.004 * value_noise(Vector3d(1.1 * s, 1.1 * t, 3.0), seed_ + 17) - 0.006 * s * s * t * t;
+  }
+
+  // Gathers run in from the seam; longer folds from the corners; a soft dent where a head lay.
+  static double wrinkles(double s, double t, double dome, uint64_t seed) {
+    const double edge = std::exp(-dome / 0.22) * std::min(1.0, dome / 0.05);
+    const double toward_s = std::pow(std::abs(s), 6.0), toward_t = std::pow(std::abs(t), 6.0);
+    const double gathers = toward_s * value_noise(Vector3d(14 * t, 2.0 * s, s > 0 ? 1.5 : 8.5), seed + 1) +
+                           toward_t * value_noise(Vector3d(14 * s, 2.0 * t, t > 0 ? 3.5 : 6.5), seed + 2);
+    const double around = std::atan2(t, s), radius = std::hypot(s, t);
+    const double corner = std::pow(std::abs(std::sin(2 * around)), 3.0) * smooth_step(0.35, 0.9, radius);
+    const double folds = corner * value_noise(Vector3d(9 * std::cos(around), 9 * std::sin(around), 1.2 * radius), seed + 3);
+    const double soft = value_noise(Vector3d(2.3 * s, 2.3 * t, 0.5), seed + 4);
+    const double crease = -std::exp(-std::pow((t + 0.25 * s - 0.18 + 0.1 * soft) / 0.035, 2.0)) *
+                          smooth_step(0.75, 0.2, std::abs(s + 0.1));
+    return 0.0055 * edge * gathers + 0.007 * folds * std::min(1.0, dome / 0.2) +
+           std::min(1.0, dome / 0.3) * (0.004 * soft + 0.0028 * crease);
+  }
+
+  uint64_t seed_;
+};
+
+class Linen {
+ public:
+  explicit Linen(uint64_t seed) : seed_(seed) {}
+
+  Appearance operator()(const SurfaceSample& s) const {
+    const Vector3d& p = s.position_m;
+    Appearance a;
+    a.opacity = 0.95;
+    a.overlap = 0.80;
+    a.flatness = 0.16;
+    a.sheen = 0.10;
+    if (s.part == kPiping) {
+      // Cord under bias-cut cloth: a twill line runs round it.
+      const double twist = std::sin(420 * s.u * 6.283 + 2 * s.v);
+      a.albedo = linear_from_hex(0x3C4F78) * (1 + 0.14 * twist + 0.08 * fractal_noise(p / 0.004, 2, seed_));
+      return a;
+    }
+    // Every kernel is a piece of one thread, warp or weft; each thread has its own tone and swells (slubs).
+    a.across = lattice_random(static_cast<int64_t>(std::floor(p.x() / 0.0011)),
+                              static_cast<int64_t>(std::floor(p.z() / 0.0011)), s.part, seed_ + 2) < 0.5;
+    a.elongation = 2.2;
+    const double across_m = a.across ? p.x() : p.z(), along_m = a.across ? p.z() : p.x();
+    const auto thread = static_cast<int64_t>(std::floor(across_m / 0.0021));
+    const double tone = lattice_random(thread, a.across, s.part, seed_ + 7) - 0.5;
+    const double slub = value_noise(Vector3d(along_m / 0.022, static_cast<double>(thread) * 1.7, a.across), seed_ + 9);
+    const double shade = 1 + 0.16 * tone + 0.10 * std::max(0.0, slub) + 0.03 * fractal_noise(p / 0.05, 2, seed_ + 3);
+    Vector3d cloth = linear_from_hex(0xDDD2BC);
+    // Stripes are woven in, so the weft keeps a little of the ground.
+    const double x = p.x() + 0.0010 * value_noise(p / 0.01, seed_ + 13);
+    const double stripe = std::max({band(x, 0.085, 0.0155), band(x, 0.059, 0.0035), band(x, 0.111, 0.0035),
+                                    band(x, -0.085, 0.0155), band(x, -0.059, 0.0035), band(x, -0.111, 0.0035)});
+    cloth = blend(cloth, linear_from_hex(0x465A86), stripe * (a.across ? 0.96 : 0.78));
+    a.albedo = cloth * shade;
+    return a;
+  }
+
+ private:
+  static double band(double x, double centre_m, double half_m) {
+    return smooth_step(half_m + 0.0006, half_m - 0.0006, std::abs(x - centre_m));
+  }
+  uint64_t seed_;
+};
+
+}  // namespace
+
+GaussianAsset make_pillow(uint64_t seed) {
+  Random random(seed * 8 + 2);
+  const PillowShape shape(seed * 131 + 7);
+  SurfaceSamples samples;
+  ParametricSurface top;
+  top.u_min = top.v_min = -1;
+  top.cells_u = top.cells_v = 160;
+  top.spacing_m = 0.0025;
+  top.part = kTop;
+  ParametricSurface bottom = top;
+  // dP/du x dP/dv is up for (z, x) and down for (x, z).
+  top.position_m = [shape](double u, double v) { return shape.top(v, u); };
+  bottom.position_m = [shape](double u, double v) { return shape.bottom(u, v); };
+  bottom.part = kBottom;
+  bottom.spacing_m = 0.0033;
+  sample_surface(top, random, samples);
+  sample_surface(bottom, random, samples);
+  ParametricSurface piping = sweep([shape](double u) { return shape.seam(u); }, Vector3d::UnitY(),
+                                   [](double) { return Eigen::Vector2d(0.0042, 0.0042); }, 0.0019, kPiping);
+  piping.cells_u = 600;
+  sample_surface(piping, random, samples);
+  double floor_m = 0.0;
+  for (const SurfaceSample& s : samples) floor_m = std::min(floor_m, s.position_m.y());
+  for (SurfaceSample& s : samples) s.position_m.y() -= floor_m;
+
+  BakeOptions options;
+  options.sh_degree = 1;
+  options.contact_height_m = 0.03;
+  GaussianAsset asset = bake_kernels(samples, Linen(seed), options, random);
+  stand_at_origin(asset);
+  return asset;
+}
+
+}  // namespace livegs

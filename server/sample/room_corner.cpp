@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A corner of a room: oak parquet in herringbone, painted skirting, plaster walls with the light of a tall window on
+// them, a framed print. Flat things need few kernels, laid row by row; only edges and the print are fine.
+#include <algorithm>
+#include <cmath>
+
+#include "sample/baked_light.h"
+#include "sample/colour.h"
+#include "sample/noise.h"
+#include "sample/sample_scene.h"
+#include "sample/wood.h"
+
+namespace livegs {
+namespace {
+
+using namespace sample;
+using Eigen::Vector3d;
+
+constexpr int kBoard = 0, kSeam = 1, kWall = 2, kSkirting = 3, kFrame = 4, kPrint = 5, kMat = 6;
+constexpr double kHalf_m = 1.5, kWallHeight_m = 2.4;
+constexpr double kSkirtingHeight_m = 0.11, kSkirtingDepth_m = 0.016;
+constexpr double kBoardLength_m = 0.48, kBoardWidth_m = 0.08;
+
+// A flat rectangle of kernels, one row after another, jittered by a fifth of the spacing.
+void lay_rectangle(const Vector3d& corner_m, const Vector3d& along_m, const Vector3d& across_m, double spacing_m,
+                   double stretch, int part, Random& random, SurfaceSamples& samples) {
+  const Vector3d tangent = along_m.normalized(), normal = along_m.cross(across_m).normalized();
+  const int rows = std::max(1, static_cast<int>(std::lround(across_m.norm() / spacing_m)));
+  const int columns = std::max(1, static_cast<int>(std::lround(along_m.norm() / (spacing_m * stretch))));
+  const double pitch_m = across_m.norm() / rows;
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column) {
+      const double shift = row % 2 ? 0.25 : -0.25;
+      const double u = std::clamp((column + 0.5 + shift + 0.2 * random.uniform(-1, 1)) / columns, 0.0, 1.0);
+      const double v = (row + 0.5 + 0.15 * random.uniform(-1, 1)) / rows;
+      samples.push_back({corner_m + u * along_m + v * across_m, normal, tangent, u, v, pitch_m,
+                         along_m.norm() / columns / pitch_m, part});
+    }
+}
+
+class Decor {
+ public:
+  explicit Decor(uint64_t seed) : seed_(seed) {}
+
+  Appearance operator()(const SurfaceSample& s) const {
+    const Vector3d& p = s.position_m;
+    Appearance a;
+    a.overlap = 0.80;
+    a.flatness = 0.12;
+    switch (s.part) {
+      case kBoard: case kSeam: floor(s, a); break;
+      case kWall: wall(p, a); break;
+      case kSkirting:
+        a.albedo = linear_from_hex(0xEDEAE2) * (1 + 0.02 * fractal_noise(p / 0.2, 2, seed_));
+        a.gloss = 0.05;
+        a.gloss_width = 0.5;
+        break;
+      case kFrame:
+        a.albedo = wood_albedo(Vector3d(p.x() + p.y(), p.y() - p.x(), p.z() + 0.03),
+                               {linear_from_hex(0x6B4A30), linear_from_hex(0x432A19), 0.004}, seed_ + 3);
+        break;
+      case kMat: a.albedo = linear_from_hex(0xF3EFE4); break;
+      default: print(s, a); break;
+    }
+    a.albedo *= window_light(s);
+    return a;
+  }
+
+ private:
+  void floor(const SurfaceSample& s, Appearance& a) const {
+    const Vector3d& p = s.position_m;
+    a.gloss = 0.10;
+    a.gloss_width = 0.45;
+    if (s.part == kSeam) {
+      a.albedo = linear_from_hex(0x4A3018);
+      a.opacity = 0.72;
+      a.overlap = 1.0;
+      return;
+    }
+    // v holds the board's number: each has its own cut, tone and direction.
+    const auto board = static_cast<int64_t>(s.v);
+    const double tone = lattice_random(board, 1, 0, seed_ + 11) - 0.5, warm = lattice_random(board, 2, 0, seed_ + 11) - 0.5;
+    const Vector3d side = s.normal.cross(s.tangent);
+    const Vector3d grain(p.dot(s.tangent) + 3.1 * lattice_random(board, 3, 0, seed_),
+                         0.018 + 0.03 * lattice_random(board, 4, 0, seed_),
+                         p.dot(side) - std::floor(p.dot(side)) + 0.05 * lattice_random(board, 5, 0, seed_) - 0.5);
+    const WoodTone oak{linear_from_hex(0xC79B68), linear_from_hex(0xA57443), 0.011};
+    a.albedo = wood_albedo(grain, oak, seed_ + 13 + static_cast<uint64_t>(board % 7)) * (1 + 0.24 * tone);
+    a.albedo = a.albedo.cwiseProduct(Vector3d(1 + 0.05 * warm, 1, 1 - 0.08 * warm));
+  }
+
+  void wall(const Vector3d& p, Appearance& a) const {
+    a.albedo = linear_from_hex(0xD3CDBF) * (1 + 0.03 * fractal_noise(p / 0.35, 4, seed_ + 31) +
+                                            0.015 * value_noise(p / 0.05, seed_ + 33));
+    a.bump = 0.03 * Vector3d(value_noise(p / 0.12, seed_ + 34), value_noise(p / 0.12, seed_ + 35),
+                             value_noise(p / 0.12, seed_ + 36));
+  }
+
+  // A print in flat inks: sun and its reflection between hills.
+  void print(const SurfaceSample& s, Appearance& a) const {
+    const double x = s.u * 2 - 1, y = s.v * 2 - 1;
+    Vector3d ink = blend(linear_from_hex(0xF0D2A4), linear_from_hex(0xE9A071), smooth_step(0.9, -0.2, y));
+    const double sun = std::hypot((x - 0.15) * 0.72, y - 0.22);
+    ink = blend(linear_from_hex(0xD8432B), ink, smooth_step(0.27, 0.285, sun));
+    struct Hill { double base, height, pitch; uint32_t colour; };
+    for (const Hill& h : {Hill{0.06, 0.24, 1.3, 0x7FA09A}, Hill{-0.18, 0.26, 1.9, 0x4F7C7D},
+                          Hill{-0.46, 0.24, 2.6, 0x2B555E}, Hill{-0.72, 0.16, 2.2, 0x17343F}}) {
+      const double crest = h.base + h.height * value_noise(Vector3d(x * h.pitch + 10 * h.base, h.base * 31, 0.5), seed_ + 41);
+      ink = blend(ink, linear_from_hex(h.colour), smooth_step(crest + 0.012, crest - 0.012, y));
+    }
+    a.albedo = ink * (1 + 0.03 * value_noise(s.position_m / 0.006, seed_ + 43));
+    a.gloss = 0.04;
+    a.gloss_width = 0.4;
+  }
+
+  // The window is tall, four panes by two, out of sight on the right; its light falls on the left wall and the
+  // floor, softer the farther it travels. The rest of the room is half a stop down.
+  double window_light(const SurfaceSample& s) const {
+    const Vector3d light = key_direction();
+    const Vector3d q = s.position_m + 0.004 * s.normal;
+    const double travel_m = (2.6 - q.x()) / light.x();
+    const Vector3d at = q + light * travel_m;  // where the ray crosses the window's plane
+    const double blur_m = 0.012 + 0.016 * travel_m;
+    const auto opening = [&](double value, double low, double high) {
+      return smooth_step(low - blur_m, low + blur_m, value) * smooth_step(high + blur_m, high - blur_m, value);
+    };
+    double through = 0.0;
+    for (int column = 0; column < 2; ++column)
+      for (int row = 0; row < 4; ++row)
+        through += opening(at.z(), 1.05 + 0.72 * column, 1.05 + 0.72 * column + 0.64) *
+                   opening(at.y(), 3.05 + 0.68 * row, 3.05 + 0.68 * row + 0.61);
+    const double distance = std::hypot(q.x() - 1.5, q.z() - 1.5) / 4.2;
+    const double gradient = 0.92 - 0.26 * smooth_step(0.1, 1.0, distance) - 0.10 * smooth_step(1.0, 2.4, q.y());
+    return gradient + 0.24 * through;
+  }
+
+  uint64_t seed_;
+};
+
+// Herringbone: boards at right angles, each pair stepping by one width. Boards are clipped to the room.
+void lay_parquet(Random& random, SurfaceSamples& samples) {
+  const Eigen::Rotation2Dd turn(0.78539816339);
+  const double length = kBoardLength_m, width = kBoardWidth_m;
+  const int steps = static_cast<int>(length / width + 0.5);
+  int number = 0;
+  // Rows across one board, closer at its edges so that the seam stays crisp.
+  const double rows_m[] = {0.0022, 0.0085, 0.0170, 0.0270, 0.0400, 0.0530, 0.0630, 0.0715, 0.0778};
+  const double sizes_m[] = {0.0040, 0.0074, 0.0092, 0.0115, 0.0130, 0.0115, 0.0092, 0.0074, 0.0040};
+  const auto inside = [](const Eigen::Vector2d& p, double margin) {
+    return std::abs(p.x()) <= kHalf_m + margin && std::abs(p.y()) <= kHalf_m + margin;
+  };
+  const auto lay = [&](const Eigen::Vector2d& low, bool along_first) {
+    const Eigen::Vector2d along = along_first ? Eigen::Vector2d(1, 0) : Eigen::Vector2d(0, 1);
+    const Eigen::Vector2d across = along_first ? Eigen::Vector2d(0, 1) : Eigen::Vector2d(1, 0);
+    const Eigen::Vector2d middle = turn * (low + 0.5 * length * along + 0.5 * width * across);
+    if (!inside(middle, 0.36)) return;
+    ++number;
+    const auto put = [&](double l_m, double w_m, double spacing_m, double stretch, int part, bool lengthwise, double y_m) {
+      const Eigen::Vector2d flat = turn * (low + l_m * along + w_m * across);
+      if (!inside(flat, -0.002)) return;
+      const Eigen::Vector2d direction = turn * (lengthwise ? along : across);
+      samples.push_back({{flat.x(), y_m, flat.y()}, Vector3d::UnitY(), {direction.x(), 0, direction.y()}, 0.0,
+                         static_cast<double>(number), spacing_m, stretch, part});
+    };
+    for (size_t row = 0; row < std::size(rows_m); ++row) {
+      constexpr int kColumns = 17;
+      for (int column = 0; column < kColumns; ++column) {
+        const double pitch_m = (length - 0.006) / kColumns;
+        double l_m = 0.003 + pitch_m * (column + 0.5 + 0.3 * random.uniform(-1, 1));
+        l_m = std::clamp(l_m, 0.011, length - 0.011);
+        const double stretch = std::min(pitch_m, 0.028) / sizes_m[row] * 0.62;
+        put(l_m, rows_m[row] + 0.001 * random.uniform(-1, 1), sizes_m[row], std::max(1.0, stretch), kBoard, true, 0.0);
+      }
+    }
+    for (int i = 0; i < 24; ++i) put((i + 0.5) * length / 24, 0.0, 0.00075, 17.0, kSeam, true, 0.0004);
+    for (int i = 0; i < 4; ++i) put(0.0, (i + 0.5) * width / 4, 0.00075, 17.0, kSeam, false, 0.0004);
+  };
+  // In the lattice of the pattern: boards along the first axis at (i w, i w + 2 L j), then the one that meets it.
+  for (int j = -8; j <= 8; ++j)
+    for (int i = -60; i <= 60; ++i) {
+      const Eigen::Vector2d step(i * width + j * length, i * width - j * length);
+      lay(step, true);
+      lay(step + Eigen::Vector2d(length, width - length + 0.0), false);
+    }
+  (void)steps;
+}
+
+void lay_skirting(Random& random, SurfaceSamples& samples) {
+  const double h = kSkirtingHeight_m, d = kSkirtingDepth_m;
+  const double bevel = 0.008;
+  // Back wall's board faces +z, the left wall's +x; each has a face, a bevel and a top.
+  lay_rectangle({-kHalf_m + d, 0, -kHalf_m + d}, {2 * kHalf_m - d, 0, 0}, {0, h - bevel, 0}, 0.012, 2.0, kSkirting, random, samples);
+  lay_rectangle({-kHalf_m + d, h - bevel, -kHalf_m + d}, {2 * kHalf_m - d, 0, 0}, {0, bevel, -bevel}, 0.0045, 5.0, kSkirting, random, samples);
+  lay_rectangle({-kHalf_m + d, h, -kHalf_m + d - bevel}, {2 * kHalf_m - d, 0, 0}, {0, 0, bevel - d}, 0.0045, 5.0, kSkirting, random, samples);
+  lay_rectangle({-kHalf_m + d, 0, kHalf_m}, {0, 0, d - 2 * kHalf_m}, {0, h - bevel, 0}, 0.012, 2.0, kSkirting, random, samples);
+  lay_rectangle({-kHalf_m + d, h - bevel, kHalf_m}, {0, 0, d - 2 * kHalf_m}, {-bevel, bevel, 0}, 0.0045, 5.0, kSkirting, random, samples);
+  lay_rectangle({-kHalf_m + d - bevel, h, kHalf_m}, {0, 0, d - 2 * kHalf_m}, {bevel - d, 0, 0}, 0.0045, 5.0, kSkirting, random, samples);
+}
+
+void lay_picture(Random& random, SurfaceSamples& samples) {
+  const double width = 0.62, height = 0.82, border = 0.022, mat = 0.075, depth = 0.020;
+  const Vector3d low(-0.42, 1.10, -kHalf_m);
+  const Vector3d x = Vector3d::UnitX(), y = Vector3d::UnitY(), z = Vector3d::UnitZ();
+  const auto face = [&](double x0, double y0, double x1, double y1, double out, double spacing, int part) {
+    lay_rectangle(low + x0 * x + y0 * y + out * z, (x1 - x0) * x, (y1 - y0) * y, spacing, 1.0, part, random, samples);
+  };
+  const auto upright = [&](double x0, double y0, double x1, double y1, double out, double spacing, int part) {
+    lay_rectangle(low + x1 * x + y0 * y + out * z, (y1 - y0) * y, (x0 - x1) * x, spacing, 1.0, part, random, samples);
+  };
+  face(0, 0, width, border, depth, 0.0044, kFrame);
+  face(0, height - border, width, height, depth, 0.0044, kFrame);
+  upright(0, border, border, height - border, depth, 0.0044, kFrame);
+  upright(width - border, border, width, height - border, depth, 0.0044, kFrame);
+  // Outer sides of the frame.
+  lay_rectangle(low, width * x, depth * z, 0.005, 2.0, kFrame, random, samples);
+  lay_rectangle(low + height * y + depth * z, width * x, -depth * z, 0.005, 2.0, kFrame, random, samples);
+  lay_rectangle(low + depth * z, height * y, -depth * z, 0.005, 2.0, kFrame, random, samples);
+  lay_rectangle(low + width * x, height * y, depth * z, 0.005, 2.0, kFrame, random, samples);
+  const double a = border, b = border + mat;
+  face(a, a, width - a, b, 0.010, 0.008, kMat);
+  face(a, height - b, width - a, height - a, 0.010, 0.008, kMat);
+  face(a, b, b, height - b, 0.010, 0.008, kMat);
+  face(width - b, b, width - a, height - b, 0.010, 0.008, kMat);
+  face(b, b, width - b, height - b, 0.0095, 0.0058, kPrint);
+}
+
+}  // namespace
+
+GaussianAsset make_room_corner(uint64_t seed) {
+  Random random(seed * 8 + 7);
+  SurfaceSamples samples;
+  lay_parquet(random, samples);
+  const double h = kWallHeight_m - kSkirtingHeight_m;
+  lay_rectangle({-kHalf_m, kSkirtingHeight_m, -kHalf_m}, {2 * kHalf_m, 0, 0}, {0, h, 0}, 0.030, 1.0, kWall, random, samples);
+  lay_rectangle({-kHalf_m, kSkirtingHeight_m, kHalf_m}, {0, 0, -2 * kHalf_m}, {0, h, 0}, 0.030, 1.0, kWall, random, samples);
+  lay_skirting(random, samples);
+  lay_picture(random, samples);
+  BakeOptions options;
+  options.sh_degree = 1;
+  options.contact_height_m = 0.05;
+  options.exposure = 0.95;
+  return bake_kernels(samples, Decor(seed * 613), options, random);
+}
+
+}  // namespace livegs
