@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// livegs-server: simulates a scene and streams it. Exit codes: 0 done, 1 could not do it, 2 bad usage or input.
+#include <signal.h>
+#include <time.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <optional>
+#include <string>
+
+#include "core/clock.h"
+#include "core/log.h"
+#include "core/parallel_for.h"
+#include "scene/scene.h"
+#include "session/live_server.h"
+#include "session/run_summary.h"
+#include "session/simulation_loop.h"
+
+namespace {
+
+struct Options {
+  std::string scene;
+  std::string listen = "127.0.0.1:9780";
+  std::optional<double> rate_hz;
+  std::optional<int> substeps;
+  int threads = 0;
+  double seconds = 0;
+  bool print_port = false;
+  bool verbose = false;
+};
+
+int report(const livegs::Error& error) {
+  std::fprintf(stderr, "livegs-server: %s\n", error.message.c_str());
+  return error.code == livegs::ErrorCode::Unavailable || error.code == livegs::ErrorCode::Internal ? 1 : 2;
+}
+
+// The signals that end the server, kept from every thread that is started afterwards.
+sigset_t block_ending_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  signal(SIGPIPE, SIG_IGN);
+  return signals;
+}
+
+// Waits for one of them, for so long or, with 0, for ever. Says why it came back.
+std::string wait_for_end(const sigset_t& signals, double seconds) {
+  if (seconds <= 0) {
+    int signal_number = 0;
+    sigwait(&signals, &signal_number);
+    return std::string("the server was stopped (") + strsignal(signal_number) + ")";
+  }
+  const int64_t end_ns = livegs::now_ns() + static_cast<int64_t>(seconds * 1e9);
+  for (;;) {
+    const int64_t left_ns = end_ns - livegs::now_ns();
+    if (left_ns <= 0) return "the server has run for its time";
+    const timespec left{left_ns / 1'000'000'000, left_ns % 1'000'000'000};
+    if (const int signal_number = sigtimedwait(&signals, nullptr, &left); signal_number > 0) {
+      return std::string("the server was stopped (") + strsignal(signal_number) + ")";
+    }
+  }
+}
+
+int run(const Options& options) {
+  using namespace livegs;
+  const sigset_t signals = block_ending_signals();
+  set_log_level(options.verbose ? LogLevel::Debug : LogLevel::Info);
+  set_thread_count(options.threads);
+
+  // The port first: it is refused at once, and clients that come early are told to wait.
+  auto server = LiveServer::listen(options.listen);
+  if (!server) return report(server.error());
+
+  const int64_t begun_ns = now_ns();
+  SceneOptions scene_options;
+  scene_options.rate_hz = options.rate_hz;
+  scene_options.substeps = options.substeps;
+  auto scene = Scene::load(options.scene, scene_options);
+  if (!scene) return report(scene.error());
+  log_info("scene %s: %zu objects, built in %.1f s", scene->name().c_str(), scene->objects().size(),
+           seconds_from_ns(now_ns() - begun_ns));
+
+  SimulationLoop loop(std::move(*scene), (*server)->ticks());
+  (*server)->open(loop.scene(), loop);
+  loop.start();
+  log_info("ready: livegs-client 127.0.0.1:%d", (*server)->port());
+  if (options.print_port) {
+    std::printf("%d\n", (*server)->port());
+    std::fflush(stdout);
+  }
+
+  const std::string reason = wait_for_end(signals, options.seconds);
+  log_info("%s", reason.c_str());
+  (*server)->shut_down(reason);
+  loop.stop();
+  std::fputs(run_summary(loop.scene(), loop.summary(), (*server)->published(), (*server)->sessions()).c_str(), stdout);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app("Simulates a scene of Gaussian splats and streams it to livegs-client", "livegs-server");
+  app.add_option("SCENE", options.scene, "A *.scene.json file, or a folder of assets")->required();
+  app.add_option("--listen", options.listen, "HOST:PORT; port 0 lets the system choose. This machine only, for now")
+      ->capture_default_str();
+  app.add_option("--rate", options.rate_hz, "Ticks a second, instead of the scene's")->check(CLI::Range(1.0, 1000.0));
+  app.add_option("--substeps", options.substeps, "Substeps a tick, instead of the scene's")->check(CLI::Range(1, 1024));
+  app.add_option("--threads", options.threads, "Threads that simulate; 0: one a core")->check(CLI::Range(0, 1024));
+  app.add_option("--seconds", options.seconds, "Stop after so long; 0: when it is told to")->check(CLI::NonNegativeNumber);
+  app.add_flag("--print-port", options.print_port, "Print the port on standard output once clients may join");
+  app.add_flag("--verbose", options.verbose, "Log what the simulation does every second");
+  app.set_version_flag("--version", LIVEGS_VERSION);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  return run(options);
+}

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/asset_store.h"
+
+#include "core/content_hash.h"
+#include "gaussian/asset_file.h"
+
+namespace livegs {
+
+std::shared_ptr<const AssetBytes> AssetStore::add(const std::shared_ptr<const GaussianAsset>& asset) {
+  {
+    std::lock_guard lock(mutex_);
+    if (const auto found = by_asset_.find(asset); found != by_asset_.end()) return found->second;
+  }
+  auto encoded = std::make_shared<AssetBytes>();
+  encoded->bytes = encode_ply(*asset);
+  encoded->hash = content_hash(encoded->bytes);
+  std::lock_guard lock(mutex_);
+  const auto kept = by_hash_.try_emplace(encoded->hash, encoded).first->second;  // equal content is kept once
+  by_asset_.emplace(asset, kept);
+  return kept;
+}
+
+std::shared_ptr<const AssetBytes> AssetStore::find(std::string_view hash) const {
+  std::lock_guard lock(mutex_);
+  const auto found = by_hash_.find(hash);
+  return found == by_hash_.end() ? nullptr : found->second;
+}
+
+}  // namespace livegs

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/frame_publisher.h"
+
+#include <pthread.h>
+
+#include <chrono>
+
+#include "core/clock.h"
+#include "session/describe_object.h"
+#include "session/frame_tail.h"
+#include "wire/frame_codec.h"
+
+namespace livegs {
+namespace {
+
+// How often silent sessions are looked for when no tick comes.
+constexpr std::chrono::milliseconds kSweepInterval{100};
+
+}  // namespace
+
+FramePublisher::FramePublisher(SessionTable& table, AssetStore& assets) : table_(table), assets_(assets) {
+  thread_ = std::thread([this] {
+    pthread_setname_np(pthread_self(), "publisher");
+    run();
+  });
+}
+
+FramePublisher::~FramePublisher() {
+  {
+    std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  changed_.notify_one();
+  thread_.join();
+}
+
+void FramePublisher::publish(SteppedTick tick) {
+  {
+    std::lock_guard lock(mutex_);
+    if (waiting_) {
+      // Ids are never used twice, so all that came before all that went is the order of any number of ticks.
+      ++skipped_;
+      tick.added.insert(tick.added.begin(), waiting_->added.begin(), waiting_->added.end());
+      tick.removed.insert(tick.removed.begin(), waiting_->removed.begin(), waiting_->removed.end());
+    }
+    waiting_ = std::move(tick);
+  }
+  changed_.notify_one();
+}
+
+void FramePublisher::run() {
+  for (;;) {
+    std::optional<SteppedTick> tick;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait_for(lock, kSweepInterval, [&] { return stopping_ || waiting_; });
+      if (stopping_) return;
+      tick = std::move(waiting_);
+      waiting_.reset();
+    }
+    if (tick) deliver(*tick);
+    table_.sweep(now_ns());
+  }
+}
+
+void FramePublisher::deliver(const SteppedTick& tick) {
+  const int64_t begun_ns = now_ns();
+  const std::vector<std::byte> frame = encode_frame(tick.drivers);
+  const double encode_ms = milliseconds_from_ns(now_ns() - begun_ns);
+
+  std::vector<SessionTable::Object> added;
+  for (const SceneObject& object : tick.added) {
+    added.push_back(
+        std::make_shared<const v1::ObjectDescription>(describe_object(object, *assets_.add(object.asset))));
+  }
+  auto encoded = std::make_shared<EncodedTick>();
+  encoded->tick = tick.drivers.tick;
+  encoded->stepped_ns = tick.stepped_ns;
+  encoded->step_ms = tick.step_ms;
+  encoded->frame_bytes = frame.size();
+  encoded->tail = std::make_shared<const FrameTail>(make_frame_tail(frame));
+  encoded->hands = tick.hands;
+  {
+    std::lock_guard lock(mutex_);
+    frame_bytes_.add(static_cast<double>(frame.size()));
+    encode_ms_.add(encode_ms);
+  }
+  table_.deliver(std::move(encoded), added, tick.removed);
+}
+
+PublisherSummary FramePublisher::summary() const {
+  std::lock_guard lock(mutex_);
+  PublisherSummary summary;
+  summary.frames = frame_bytes_.count();
+  summary.skipped = skipped_;
+  summary.frame_bytes_p50 = frame_bytes_.percentile(0.50);
+  summary.frame_bytes_p99 = frame_bytes_.percentile(0.99);
+  summary.encode_ms_p50 = encode_ms_.percentile(0.50);
+  summary.encode_ms_p99 = encode_ms_.percentile(0.99);
+  return summary;
+}
+
+}  // namespace livegs

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "session/asset_store.h"
+#include "session/duration_histogram.h"
+#include "session/session_table.h"
+
+namespace livegs {
+
+struct PublisherSummary {
+  uint64_t frames = 0;
+  uint64_t skipped = 0;  // ticks whose frame was replaced before it was encoded; their events were kept
+  double frame_bytes_p50 = 0, frame_bytes_p99 = 0;
+  double encode_ms_p50 = 0, encode_ms_p99 = 0;
+};
+
+// Between the simulation and the sessions, on a thread of its own: encodes each tick once and hands it to every
+// session, so that neither encoding nor a hundred socket writes lengthen a tick. When it falls behind, the newest
+// tick wins. It also sweeps out sessions that went silent.
+class FramePublisher final : public TickSink {
+ public:
+  FramePublisher(SessionTable& table, AssetStore& assets);
+  ~FramePublisher() override;
+
+  void publish(SteppedTick tick) override;
+  PublisherSummary summary() const;
+
+ private:
+  void run();
+  void deliver(const SteppedTick& tick);
+
+  SessionTable& table_;
+  AssetStore& assets_;
+
+  mutable std::mutex mutex_;  // guards everything below but the thread
+  std::condition_variable changed_;
+  std::optional<SteppedTick> waiting_;
+  bool stopping_ = false;
+  uint64_t skipped_ = 0;
+  DurationHistogram frame_bytes_;
+  DurationHistogram encode_ms_;
+
+  std::thread thread_;
+};
+
+}  // namespace livegs

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/hand_controls.h"
+
+#include <algorithm>
+#include <numbers>
+
+namespace livegs {
+namespace {
+
+uint64_t spring_id(SessionNumber session, size_t hand) { return 2 * session + hand; }
+
+Eigen::Vector3d ray_direction(const Pose& aim) { return aim.orientation * -Eigen::Vector3d::UnitZ(); }
+
+}  // namespace
+
+void HandControls::apply(Scene& scene, SessionNumber session, const InputSample& sample, double now_s) {
+  Hands& hands = sessions_[session];
+  for (size_t i = 0; i < hands.size(); ++i) {
+    Hand& hand = hands[i];
+    const HandSample& input = sample.hands[i];
+    if (!input.active) {  // a hand that is lost from view holds nothing
+      let_go(scene, spring_id(session, i), hand);
+      hand.triggered = hand.shooting = false;
+      continue;
+    }
+    apply_ray(scene, spring_id(session, i), hand, input);
+    if (input.shoot && !hand.shooting && now_s - hand.last_shot_s >= kLeastShotInterval_s) {
+      scene.shoot_ball(input.aim.position_m, kBallSpeed_m_s * ray_direction(input.aim));
+      hand.last_shot_s = now_s;
+      ++shots_;
+    }
+    hand.shooting = input.shoot;
+  }
+}
+
+void HandControls::apply_ray(Scene& scene, uint64_t spring, Hand& hand, const HandSample& input) {
+  const bool pressed = input.trigger > (hand.triggered ? kTriggerEased : kTriggerPressed);
+  World& world = scene.world();
+  if (pressed && !hand.triggered) {  // cast once: a ray that is swept over things does not pick them up
+    if (const auto hit = world.ray_cast(input.aim.position_m, ray_direction(input.aim), kRayReach_m)) {
+      hand.holding = true;
+      hand.object_id = hit->object_id;
+      hand.rest_point_m = hit->rest_point_m;
+      hand.distance_m = hit->distance_m;
+    }
+  }
+  hand.triggered = pressed;
+  if (!pressed) let_go(scene, spring, hand);
+  if (!hand.holding) return;
+
+  const SceneObject* object = scene.find(hand.object_id);
+  if (object == nullptr || object->mass_kg <= 0) return;  // what never moves is not pulled
+  const double angular_frequency = 2 * std::numbers::pi * kSpringFrequency_hz;
+  World::Spring pull;
+  pull.rest_point_m = hand.rest_point_m;
+  pull.target_m = input.aim.position_m + hand.distance_m * ray_direction(input.aim);
+  pull.stiffness_n_m = object->mass_kg * angular_frequency * angular_frequency;
+  pull.max_force_n = std::max(kLeastSpringForce_n, kSpringWeights * 9.81 * object->mass_kg);
+  world.set_spring(spring, hand.object_id, pull);
+}
+
+void HandControls::let_go(Scene& scene, uint64_t spring, Hand& hand) {
+  if (!hand.holding) return;
+  hand.holding = false;
+  scene.world().clear_spring(spring);
+}
+
+void HandControls::release(Scene& scene, SessionNumber session) {
+  const auto found = sessions_.find(session);
+  if (found == sessions_.end()) return;
+  for (size_t i = 0; i < found->second.size(); ++i) let_go(scene, spring_id(session, i), found->second[i]);
+}
+
+void HandControls::forget(Scene& scene, SessionNumber session) {
+  release(scene, session);
+  sessions_.erase(session);
+}
+
+void HandControls::drop_object(Scene& scene, uint32_t object_id) {
+  for (auto& [session, hands] : sessions_) {
+    for (size_t i = 0; i < hands.size(); ++i) {
+      if (hands[i].object_id == object_id) let_go(scene, spring_id(session, i), hands[i]);
+    }
+  }
+}
+
+bool HandControls::holding(SessionNumber session) const {
+  const auto found = sessions_.find(session);
+  return found != sessions_.end() &&
+         std::any_of(found->second.begin(), found->second.end(), [](const Hand& hand) { return hand.holding; });
+}
+
+std::array<HeldPoint, 2> HandControls::held_points(const Scene& scene, SessionNumber session) const {
+  std::array<HeldPoint, 2> points;
+  const auto found = sessions_.find(session);
+  if (found == sessions_.end()) return points;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const Hand& hand = found->second[i];
+    if (!hand.holding) continue;
+    points[i] = {true, hand.object_id, scene.world().world_point(hand.object_id, hand.rest_point_m),
+                 scene.world().spring_force_n(spring_id(session, i))};
+  }
+  return points;
+}
+
+}  // namespace livegs

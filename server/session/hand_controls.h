@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+
+#include "core/input_sample.h"
+#include "scene/scene.h"
+#include "session/stepped_tick.h"
+
+// What controllers do to the world: the ray's spring and the ball shooter. The simulation's thread only.
+
+namespace livegs {
+
+// The trigger's threshold, and how much it must ease before the ray lets go, so that a finger that rests on it does
+// not chatter.
+inline constexpr float kTriggerPressed = 0.5f;
+inline constexpr float kTriggerEased = 0.4f;
+
+// A ray reaches across a room, not to the horizon.
+inline constexpr double kRayReach_m = 20.0;
+
+// A held point follows like a mass on a spring of this frequency, whatever the object weighs: at 3 Hz it trails the
+// hand by 28 mm under its own weight, (2 pi f)^2 = 355 / s^2 against 9.81 m/s^2.
+inline constexpr double kSpringFrequency_hz = 3.0;
+// The spring lifts an object and swings it, but pulls with no more than this many times its weight, and at least with
+// kLeastSpringForce_n, which is what a finger presses a doorbell with.
+inline constexpr double kSpringWeights = 6.0;
+inline constexpr double kLeastSpringForce_n = 2.0;
+
+// An underarm throw.
+inline constexpr double kBallSpeed_m_s = 6.0;
+// A hand shoots no faster: a client that flickers its button cannot flood the scene.
+inline constexpr double kLeastShotInterval_s = 0.1;
+
+class HandControls {
+ public:
+  // Applies one sample of a session. Balls are counted against simulated time, `now_s`.
+  void apply(Scene& scene, SessionNumber session, const InputSample& sample, double now_s);
+  // Lets go of what a session holds; forget() also drops its state.
+  void release(Scene& scene, SessionNumber session);
+  void forget(Scene& scene, SessionNumber session);
+  // Lets go of an object that was taken out of the world.
+  void drop_object(Scene& scene, uint32_t object_id);
+
+  bool holding(SessionNumber session) const;
+  std::array<HeldPoint, 2> held_points(const Scene& scene, SessionNumber session) const;
+  uint64_t shots() const { return shots_; }
+
+ private:
+  struct Hand {
+    bool triggered = false;
+    bool holding = false;
+    bool shooting = false;
+    uint32_t object_id = 0;
+    Eigen::Vector3d rest_point_m = Eigen::Vector3d::Zero();
+    double distance_m = 0;  // along the ray, where the point was met
+    double last_shot_s = -1e9;
+  };
+  using Hands = std::array<Hand, 2>;
+
+  void apply_ray(Scene& scene, uint64_t spring_id, Hand& hand, const HandSample& sample);
+  void let_go(Scene& scene, uint64_t spring_id, Hand& hand);
+
+  std::map<SessionNumber, Hands> sessions_;
+  uint64_t shots_ = 0;
+};
+
+}  // namespace livegs

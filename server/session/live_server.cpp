@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/live_server.h"
+
+#include <grpc/support/log.h>
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/server.h>
+#include <grpcpp/server_builder.h>
+
+#include <charconv>
+#include <chrono>
+#include <mutex>
+
+#include "core/log.h"
+#include "session/describe_object.h"
+#include "session/live_service.h"
+
+namespace livegs {
+namespace {
+
+constexpr const char* kServiceName = "livegs.v1.LiveGs";
+
+// Everything a client sends is small.
+constexpr int kMaxRequestBytes = 16 << 10;
+constexpr int kMaxStreamsPerConnection = 16;
+constexpr std::chrono::seconds kShutdownPatience{1};
+
+// Health and reflection are switched on for the process, before the first server is built; what gRPC has to say goes
+// to the log, so that a program's own one line is not drowned.
+void set_up_process() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    grpc::EnableDefaultHealthCheckService(true);
+    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+    gpr_set_log_function([](gpr_log_func_args* line) { log_debug("grpc: %s", line->message); });
+  });
+}
+
+void limit(grpc::ServerBuilder& builder) {
+  builder.SetMaxReceiveMessageSize(kMaxRequestBytes);
+  builder.SetMaxSendMessageSize(-1);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxStreamsPerConnection);
+  // Two servers on one port would share its clients between them.
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  // A machine that fell off the network is noticed within four seconds; sessions have their own, shorter patience.
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 1000);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 3000);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 500);
+}
+
+}  // namespace
+
+Result<void> check_listen_address(const std::string& address) {
+  const size_t colon = address.rfind(':');
+  const std::string host = address.substr(0, colon == std::string::npos ? 0 : colon);
+  const std::string port = colon == std::string::npos ? "" : address.substr(colon + 1);
+  int number = -1;
+  const auto parsed = std::from_chars(port.data(), port.data() + port.size(), number);
+  if (port.empty() || parsed.ptr != port.data() + port.size() || parsed.ec != std::errc() || number < 0 ||
+      number > 65535) {
+    return invalid_argument("--listen " + address + ": is not HOST:PORT with a port from 0 to 65535");
+  }
+  const bool loopback = host == "localhost" || host == "[::1]" ||
+                        (host.starts_with("127.") && host.find_first_not_of("0123456789.") == std::string::npos);
+  if (!loopback) {
+    return invalid_argument("--listen " + address +
+                            ": only this machine may connect for now; use 127.0.0.1, localhost or [::1]");
+  }
+  return {};
+}
+
+struct LiveServer::Parts {
+  SessionTable table;
+  AssetStore assets;
+  LiveService service{table, assets};
+  std::unique_ptr<grpc::Server> server;
+  int port = 0;
+  std::unique_ptr<FramePublisher> publisher = std::make_unique<FramePublisher>(table, assets);
+  bool shut_down = false;
+};
+
+LiveServer::LiveServer(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+
+Result<std::unique_ptr<LiveServer>> LiveServer::listen(const std::string& address) {
+  if (auto checked = check_listen_address(address); !checked) return checked.error();
+  set_up_process();
+  auto parts = std::make_unique<Parts>();
+  grpc::ServerBuilder builder;
+  builder.AddListeningPort(address, grpc::InsecureServerCredentials(), &parts->port);
+  builder.RegisterService(&parts->service);
+  limit(builder);
+  parts->server = builder.BuildAndStart();
+  if (!parts->server || parts->port == 0) {
+    return Error{ErrorCode::Unavailable, "cannot listen on " + address +
+                                             ": the port is in use; stop the other server or give another port with "
+                                             "--listen HOST:PORT"};
+  }
+  parts->server->GetHealthCheckService()->SetServingStatus(false);
+  parts->server->GetHealthCheckService()->SetServingStatus(kServiceName, false);
+  return std::unique_ptr<LiveServer>(new LiveServer(std::move(parts)));
+}
+
+LiveServer::~LiveServer() { shut_down("the server is closing"); }
+
+int LiveServer::port() const { return parts_->port; }
+
+TickSink& LiveServer::ticks() { return *parts_->publisher; }
+
+void LiveServer::open(const std::string& scene_name, double rate_hz, std::span<const SceneObject* const> objects,
+                      InputSink& inputs) {
+  std::vector<SessionTable::Object> described;
+  for (const SceneObject* object : objects) {
+    described.push_back(
+        std::make_shared<const v1::ObjectDescription>(describe_object(*object, *parts_->assets.add(object->asset))));
+  }
+  parts_->table.open(scene_name, rate_hz, std::move(described), inputs);
+  parts_->server->GetHealthCheckService()->SetServingStatus(true);
+  parts_->server->GetHealthCheckService()->SetServingStatus(kServiceName, true);
+}
+
+void LiveServer::open(const Scene& scene, InputSink& inputs) {
+  std::vector<const SceneObject*> objects;
+  for (const SceneObject& object : scene.objects()) objects.push_back(&object);
+  open(scene.name(), scene.world().settings().rate_hz, objects, inputs);
+}
+
+void LiveServer::shut_down(const std::string& reason) {
+  if (parts_->shut_down) return;
+  parts_->shut_down = true;
+  parts_->server->GetHealthCheckService()->SetServingStatus(false);
+  parts_->server->GetHealthCheckService()->SetServingStatus(kServiceName, false);
+  parts_->table.close(reason);
+  parts_->server->Shutdown(std::chrono::system_clock::now() + kShutdownPatience);
+  parts_->server->Wait();
+}
+
+SessionTable::Totals LiveServer::sessions() const { return parts_->table.totals(); }
+size_t LiveServer::client_count() const { return parts_->table.status().clients; }
+PublisherSummary LiveServer::published() const { return parts_->publisher->summary(); }
+
+}  // namespace livegs

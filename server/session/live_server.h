@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+
+#include "core/result.h"
+#include "scene/scene.h"
+#include "session/frame_publisher.h"
+#include "session/stepped_tick.h"
+
+namespace livegs {
+
+// HOST:PORT, checked: a port, and an address of this very machine. Anything else would need TLS and a token, which
+// this server does not have yet.
+Result<void> check_listen_address(const std::string& address);
+
+// The gRPC server with its sessions, its publisher, health and reflection. It knows a scene only as objects to
+// describe and ticks to send on.
+//
+//   auto server = LiveServer::listen("127.0.0.1:9780");        health NOT_SERVING, Join answers UNAVAILABLE
+//   SimulationLoop loop(std::move(scene), server->ticks());
+//   server->open(loop.scene(), loop); loop.start();            clients may join
+//   loop.stop(); server->shut_down("reason");
+class LiveServer {
+ public:
+  // Fails with Unavailable when the port is in use, InvalidArgument when the address may not be listened on.
+  static Result<std::unique_ptr<LiveServer>> listen(const std::string& address);
+  ~LiveServer();
+
+  int port() const;
+  TickSink& ticks();
+
+  // Encodes every asset on the calling thread, then lets clients in. `inputs` outlives shut_down().
+  void open(const std::string& scene_name, double rate_hz, std::span<const SceneObject* const> objects,
+            InputSink& inputs);
+  void open(const Scene& scene, InputSink& inputs);
+
+  // Tells every client, waits for their streams to end, at most a second, then ends them. More than once is fine.
+  void shut_down(const std::string& reason);
+
+  SessionTable::Totals sessions() const;
+  size_t client_count() const;
+  PublisherSummary published() const;
+
+ private:
+  struct Parts;
+  explicit LiveServer(std::unique_ptr<Parts> parts);
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace livegs

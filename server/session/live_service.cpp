@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/live_service.h"
+
+#include <cctype>
+
+#include "core/clock.h"
+#include "core/log.h"
+#include "session/asset_call.h"
+#include "session/grpc_status.h"
+#include "session/stream_call.h"
+#include "session/version.h"
+#include "wire/frame_codec.h"
+
+namespace livegs {
+namespace {
+
+constexpr size_t kMaxClientName = 64;
+
+// A client's name goes to the log: printable ASCII only.
+std::string printable(const std::string& name) {
+  std::string text = name.substr(0, kMaxClientName);
+  for (char& c : text) {
+    if (std::isprint(static_cast<unsigned char>(c)) == 0) c = '?';
+  }
+  return text;
+}
+
+}  // namespace
+
+grpc::ServerUnaryReactor* LiveService::GetServerInfo(grpc::CallbackServerContext* context,
+                                                     const v1::GetServerInfoRequest*, v1::ServerInfo* reply) {
+  const SessionTable::Status status = table_.status();
+  reply->set_version(kVersion);
+  reply->set_protocol_version(kProtocolVersion);
+  reply->set_scene(status.scene);
+  reply->set_rate_hz(status.rate_hz);
+  reply->set_tick(status.tick);
+  reply->set_object_count(static_cast<uint32_t>(status.objects));
+  reply->set_client_count(static_cast<uint32_t>(status.clients));
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  reactor->Finish(grpc::Status::OK);
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* LiveService::Join(grpc::CallbackServerContext* context, const v1::JoinRequest* request,
+                                            v1::JoinReply* reply) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  reactor->Finish(join(context->peer(), *request, *reply));
+  return reactor;
+}
+
+grpc::Status LiveService::join(const std::string& peer, const v1::JoinRequest& request, v1::JoinReply& reply) {
+  if (request.protocol_version() != kProtocolVersion) {
+    return {grpc::StatusCode::FAILED_PRECONDITION,
+            "the client speaks protocol version " + std::to_string(request.protocol_version()) +
+                " and this server, livegs " + kVersion + ", speaks " + std::to_string(kProtocolVersion) +
+                "; update the older one"};
+  }
+  auto joined = table_.join();
+  if (!joined) return to_status(joined.error());
+  const SessionTable::Status status = table_.status();
+  reply.set_session_id(joined->session->id);
+  reply.set_rate_hz(status.rate_hz);
+  reply.set_tick(status.tick);
+  for (const SessionTable::Object& object : joined->objects) *reply.add_objects() = *object;
+  log_info("session %.8s: \"%s\" joined from %s", joined->session->id.c_str(),
+           printable(request.client_name()).c_str(), peer.c_str());
+  return grpc::Status::OK;
+}
+
+grpc::ServerWriteReactor<v1::AssetChunk>* LiveService::FetchAsset(grpc::CallbackServerContext*,
+                                                                  const v1::FetchAssetRequest* request) {
+  return new AssetCall(assets_.find(request->asset_hash()), request->offset());
+}
+
+grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* LiveService::Stream(grpc::CallbackServerContext* context) {
+  return StreamCall::start(table_, *context);
+}
+
+grpc::ServerUnaryReactor* LiveService::AnalyzeObject(grpc::CallbackServerContext* context,
+                                                     const v1::AnalyzeObjectRequest* request,
+                                                     v1::AnalyzeObjectReply* reply) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  reactor->Finish(analyze(*request, *reply));
+  return reactor;
+}
+
+grpc::Status LiveService::analyze(const v1::AnalyzeObjectRequest& request, v1::AnalyzeObjectReply& reply) const {
+  const int64_t begun_ns = now_ns();
+  const SessionTable::Object object = table_.object(request.object());
+  if (!object) {
+    std::string known;
+    for (const std::string& name : table_.object_names()) known += (known.empty() ? "" : ", ") + name;
+    return {grpc::StatusCode::NOT_FOUND, "object: the scene has no \"" + printable(request.object()) +
+                                             "\"; it has: " + (known.empty() ? "nothing yet" : known)};
+  }
+  reply.set_object(object->name());
+  *reply.mutable_parameters() = object->physics();
+  reply.set_elapsed_ms(milliseconds_from_ns(now_ns() - begun_ns));
+  return grpc::Status::OK;
+}
+
+}  // namespace livegs

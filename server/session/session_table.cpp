@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/session_table.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <random>
+
+#include "core/clock.h"
+#include "core/log.h"
+
+namespace livegs {
+namespace {
+
+// 128 bits that cannot be guessed: whoever holds them is the session.
+std::string random_id() {
+  std::random_device device;
+  char text[33];
+  std::snprintf(text, sizeof text, "%08x%08x%08x%08x", device(), device(), device(), device());
+  return text;
+}
+
+}  // namespace
+
+void SessionTable::open(std::string scene, double rate_hz, std::vector<Object> objects, InputSink& inputs) {
+  std::stable_sort(objects.begin(), objects.end(),
+                   [](const Object& a, const Object& b) { return a->environment() > b->environment(); });
+  std::lock_guard lock(mutex_);
+  scene_ = std::move(scene);
+  rate_hz_ = rate_hz;
+  objects_ = std::move(objects);
+  inputs_ = &inputs;
+  open_ = true;
+}
+
+void SessionTable::close(const std::string& reason) {
+  {
+    std::lock_guard lock(mutex_);
+    open_ = false;
+    closed_reason_ = reason;
+  }
+  v1::SessionEvent draining;
+  draining.set_draining(reason);
+  for (const auto& session : sessions_now()) {
+    session->add_event(draining);
+    if (const auto writer = session->writer()) writer->close(reason);
+  }
+}
+
+Result<SessionTable::Joined> SessionTable::join() {
+  std::lock_guard lock(mutex_);
+  if (!open_) return Error{ErrorCode::Unavailable, closed_reason_};
+  if (sessions_.size() >= kMaxSessions) {
+    return Error{ErrorCode::TooLarge, std::to_string(kMaxSessions) + " clients are here already; try again later"};
+  }
+  const auto session = std::make_shared<ClientSession>(random_id(), next_number_++, now_ns());
+  sessions_.emplace(session->id, session);
+  ++totals_.sessions;
+  return Joined{session, objects_};
+}
+
+std::shared_ptr<ClientSession> SessionTable::find(std::string_view session_id) const {
+  std::lock_guard lock(mutex_);
+  const auto found = sessions_.find(session_id);
+  return found == sessions_.end() ? nullptr : found->second;
+}
+
+void SessionTable::remove(const ClientSession& session) {
+  InputSink* inputs = nullptr;
+  {
+    std::lock_guard lock(mutex_);
+    const auto found = sessions_.find(session.id);
+    if (found == sessions_.end()) return;
+    totals_.frames_sent += session.frames_sent();
+    totals_.frames_replaced += session.frames_replaced();
+    inputs = inputs_;
+    sessions_.erase(found);
+  }
+  if (inputs != nullptr) inputs->forget(session.number);
+}
+
+void SessionTable::deliver(std::shared_ptr<const EncodedTick> tick, std::span<const Object> added,
+                           std::span<const uint32_t> removed) {
+  std::vector<std::shared_ptr<ClientSession>> sessions;
+  std::vector<std::shared_ptr<ClientSession>> not_reading;
+  {
+    std::lock_guard lock(mutex_);
+    tick_ = tick->tick;
+    std::vector<v1::SessionEvent> events;
+    for (const Object& object : added) {
+      objects_.push_back(object);
+      *events.emplace_back().mutable_object_added() = *object;
+    }
+    for (uint32_t id : removed) {
+      std::erase_if(objects_, [&](const Object& object) { return object->object_id() == id; });
+      events.emplace_back().mutable_object_removed()->set_object_id(id);
+    }
+    for (const auto& [id, session] : sessions_) {
+      sessions.push_back(session);
+      for (const v1::SessionEvent& event : events) {
+        if (!session->add_event(event)) {
+          not_reading.push_back(session);
+          break;
+        }
+      }
+    }
+  }
+  for (const auto& session : sessions) {
+    session->offer(tick);
+    if (const auto writer = session->writer()) writer->wake();
+  }
+  for (const auto& session : not_reading) {
+    if (const auto writer = session->writer()) writer->abort();
+    else remove(*session);
+  }
+}
+
+void SessionTable::sweep(int64_t now) {
+  for (const auto& session : sessions_now()) {
+    const int64_t silent_ns = now - session->heard_ns.load();
+    if (silent_ns < (session->streaming ? kSilentAfter_ns : kJoinExpiry_ns)) continue;
+    log_info("session %.8s: silent for %.1f s, dropped", session->id.c_str(), seconds_from_ns(silent_ns));
+    const auto writer = session->writer();
+    remove(*session);
+    if (writer) writer->abort();
+  }
+}
+
+SessionTable::Object SessionTable::object(std::string_view name) const {
+  std::lock_guard lock(mutex_);
+  const auto found =
+      std::find_if(objects_.begin(), objects_.end(), [&](const Object& object) { return object->name() == name; });
+  return found == objects_.end() ? nullptr : *found;
+}
+
+std::vector<std::string> SessionTable::object_names() const {
+  std::lock_guard lock(mutex_);
+  std::vector<std::string> names;
+  for (const Object& object : objects_) names.push_back(object->name());
+  return names;
+}
+
+void SessionTable::hear(const ClientSession& session, std::span<const InputSample> samples) {
+  InputSink* inputs = nullptr;
+  {
+    std::lock_guard lock(mutex_);
+    if (sessions_.contains(session.id)) inputs = inputs_;  // not after it was dropped
+  }
+  if (inputs != nullptr) inputs->hear(session.number, samples);
+}
+
+SessionTable::Status SessionTable::status() const {
+  std::lock_guard lock(mutex_);
+  return {scene_, rate_hz_, tick_, objects_.size(), sessions_.size(), open_};
+}
+
+SessionTable::Totals SessionTable::totals() const {
+  std::lock_guard lock(mutex_);
+  return totals_;
+}
+
+std::vector<std::shared_ptr<ClientSession>> SessionTable::sessions_now() const {
+  std::lock_guard lock(mutex_);
+  std::vector<std::shared_ptr<ClientSession>> sessions;
+  for (const auto& [id, session] : sessions_) sessions.push_back(session);
+  return sessions;
+}
+
+}  // namespace livegs

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/simulation_loop.h"
+
+#include <pthread.h>
+
+#include <cmath>
+
+#include "core/assert.h"
+#include "core/clock.h"
+#include "core/log.h"
+
+namespace livegs {
+namespace {
+
+// A scene of one tick a second still stops at once.
+constexpr int64_t kLongestSleep_ns = 50'000'000;
+
+}  // namespace
+
+SimulationLoop::SimulationLoop(Scene scene, TickSink& sink, std::function<void(const Scene&)> observe)
+    : scene_(std::move(scene)), sink_(sink), observe_(std::move(observe)) {}
+
+SimulationLoop::~SimulationLoop() { stop(); }
+
+void SimulationLoop::start() {
+  LIVEGS_ASSERT(!thread_.joinable());
+  stopping_ = false;
+  thread_ = std::thread([this] {
+    pthread_setname_np(pthread_self(), "simulation");
+    run();
+  });
+}
+
+void SimulationLoop::stop() {
+  stopping_ = true;
+  if (thread_.joinable()) thread_.join();
+}
+
+void SimulationLoop::hear(SessionNumber session, std::span<const InputSample> samples) {
+  const int64_t heard_ns = now_ns();
+  std::lock_guard lock(mutex_);
+  Mailbox& mailbox = mailboxes_[session];
+  mailbox.heard_ns = heard_ns;
+  for (const InputSample& sample : samples) {
+    if (sample.sequence <= mailbox.seen_sequence) continue;
+    mailbox.seen_sequence = sample.sequence;
+    mailbox.samples.push_back(sample);
+    if (mailbox.samples.size() > kMaxWaitingSamples) mailbox.samples.pop_front();
+  }
+}
+
+void SimulationLoop::forget(SessionNumber session) {
+  std::lock_guard lock(mutex_);
+  mailboxes_.erase(session);
+  gone_.push_back(session);
+}
+
+void SimulationLoop::run() {
+  const auto period_ns = static_cast<int64_t>(std::llround(1e9 / scene_.world().settings().rate_hz));
+  int64_t due_ns = now_ns();
+  {
+    std::lock_guard lock(summary_mutex_);
+    started_ns_ = ended_ns_ = due_ns;
+  }
+  logged_ns_ = due_ns;
+  while (!stopping_) {
+    const int64_t wake_ns = std::min(due_ns, now_ns() + kLongestSleep_ns);
+    sleep_until_ns(wake_ns);
+    if (now_ns() < due_ns) continue;
+    tick();
+    due_ns += period_ns;
+    const int64_t done_ns = now_ns();
+    std::lock_guard lock(summary_mutex_);
+    ended_ns_ = done_ns;
+    if (done_ns > due_ns) ++late_ticks_;
+    if (done_ns > due_ns + kMaxPeriodsBehind * period_ns) {
+      ++slips_;
+      due_ns = done_ns;
+    }
+  }
+}
+
+void SimulationLoop::tick() {
+  apply_inputs();
+  const int64_t begun_ns = now_ns();
+  scene_.step();
+  const int64_t stepped_ns = now_ns();
+  const double step_ms = milliseconds_from_ns(stepped_ns - begun_ns);
+  {
+    std::lock_guard lock(summary_mutex_);
+    step_ms_.add(step_ms);
+    shots_ = controls_.shots();
+  }
+  if (observe_) observe_(scene_);
+  sink_.publish(stepped_tick(stepped_ns, step_ms));
+  log_every_second(stepped_ns);
+}
+
+void SimulationLoop::apply_inputs() {
+  const double now_s = static_cast<double>(scene_.world().tick()) / scene_.world().settings().rate_hz;
+  std::map<SessionNumber, std::deque<InputSample>> arrived;
+  std::vector<SessionNumber> gone, stalled;
+  {
+    std::lock_guard lock(mutex_);
+    gone.swap(gone_);
+    for (auto& [session, mailbox] : mailboxes_) {
+      arrived[session].swap(mailbox.samples);
+      if (now_ns() - mailbox.heard_ns > kStalledAfter_ns) stalled.push_back(session);
+    }
+  }
+  for (SessionNumber session : gone) {
+    controls_.forget(scene_, session);
+    applied_.erase(session);
+  }
+  for (const auto& [session, samples] : arrived) {
+    for (const InputSample& sample : samples) controls_.apply(scene_, session, sample, now_s);
+    uint64_t& applied = applied_[session];
+    if (!samples.empty()) applied = samples.back().sequence;
+  }
+  for (SessionNumber session : stalled) controls_.release(scene_, session);
+}
+
+SteppedTick SimulationLoop::stepped_tick(int64_t stepped_ns, double step_ms) {
+  SteppedTick tick;
+  tick.drivers = scene_.world().drivers();
+  tick.stepped_ns = stepped_ns;
+  tick.step_ms = step_ms;
+  const Scene::Changes changes = scene_.take_changes();
+  for (uint32_t id : changes.added) {
+    if (const SceneObject* object = scene_.find(id)) tick.added.push_back(*object);
+  }
+  tick.removed = changes.removed;
+  for (uint32_t id : changes.removed) controls_.drop_object(scene_, id);
+  for (const auto& [session, sequence] : applied_) {
+    tick.hands.push_back({session, sequence, controls_.held_points(scene_, session)});
+  }
+  return tick;
+}
+
+void SimulationLoop::log_every_second(int64_t stepped_ns) {
+  if (stepped_ns - logged_ns_ < 1'000'000'000) return;
+  const SimulationSummary now = summary();
+  log_debug("simulation: tick %llu, %.1f a second, step p50 %.2f ms p99 %.2f ms, %llu late, %llu slips",
+            static_cast<unsigned long long>(scene_.world().tick()),
+            static_cast<double>(now.ticks - logged_ticks_) / seconds_from_ns(stepped_ns - logged_ns_), now.step_ms_p50,
+            now.step_ms_p99, static_cast<unsigned long long>(now.late_ticks),
+            static_cast<unsigned long long>(now.slips));
+  logged_ns_ = stepped_ns;
+  logged_ticks_ = now.ticks;
+}
+
+SimulationSummary SimulationLoop::summary() const {
+  std::lock_guard lock(summary_mutex_);
+  SimulationSummary summary;
+  summary.ticks = step_ms_.count();
+  summary.late_ticks = late_ticks_;
+  summary.slips = slips_;
+  summary.run_s = seconds_from_ns(ended_ns_ - started_ns_);
+  summary.step_ms_p50 = step_ms_.percentile(0.50);
+  summary.step_ms_p99 = step_ms_.percentile(0.99);
+  summary.step_ms_max = step_ms_.largest();
+  summary.shots = shots_;
+  return summary;
+}
+
+}  // namespace livegs

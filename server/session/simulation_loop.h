@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <atomic>
+#include <deque>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "scene/scene.h"
+#include "session/duration_histogram.h"
+#include "session/hand_controls.h"
+#include "session/stepped_tick.h"
+
+namespace livegs {
+
+// A session that was silent for so long holds nothing any more.
+inline constexpr int64_t kStalledAfter_ns = 500'000'000;
+
+// Samples of one session that wait for a tick. At 90 Hz a tick sees one; more wait only while ticks are late.
+inline constexpr size_t kMaxWaitingSamples = 64;
+
+// A tick that starts later than this many periods gives up the schedule: time slips, and no burst of ticks follows.
+inline constexpr int kMaxPeriodsBehind = 2;
+
+struct SimulationSummary {
+  uint64_t ticks = 0;
+  uint64_t late_ticks = 0;  // whose step was not done before the next tick was due
+  uint64_t slips = 0;       // times the schedule was given up
+  double run_s = 0;
+  double step_ms_p50 = 0, step_ms_p99 = 0, step_ms_max = 0;
+  uint64_t shots = 0;
+};
+
+// Runs a Scene on a thread of its own, at the scene's rate against an absolute schedule. Inputs come by queue, ticks
+// go out as values: nothing in here waits for a client.
+class SimulationLoop : public InputSink {
+ public:
+  // `sink` outlives the loop. `observe`, if given, sees the scene after each step, on the loop's thread.
+  SimulationLoop(Scene scene, TickSink& sink, std::function<void(const Scene&)> observe = {});
+  ~SimulationLoop() override;
+
+  void start();
+  void stop();  // returns when the tick that is running is done; more than once is fine
+
+  void hear(SessionNumber session, std::span<const InputSample> samples) override;
+  void forget(SessionNumber session) override;
+
+  // Precondition: not running.
+  const Scene& scene() const { return scene_; }
+  SimulationSummary summary() const;  // any thread
+
+ private:
+  struct Mailbox {
+    std::deque<InputSample> samples;
+    int64_t heard_ns = 0;
+    uint64_t seen_sequence = 0;  // the newest ever put in
+  };
+
+  void run();
+  void tick();
+  void apply_inputs();
+  SteppedTick stepped_tick(int64_t stepped_ns, double step_ms);
+  void log_every_second(int64_t now_ns);
+
+  Scene scene_;
+  TickSink& sink_;
+  std::function<void(const Scene&)> observe_;
+  HandControls controls_;                // the loop's thread only
+  std::map<SessionNumber, uint64_t> applied_;  // newest sequence applied; the loop's thread only
+
+  std::mutex mutex_;  // guards mailboxes_ and gone_
+  std::map<SessionNumber, Mailbox> mailboxes_;
+  std::vector<SessionNumber> gone_;
+
+  mutable std::mutex summary_mutex_;  // guards the next five
+  DurationHistogram step_ms_;
+  uint64_t late_ticks_ = 0;
+  uint64_t slips_ = 0;
+  uint64_t shots_ = 0;
+  int64_t started_ns_ = 0, ended_ns_ = 0;
+
+  int64_t logged_ns_ = 0;  // the loop's thread only
+  uint64_t logged_ticks_ = 0;
+
+  std::atomic<bool> stopping_{false};
+  std::thread thread_;
+};
+
+}  // namespace livegs

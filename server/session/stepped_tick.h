@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/input_sample.h"
+#include "scene/scene.h"
+#include "skin/driver_frame.h"
+
+// The seam between the simulation, which knows no client, and the service, which knows no body. Values go through
+// it in both directions; neither side waits for the other.
+
+namespace livegs {
+
+// The server's own number for a session: never sent, never used twice.
+using SessionNumber = uint64_t;
+
+// What one hand of a session holds, for the ray and the force arrow.
+struct HeldPoint {
+  bool holding = false;
+  uint32_t object_id = 0;
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  // now, world frame
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();
+};
+
+struct SessionHands {
+  SessionNumber session = 0;
+  uint64_t input_sequence = 0;  // the newest sample applied
+  std::array<HeldPoint, 2> hands;
+};
+
+// Everything one tick left behind.
+struct SteppedTick {
+  DriverFrame drivers;
+  int64_t stepped_ns = 0;  // when the step was done
+  double step_ms = 0;
+  std::vector<SceneObject> added;    // since the tick before
+  std::vector<uint32_t> removed;
+  std::vector<SessionHands> hands;   // ascending session
+};
+
+// Takes ticks, on the simulation's thread, and returns at once.
+class TickSink {
+ public:
+  virtual ~TickSink() = default;
+  virtual void publish(SteppedTick tick) = 0;
+};
+
+// Takes what clients do. Any thread; returns at once.
+class InputSink {
+ public:
+  virtual ~InputSink() = default;
+  // A sign of life of a session, with the samples it brought: oldest first, each already checked, repeated ones
+  // welcome (a sequence that was seen before is skipped).
+  virtual void hear(SessionNumber session, std::span<const InputSample> samples) = 0;
+  // The session is gone; what it held is let go.
+  virtual void forget(SessionNumber session) = 0;
+};
+
+}  // namespace livegs

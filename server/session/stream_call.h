@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <grpcpp/server_context.h>
+#include <grpcpp/support/byte_buffer.h>
+#include <grpcpp/support/server_callback.h>
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "session/client_session.h"
+#include "session/session_table.h"
+
+namespace livegs {
+
+// One Stream rpc. Messages are raw: a header of this client's own and the frame's tail that all share, in one
+// ByteBuffer. gRPC calls the On… functions, on its own threads and not in any order between them; the publisher
+// calls the SessionWriter side. Lives until OnDone.
+//
+// One read and one write are under way at a time, Finish is called once and never while a write is, whatever comes
+// first: the client's half close, its cancellation, a bad message, a failed write, close() or abort().
+class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
+                         public SessionWriter,
+                         public std::enable_shared_from_this<StreamCall> {
+ public:
+  static StreamCall* start(SessionTable& table, grpc::CallbackServerContext& context);
+
+  void wake() override;
+  void close(const std::string& reason) override;
+  void abort() override;
+
+ private:
+  StreamCall(SessionTable& table, grpc::CallbackServerContext& context) : table_(table), context_(context) {}
+
+  void OnReadDone(bool ok) override;
+  void OnWriteDone(bool ok) override;
+  void OnCancel() override;
+  void OnDone() override;
+
+  std::optional<grpc::Status> take_message();  // a status ends the stream
+  void write_next(const std::lock_guard<std::mutex>&);
+  void request_finish(const grpc::Status& status);
+  void finish_if_idle(const std::lock_guard<std::mutex>&);
+
+  SessionTable& table_;
+  grpc::CallbackServerContext& context_;
+  std::shared_ptr<StreamCall> self_;  // gRPC's share, given back in OnDone
+
+  grpc::ByteBuffer incoming_;               // of the read that is under way
+  std::atomic<int64_t> echoed_ns_{0};
+
+  std::mutex mutex_;                        // guards everything below
+  std::shared_ptr<ClientSession> session_;  // set by the first message
+  grpc::ByteBuffer outgoing_;               // of the write that is under way: it outlives OnWriteDone
+  bool writing_ = false;
+  std::optional<grpc::Status> finish_when_flushed_;
+  std::optional<grpc::Status> finish_status_;
+  bool finished_ = false;
+  bool done_ = false;
+};
+
+}  // namespace livegs
