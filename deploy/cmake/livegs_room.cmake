@@ -35,3 +35,16 @@ function(livegs_add_bench name)
   target_compile_definitions(${name} PRIVATE LIVEGS_SHARED_DATA_DIR="${CMAKE_SOURCE_DIR}/../shared/data"
                                              LIVEGS_TESTS_DIR="${CMAKE_SOURCE_DIR}/tests")
 endfunction()
+
+# livegs_embed_text(TARGET FILE CONSTANT)
+#   FILE.h, generated into the build tree, holds the file's text as the constant CONSTANT.
+function(livegs_embed_text target file constant)
+  set(header ${CMAKE_CURRENT_BINARY_DIR}/embedded/${file}.h)
+  add_custom_command(OUTPUT ${header}
+    COMMAND ${CMAKE_COMMAND} -DINPUT=${CMAKE_CURRENT_SOURCE_DIR}/${file} -DOUTPUT=${header} -DNAME=${constant}
+            -P ${CMAKE_SOURCE_DIR}/deploy/cmake/embed_text.cmake
+    DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${file} ${CMAKE_SOURCE_DIR}/deploy/cmake/embed_text.cmake
+    VERBATIM)
+  target_sources(${target} PRIVATE ${header})
+  target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/embedded)
+endfunction()

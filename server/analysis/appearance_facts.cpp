@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/estimate.h"
+
+namespace livegs {
+namespace {
+
+constexpr float kShDc = 0.28209479f;  // Y_00
+
+struct HueSaturation {
+  float hue_rad, saturation;
+};
+
+HueSaturation hue_saturation(const Eigen::Vector3f& rgb) {
+  const float high = rgb.maxCoeff(), low = rgb.minCoeff(), range = high - low;
+  if (range <= 0.0f) return {0.0f, 0.0f};
+  constexpr float kSixth = 1.04719755f;
+  float hue = 0.0f;
+  if (high == rgb.x()) hue = (rgb.y() - rgb.z()) / range;
+  else if (high == rgb.y()) hue = 2.0f + (rgb.z() - rgb.x()) / range;
+  else hue = 4.0f + (rgb.x() - rgb.y()) / range;
+  return {hue * kSixth, range / std::max(high, 1e-6f)};
+}
+
+}  // namespace
+
+AppearanceFacts appearance_facts(const GaussianAsset& asset) {
+  AppearanceFacts facts;
+  double weight_sum = 0, opacity_sum = 0, saturation_sum = 0, gloss_sum = 0, cosine = 0, sine = 0, hue_weight = 0;
+  Eigen::Vector3d rgb_sum = Eigen::Vector3d::Zero();
+  const size_t rest_count = asset.sh_rest_count();
+  for (size_t i = 0; i < asset.size(); ++i) {
+    const double opacity = 1.0 / (1.0 + std::exp(-static_cast<double>(asset.opacity_logits[i])));
+    // The area a flat kernel shows: the product of its two larger axes.
+    Eigen::Array3d scale = asset.log_scales[i].cast<double>().array().exp();
+    std::sort(scale.data(), scale.data() + 3);
+    const double area = scale[1] * scale[2], weight = opacity * area;
+    if (!std::isfinite(weight) || weight <= 0) continue;
+    const Eigen::Vector3f rgb = (asset.sh_dc[i].array() * kShDc + 0.5f).cwiseMax(0.0f).cwiseMin(1.0f).matrix();
+    const HueSaturation colour = hue_saturation(rgb);
+    double directional = 0;
+    for (size_t k = 0; k < rest_count; ++k) directional += asset.sh_rest[i * rest_count + k].squaredNorm();
+    const double constant = (rgb / kShDc).squaredNorm();
+    weight_sum += weight;
+    opacity_sum += weight * opacity;
+    rgb_sum += weight * rgb.cast<double>();
+    saturation_sum += weight * colour.saturation;
+    gloss_sum += weight * std::sqrt(directional / (directional + constant + 1e-9));
+    cosine += weight * colour.saturation * std::cos(colour.hue_rad);
+    sine += weight * colour.saturation * std::sin(colour.hue_rad);
+    hue_weight += weight * colour.saturation;
+  }
+  if (weight_sum <= 0) return facts;
+  facts.mean_rgb = (rgb_sum / weight_sum).cast<float>();
+  facts.saturation = static_cast<float>(saturation_sum / weight_sum);
+  facts.mean_opacity = static_cast<float>(opacity_sum / weight_sum);
+  facts.gloss = static_cast<float>(gloss_sum / weight_sum);
+  if (hue_weight > 0) {
+    const double length = std::clamp(std::hypot(cosine, sine) / hue_weight, 1e-9, 1.0);
+    facts.hue_spread = static_cast<float>(std::sqrt(-2.0 * std::log(length)));
+  }
+  return facts;
+}
+
+}  // namespace livegs

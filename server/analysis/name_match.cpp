@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "analysis/name_match.h"
+
+#include <cctype>
+
+#include "analysis/estimate.h"
+
+namespace livegs {
+namespace {
+
+// Where `words` stands in `text` as whole words, counted from the text's start; npos if it does not.
+size_t find_words(const std::string& text, const std::string& words) {
+  for (size_t at = text.find(words); at != std::string::npos; at = text.find(words, at + 1)) {
+    const bool starts = at == 0 || text[at - 1] == ' ';
+    size_t end = at + words.size();
+    if (end < text.size() && text[end] == 's') ++end;
+    const bool ends = end == text.size() || text[end] == ' ';
+    if (starts && ends) return at;
+  }
+  return std::string::npos;
+}
+
+}  // namespace
+
+std::string normalised_name(std::string_view name) {
+  std::string words;
+  char before = ' ';
+  for (const char raw : name.substr(0, 200)) {
+    const auto letter = static_cast<unsigned char>(raw);
+    const bool camel = std::isupper(letter) && std::islower(static_cast<unsigned char>(before));
+    if (camel || !std::isalpha(letter)) {
+      if (!words.empty() && words.back() != ' ') words += ' ';
+    }
+    if (std::isalpha(letter)) words += static_cast<char>(std::tolower(letter));
+    before = raw;
+  }
+  while (!words.empty() && words.back() == ' ') words.pop_back();
+  return words;
+}
+
+const ObjectRow* match_name(std::string_view name) {
+  const std::string words = normalised_name(name);
+  const ObjectRow* best = nullptr;
+  size_t best_length = 0, best_end = 0;
+  for (const ObjectRow& row : object_table()) {
+    for (const std::string& alias : row.names) {
+      const size_t at = find_words(words, alias);
+      if (at == std::string::npos) continue;
+      const size_t end = at + alias.size();
+      if (alias.size() > best_length || (alias.size() == best_length && end > best_end)) {
+        best = &row;
+        best_length = alias.size();
+        best_end = end;
+      }
+    }
+  }
+  return best;
+}
+
+const MaterialRow* match_material(std::string_view name) {
+  const std::string words = normalised_name(name);
+  const MaterialRow* best = nullptr;
+  for (const MaterialRow& row : material_table()) {
+    if (find_words(words, normalised_name(row.name)) == std::string::npos) continue;
+    if (!best || row.name.size() > best->name.size()) best = &row;
+  }
+  // Words people use for a whole class.
+  if (best) return best;
+  constexpr std::pair<const char*, const char*> kClassWords[] = {
+      {"wooden", "hardwood"}, {"wood", "hardwood"},      {"metal", "aluminium"},  {"steel", "carbon steel"},
+      {"glass", "soda-lime glass"}, {"ceramic", "stoneware"}, {"clay", "terracotta"},  {"stone", "granite"},
+      {"plastic", "polypropylene"}, {"rubber", "natural rubber"}, {"felt", "wool felt"}, {"bronze", "brass"},
+      {"foam", "polyurethane foam"}, {"fabric", "cotton fabric"}, {"paper", "paper stack"}};
+  for (const auto& [word, material] : kClassWords) {
+    if (find_words(words, word) != std::string::npos) return &material_row(material);
+  }
+  return nullptr;
+}
+
+SizePrior size_prior(std::string_view name) {
+  const ObjectRow* row = match_name(name);
+  if (!row) return {};
+  return {row->size_m.low, row->size_m.best, row->size_m.high, row->label};
+}
+
+}  // namespace livegs
