@@ -8,7 +8,7 @@ namespace livegs {
 
 Camera frame_bounds(const Eigen::AlignedBox3d& bounds_m, int width, int height, double azimuth_rad,
                     double elevation_rad) {
-  const Eigen::Vector3d centre = bounds_m.isEmpty() ? Eigen::Vector3d::Zero() : bounds_m.center();
+  const Eigen::Vector3d centre = bounds_m.isEmpty() ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(bounds_m.center());
   const Eigen::Vector3d direction(std::sin(azimuth_rad) * std::cos(elevation_rad), std::sin(elevation_rad),
                                   std::cos(azimuth_rad) * std::cos(elevation_rad));
   const double tangent_y = std::tan(0.5 * kDefaultVerticalFov_rad);

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "gaussian/posed_kernels.h"
+#include "splat/camera.h"
+#include "splat/rasterise.h"
+
+namespace livegs {
+
+inline constexpr float kMinAlpha = 1.0f / 255.0f;
+inline constexpr float kMaxAlpha = 0.99f;
+inline constexpr double kLowPassPx2 = 0.3;  // variance added to the projected ellipse
+inline constexpr float kLog2Of255 = 7.99435344f;
+
+// A kernel as an ellipse on the screen, one cache line. The quadratic form is kept as its triangular root, in
+// units that make alpha a power of two: with d = pixel - centre,
+//   u = across_x * d.x + across_y * d.y,   v = down_y * d.y,   alpha = 2^(log2_opacity - u² - v²).
+// A root costs less to evaluate than the form, and a needle of 1000 px keeps its width: the form would lose
+// it to cancellation in floats.
+struct alignas(64) ProjectedKernel {
+  float centre_x_px, centre_y_px;
+  float across_x, across_y, down_y;
+  float log2_opacity;  // > -kLog2Of255
+  float red, green, blue;
+  float depth_m;  // along the view axis
+  uint32_t object_slot;
+  uint32_t tile_bound;  // tiles of the bounding box on the screen, at least 1
+
+  // Where alpha is kMinAlpha: u² + v² of the ellipse's rim.
+  float rim() const { return log2_opacity + kLog2Of255; }
+};
+static_assert(sizeof(ProjectedKernel) == 64);
+
+// The camera as projection uses it: image axes, x right, y down, z forward.
+struct Projection {
+  explicit Projection(const Camera& camera);
+
+  Eigen::Matrix3d image_from_world;
+  Eigen::Vector3d position_m;
+  double focal_x_px, focal_y_px, centre_x_px, centre_y_px;
+  // The slopes x/z and y/z at which the Jacobian is held: 15 % of the image beyond each edge, each side for
+  // itself, since a headset's frustum is not symmetric.
+  double min_slope_x, max_slope_x, min_slope_y, max_slope_y;
+  double near_m;
+  int width, height;
+};
+
+// The ellipse of one kernel and the depth that orders it. False where nothing of it can be seen: centre not
+// beyond near_m, the ellipse off the screen, opacity under 1/255, or a value that is not finite. A centre off
+// the screen does not matter as long as the ellipse reaches in.
+bool project_kernel(const Projection& projection, const DrawnObject& object, size_t kernel,
+                    uint32_t object_slot, const RasteriseOptions& options, ProjectedKernel& projected,
+                    float& order_depth_m);
+
+}  // namespace livegs

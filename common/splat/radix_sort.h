@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace livegs {
+
+// Unsigned keys in the order of the floats they come from, over the whole line: negative numbers in reverse,
+// -0 directly before +0.
+inline uint32_t ordered_key(float value) {
+  const uint32_t bits = std::bit_cast<uint32_t>(value);
+  return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
+}
+
+struct KeyedIndex {
+  uint32_t key;
+  uint32_t index;
+};
+
+// Ascending by key; equal keys keep their order. Three passes of 11 bits; a pass in which all keys agree is
+// left out. `scratch` is resized to the items' length and its contents are lost.
+void radix_sort(std::vector<KeyedIndex>& items, std::vector<KeyedIndex>& scratch);
+
+}  // namespace livegs
