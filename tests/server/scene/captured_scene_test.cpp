@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "scene/scene.h"
+#include "skin/skin_kernels.h"
+
+namespace livegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Every captured asset, by its path below the data folder. SOG v1 is not a format we read.
+std::vector<std::string> captured_assets() {
+  const fs::path folder = fs::path(LIVEGS_SHARED_DATA_DIR) / "splats";
+  std::vector<std::string> assets;
+  std::error_code error;
+  for (auto at = fs::recursive_directory_iterator(folder, error); !error && at != fs::recursive_directory_iterator(); at.increment(error)) {
+    const std::string path = at->path().string();
+    const bool asset = path.ends_with(".ply") || path.ends_with(".spz") || path.ends_with(".splat") || path.ends_with(".sog");
+    const bool unpacked = at->path().filename() == "meta.json" && path.find("fur_block") == std::string::npos;
+    if (asset || unpacked) assets.push_back(fs::relative(at->path(), folder).string());
+  }
+  std::sort(assets.begin(), assets.end());
+  if (assets.empty()) assets.push_back("");
+  return assets;
+}
+
+class CapturedAsset : public testing::TestWithParam<std::string> {};
+
+// File to body to two seconds of simulation to skinned kernels, without any setting by hand.
+TEST_P(CapturedAsset, FallsAndStaysFinite) {
+  if (GetParam().empty()) GTEST_SKIP() << "shared data is not here";
+  v1::Scene file;
+  v1::Object& object = *file.add_objects();
+  object.set_name(fs::path(GetParam()).stem().string());
+  object.set_asset(GetParam());
+  file.mutable_environment()->add_colliders()->mutable_plane()->add_point_m(0);
+  file.mutable_environment()->mutable_colliders(0)->mutable_plane()->add_point_m(-2.0);
+  file.mutable_environment()->mutable_colliders(0)->mutable_plane()->add_point_m(0);
+  auto scene = Scene::build(file, fs::path(LIVEGS_SHARED_DATA_DIR) / "splats", GetParam(), {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  const SceneObject& drawn = scene->objects().back();
+  EXPECT_GT(drawn.mass_kg, 0);
+  RecordProperty("body", v1::Physics::Behavior_Name(drawn.physics.behavior()) + " " + drawn.surface_note);
+  const double start_y = scene->bounds_m().center().y();
+  for (int tick = 0; tick < 180; ++tick) scene->step();
+  const DriverFrame frame = scene->world().drivers();
+  for (const ObjectDrivers& drivers : frame.objects) {
+    const SceneObject& of = *scene->find(drivers.object_id);
+    ASSERT_TRUE(check_drivers(of.rest, drivers)) << of.name;
+    auto bindings = bind_kernels(*of.asset, of.rest);
+    ASSERT_TRUE(bindings) << bindings.error().message;
+    PosedKernels kernels;
+    skin_kernels(*of.asset, of.rest, *bindings, drivers, kernels);
+    for (size_t i = 0; i < kernels.positions_m.size(); ++i) {
+      ASSERT_TRUE(kernels.positions_m[i].allFinite());
+      for (float entry : kernels.covariances_m2[i]) ASSERT_TRUE(std::isfinite(entry));
+    }
+  }
+  for (const BodyState& body : scene->world().bodies()) {
+    if (body.object_id != drawn.id) continue;
+    EXPECT_LT(body.world_from_body.position_m.y(), start_y - 0.5);  // it fell
+    EXPECT_GT(body.world_from_body.position_m.y(), -2.01);          // and the floor held it
+  }
+}
+
+std::string test_name(const testing::TestParamInfo<std::string>& info) {
+  std::string name = info.param.empty() ? "absent" : info.param;
+  std::replace_if(name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+  return name;
+}
+INSTANTIATE_TEST_SUITE_P(Captured, CapturedAsset, testing::ValuesIn(captured_assets()), test_name);
+
+}  // namespace
+}  // namespace livegs

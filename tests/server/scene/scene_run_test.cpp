@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/content_hash.h"
+#include "core/parallel_for.h"
+#include "scene/scene.h"
+#include "scene/scene_drawing.h"
+#include "scratch_folder.h"
+#include "splat/frame_bounds.h"
+#include "splat/rasterise.h"
+
+namespace livegs {
+namespace {
+
+// A soft cube, a rigid cube and points above a floor; a force, a ball and a change of material on the way.
+Scene busy_scene() {
+  ScratchFolder folder;
+  std::string points = "x,y,z\n";
+  for (int i = 0; i < 216; ++i) {
+    points += std::to_string(0.02 * (i % 6)) + "," + std::to_string(0.02 * (i / 6 % 6)) + "," + std::to_string(0.02 * (i / 36)) + "\n";
+  }
+  folder.write("points.csv", points);
+  const auto path = folder.write("busy.scene.json", R"({
+    "rate_hz": 60, "substeps": 4,
+    "environment": { "colliders": [ { "plane": {} , "friction": 0.5 } ] },
+    "objects": [
+      { "name": "soft", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } }, "pose": { "position_m": [0, 0.3, 0] },
+        "physics": { "behavior": "ELASTIC", "density_kg_m3": 500, "youngs_modulus_pa": 2e4 } },
+      { "name": "hard", "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } }, "pose": { "position_m": [0.5, 0.2, 0] },
+        "physics": { "behavior": "RIGID", "mass_kg": 0.5 } },
+      { "name": "dots", "points": "points.csv", "pose": { "position_m": [-0.5, 0.1, 0] },
+        "physics": { "behavior": "ELASTIC", "density_kg_m3": 200, "youngs_modulus_pa": 1e4 } } ],
+    "events": [
+      { "time_s": 0.2, "force": { "object": "soft", "point_m": [0, 0.1, 0], "force_n": [6, 0, 0], "duration_s": 0.2 } },
+      { "time_s": 0.3, "ball": { "from_m": [0, 0.1, 1], "velocity_m_s": [0, 0, -5] } },
+      { "time_s": 0.4, "set_physics": { "object": "soft", "physics": { "friction": 0.1 } } } ] })");
+  auto scene = Scene::load(path, {});
+  EXPECT_TRUE(scene) << scene.error().message;
+  return std::move(*scene);
+}
+
+std::string hash_after(int ticks, int threads) {
+  set_thread_count(threads);
+  Scene scene = busy_scene();
+  std::string states;
+  for (int i = 0; i < ticks; ++i) {
+    scene.step();
+    const DriverFrame frame = scene.world().drivers();
+    for (const ObjectDrivers& object : frame.objects) {
+      states.append(reinterpret_cast<const char*>(object.positions_m.data()), object.positions_m.size() * sizeof(Eigen::Vector3f));
+      for (const Pose& pose : object.poses) {
+        states.append(reinterpret_cast<const char*>(pose.position_m.data()), sizeof(Eigen::Vector3d));
+        states.append(reinterpret_cast<const char*>(pose.orientation.coeffs().data()), 4 * sizeof(double));
+      }
+    }
+    states = content_hash(std::as_bytes(std::span(states)));
+  }
+  set_thread_count(0);
+  return states;
+}
+
+TEST(SceneRun, SameBitsForAnyThreadCount) {
+  const std::string one = hash_after(90, 1);
+  EXPECT_EQ(one, hash_after(90, 2));
+  EXPECT_EQ(one, hash_after(90, 4));
+}
+
+TEST(SceneRun, EventsActWhenTheyAreDue) {
+  Scene scene = busy_scene();
+  const uint32_t soft = scene.find("soft")->id;
+  EXPECT_EQ(scene.find("soft")->mass_kg, 500 * 0.008);  // density times the box's volume, exact
+  for (int tick = 0; tick < 18; ++tick) scene.step();   // up to 0.3 s: tick 18 starts there
+  EXPECT_EQ(scene.objects().size(), 4u);                // drawn floor and three objects
+  EXPECT_NEAR(scene.world().material(soft)->friction, 0.5, 0.5);
+  scene.step();
+  EXPECT_EQ(scene.objects().size(), 5u);
+  EXPECT_EQ(scene.take_changes().added.size(), 1u);
+  for (int tick = 0; tick < 20; ++tick) scene.step();
+  EXPECT_EQ(scene.world().material(soft)->friction, 0.1);
+  EXPECT_EQ(scene.find("soft")->physics.friction().source(), v1::EstimatedValue::SCENE);
+}
+
+TEST(SceneRun, BallsAreCappedAndTheOldestGoes) {
+  Scene scene = busy_scene();
+  (void)scene.take_changes();
+  std::vector<uint32_t> ids;
+  for (size_t i = 0; i < Scene::kMaxBalls + 3; ++i) {
+    ids.push_back(scene.shoot_ball({0.0, 1.0 + 0.2 * static_cast<double>(i), 2.0}, {0, 0, -1}).id);
+  }
+  const Scene::Changes changes = scene.take_changes();
+  EXPECT_EQ(changes.added.size(), Scene::kMaxBalls + 3);
+  EXPECT_EQ(changes.removed, (std::vector<uint32_t>{ids[0], ids[1], ids[2]}));
+  EXPECT_EQ(scene.find(ids[0]), nullptr);
+  EXPECT_NE(scene.find(ids[3]), nullptr);
+  scene.step();
+}
+
+// Both skinnings show the same motion: where the lattice deforms smoothly their pictures differ by little.
+TEST(SceneRun, BothSkinningsDrawTheSameBody) {
+  Scene scene = busy_scene();
+  for (int tick = 0; tick < 30; ++tick) scene.step();
+  const Camera camera = frame_bounds(scene.bounds_m(), 160, 120);
+  Rasteriser rasteriser;
+  RasterisedView lattice, paper;
+  SceneDrawing by_lattice(Skinning::Lattice), by_paper(Skinning::LivegsV1);
+  Scene fresh = busy_scene();  // bindings are made at rest
+  ASSERT_TRUE(by_paper.pose(fresh));
+  auto drawn = by_lattice.pose(scene);
+  ASSERT_TRUE(drawn) << drawn.error().message;
+  rasteriser.draw(*drawn, camera, {}, lattice);
+  auto drawn_paper = by_paper.pose(scene);
+  ASSERT_TRUE(drawn_paper) << drawn_paper.error().message;
+  rasteriser.draw(*drawn_paper, camera, {}, paper);
+  EXPECT_GT(psnr_db(lattice.image, paper.image), 22.0);
+}
+
+TEST(SceneRun, NothingFallsThroughTheFloor) {
+  Scene scene = busy_scene();
+  for (int tick = 0; tick < 180; ++tick) scene.step();
+  for (const BodyState& body : scene.world().bodies()) {
+    const SceneObject* object = scene.find(body.object_id);
+    if (object->environment) continue;
+    EXPECT_TRUE(body.world_from_body.position_m.allFinite());
+    EXPECT_GT(body.world_from_body.position_m.y(), 0.02) << object->name;
+  }
+}
+
+}  // namespace
+}  // namespace livegs
