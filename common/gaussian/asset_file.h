@@ -70,7 +70,7 @@ std::vector<std::byte> encode_ply(const GaussianAsset& asset);
 // Quantised, and turned to the y-up frame of .spz. With one step being the worst case: positions 2^-13,
 // log-scales 1/32 within [-10, 5.94], opacity 1/510, sh_dc 0.0131 within +-3.33, SH of degree 1 4.5/128 and
 // above 8.5/128 within
-// +-1, rotations 0.23 degrees (version 2: 0.7 degrees typically; its fourth component is not stored, and half
+// +-1, rotations 0.28 degrees (version 2: 0.7 degrees typically; its fourth component is not stored, and half
 // turns lose up to 7 degrees).
 Result<std::vector<std::byte>> encode_spz(const GaussianAsset& asset, const SpzOptions& options = {});
 

@@ -19,7 +19,7 @@ struct CloseZip {
 class Bundle : public SogFiles {
  public:
   Bundle(std::unique_ptr<zip_t, CloseZip> zip, uint64_t bytes, std::string_view name)
-      : zip_(std::move(zip)), bytes_(bytes), name_(name) {}
+      : SogFiles(name), zip_(std::move(zip)), bytes_(bytes) {}
 
  protected:
   Result<std::vector<std::byte>> read_plain_name(const std::string& file) const override {
@@ -52,12 +52,11 @@ class Bundle : public SogFiles {
  private:
   std::unique_ptr<zip_t, CloseZip> zip_;
   uint64_t bytes_;
-  std::string name_;
 };
 
 class Folder : public SogFiles {
  public:
-  explicit Folder(const std::filesystem::path& folder) : folder_(folder) {}
+  Folder(const std::filesystem::path& folder, std::string_view name) : SogFiles(name), folder_(folder) {}
 
  protected:
   Result<std::vector<std::byte>> read_plain_name(const std::string& file) const override {
@@ -73,7 +72,7 @@ class Folder : public SogFiles {
 Result<std::vector<std::byte>> SogFiles::read(std::string_view file) const {
   const bool plain = !file.empty() && file != "." && file != ".." &&
                      file.find_first_of(std::string_view("/\\:\0", 4)) == file.npos;
-  if (!plain) return invalid_data("meta.json: '" + std::string(file) + "' is no plain file name");
+  if (!plain) return invalid_data(name_ + ": meta.json: '" + std::string(file) + "' is no plain file name");
   return read_plain_name(std::string(file));
 }
 
@@ -93,8 +92,8 @@ Result<std::unique_ptr<SogFiles>> open_sog_bundle(Bytes zip, std::string_view na
   return std::unique_ptr<SogFiles>(std::make_unique<Bundle>(std::move(archive), zip.size(), name));
 }
 
-std::unique_ptr<SogFiles> open_sog_folder(const std::filesystem::path& folder) {
-  return std::make_unique<Folder>(folder);
+std::unique_ptr<SogFiles> open_sog_folder(const std::filesystem::path& folder, std::string_view name) {
+  return std::make_unique<Folder>(folder, name);
 }
 
 }  // namespace livegs

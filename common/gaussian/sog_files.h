@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -14,6 +15,7 @@ namespace livegs {
 // The files of a SOG asset: members of a zip archive, or of a folder.
 class SogFiles {
  public:
+  explicit SogFiles(std::string_view name) : name_(name) {}
   virtual ~SogFiles() = default;
 
   // A name with a path in it is refused: nothing outside the asset is ever opened.
@@ -21,10 +23,12 @@ class SogFiles {
 
  protected:
   virtual Result<std::vector<std::byte>> read_plain_name(const std::string& file) const = 0;
+
+  std::string name_;  // what errors call the asset
 };
 
-// Both outlive the result. `name` is what errors call the asset.
+// `zip` outlives the result.
 Result<std::unique_ptr<SogFiles>> open_sog_bundle(Bytes zip, std::string_view name);
-std::unique_ptr<SogFiles> open_sog_folder(const std::filesystem::path& folder);
+std::unique_ptr<SogFiles> open_sog_folder(const std::filesystem::path& folder, std::string_view name);
 
 }  // namespace livegs

@@ -105,9 +105,10 @@ SogPalette palette_of(MetaReader& read, const Json& json) {
 // Version 1 carries no version: bounds instead of codebooks, and the count in the shape of the means.
 void read_version_1(MetaReader& read, const Json& json, SogMeta& meta) {
   meta.version = 1;
-  const Json& shape = read.member(read.member(json, "means"), "shape");
+  const Json& means = read.member(json, "means");
+  const Json shape = means.contains("shape") ? means["shape"] : Json();
   if (!shape.is_array() || shape.size() != 2) {
-    read.fail("has neither a version nor the means.shape of version 1");
+    read.fail("has no version, but not the means.shape of SOG version 1 either");
     return;
   }
   meta.count = read.count(Json{{"means.shape", shape[0]}}, "means.shape");

@@ -203,7 +203,7 @@ Result<AssetFile> read_sog_folder(const std::filesystem::path& meta_json, std::s
     const uint64_t size = entry->is_regular_file(no_size) ? entry->file_size(no_size) : 0;
     if (!no_size) bytes += size;
   }
-  return read_sog(*open_sog_folder(folder), *meta, bytes, name);
+  return read_sog(*open_sog_folder(folder, name), *meta, bytes, name);
 }
 
 }  // namespace livegs
