@@ -35,6 +35,7 @@ struct ElasticBodyDescription {
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();           // world frame, of the centre of mass
   Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero(); // world frame
   std::vector<Eigen::Vector3d> particle_velocities_m_s;             // added to the above; empty or one a particle
+  Eigen::Matrix3d initial_deformation = Eigen::Matrix3d::Identity();  // of the rest shape about its centre
   std::vector<FixedRegion> fixed_regions;
   double cell_width_m = 0.0;  // 0: chosen from the material and the rate
 };

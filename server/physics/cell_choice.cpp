@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "physics/cell_choice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace livegs {
+namespace {
+
+// A compact body gets at least this many cells along its longest side and through its thinnest; with two through the
+// thickness torsion is 12 % soft. A sheet or a cord needs one through the thickness, since bending and twisting of a
+// single cell are exact.
+constexpr double kCellsAlongCompact = 6.0, kLayersCompact = 3.0;
+constexpr double kCellsAlongThin = 8.0;
+constexpr double kThinRatio = 8.0;
+// Cells of a thin body may be this much wider than it is thick.
+constexpr double kWidestOverThickness = 5.0;
+
+struct Candidate {
+  double width_m;
+  bool detailed;
+  int substeps_needed;
+  double cost;
+};
+
+int scene_multiple(double needed, int substeps) {
+  return substeps * static_cast<int>(std::ceil(std::max(1.0, std::min(needed, 1e6) / substeps) - 1e-9));
+}
+
+Candidate assess(const CellDemand& demand, double width_m) {
+  const double longest = demand.size_m.maxCoeff(), thinnest = demand.size_m.minCoeff();
+  const bool thin = longest >= kThinRatio * thinnest;
+  Candidate candidate{width_m, false, 1, 0.0};
+  candidate.detailed = longest / width_m > (thin ? kCellsAlongThin : kCellsAlongCompact) - 1e-6 &&
+                       (thin || thinnest / width_m > kLayersCompact - 1e-6);
+  const double wave_m_s = std::sqrt(demand.youngs_modulus_pa / demand.density_kg_m3);
+  const double limit = courant_limit(demand.poisson_ratio, thinnest / width_m);
+  candidate.substeps_needed = scene_multiple(wave_m_s / (limit * demand.rate_hz * width_m), demand.substeps);
+  double nodes = 1.0;
+  for (int d = 0; d < 3; ++d) nodes *= std::ceil(demand.size_m[d] / width_m - 1e-6) + 1.0;
+  candidate.cost = candidate.substeps_needed * nodes;
+  return candidate;
+}
+
+std::vector<double> candidate_widths(const CellDemand& demand) {
+  if (demand.cell_width_m > 0.0) return {std::max(demand.cell_width_m, 0.5 * demand.particle_edge_m)};
+  const double longest = demand.size_m.maxCoeff(), thinnest = demand.size_m.minCoeff();
+  const double narrowest = 1.5 * demand.particle_edge_m * (1.0 - 1e-6);
+  std::vector<double> widths;  // from wide to narrow
+  for (int along = 6; along <= 16; ++along) {
+    const double width = longest / along;
+    if (width > thinnest * (1.0 + 1e-6) && width <= kWidestOverThickness * thinnest && width >= narrowest) {
+      widths.push_back(width);
+    }
+  }
+  for (int layers = 1; thinnest / layers >= narrowest; ++layers) widths.push_back(thinnest / layers);
+  if (widths.empty()) widths.push_back(std::max(thinnest, narrowest));
+  return widths;
+}
+
+}  // namespace
+
+double courant_limit(double poisson_ratio, double cells_across) {
+  // 0.75 to nu = .35, falling to 0.55 at .45 and on to 0.47 at .49.
+  const double limit = 0.75 - 2.0 * std::max(0.0, poisson_ratio - 0.35);
+  return cells_across < 1.5 ? std::min(limit, 0.5) : limit;
+}
+
+CellChoice choose_cells(const CellDemand& demand) {
+  const int cap = std::max(demand.substeps, kMaxBodySubsteps / demand.substeps * demand.substeps);
+  std::vector<Candidate> candidates;
+  for (const double width : candidate_widths(demand)) candidates.push_back(assess(demand, width));
+
+  // The cheapest with enough detail; else the finest that can be as stiff as asked; else the widest.
+  const Candidate* chosen = nullptr;
+  for (const Candidate& candidate : candidates) {
+    if (candidate.detailed && candidate.substeps_needed <= cap && (!chosen || candidate.cost < chosen->cost)) {
+      chosen = &candidate;
+    }
+  }
+  if (!chosen) {
+    for (const Candidate& candidate : candidates) {
+      if (candidate.substeps_needed <= cap) chosen = &candidate;
+    }
+  }
+  if (!chosen) chosen = &candidates.front();
+
+  CellChoice choice;
+  choice.cell_width_m = chosen->width_m;
+  choice.substeps = std::min(chosen->substeps_needed, cap);
+  const double reach = courant_limit(demand.poisson_ratio, demand.size_m.minCoeff() / chosen->width_m) *
+                       demand.rate_hz * choice.substeps * chosen->width_m;
+  const double ceiling_pa = demand.density_kg_m3 * reach * reach;
+  choice.clipped = chosen->substeps_needed > cap;
+  choice.youngs_modulus_pa = choice.clipped ? ceiling_pa : demand.youngs_modulus_pa;
+  choice.courant = std::sqrt(choice.youngs_modulus_pa / demand.density_kg_m3) /
+                   (demand.rate_hz * choice.substeps * chosen->width_m);
+  return choice;
+}
+
+}  // namespace livegs

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "physics/collider.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace livegs {
+namespace {
+
+using Eigen::Vector3d;
+
+// Each works in the collider's own frame.
+
+SurfaceSample sample(const PlaneShape&, const Vector3d& point) { return {point.y(), Vector3d::UnitY()}; }
+
+SurfaceSample sample(const SphereShape& sphere, const Vector3d& point) {
+  const double radius = point.norm();
+  // The centre has no nearest surface point; up is as good as any and always the same.
+  const Vector3d normal = radius > 0.0 ? Vector3d(point / radius) : Vector3d::UnitY();
+  return {radius - sphere.radius_m, normal};
+}
+
+SurfaceSample sample(const BoxShape& box, const Vector3d& point) {
+  const Vector3d beyond = point.cwiseAbs() - 0.5 * box.size_m;  // along each axis; negative inside
+  Eigen::Index axis;
+  const double depth = beyond.maxCoeff(&axis);
+  if (depth <= 0.0) return {depth, Vector3d::Unit(axis) * (point[axis] < 0.0 ? -1.0 : 1.0)};
+  Vector3d away = beyond.cwiseMax(0.0);
+  const double distance = away.norm();
+  for (int d = 0; d < 3; ++d) {
+    if (point[d] < 0.0) away[d] = -away[d];
+  }
+  return {distance, away / distance};
+}
+
+SurfaceSample sample(const FieldShape& shape, const Vector3d& point) {
+  const DistanceField::Sample found = shape.field->sample(point);
+  const double length = found.gradient.norm();
+  // The gradient of an interpolated field vanishes on the medial axis.
+  return {found.distance_m, length > 1e-9 ? Vector3d(found.gradient / length) : Vector3d::UnitY()};
+}
+
+}  // namespace
+
+SurfaceSample sample_surface(const Collider& collider, const Vector3d& point_m) {
+  const Eigen::Matrix3d world_from_collider = collider.world_from_collider.orientation.toRotationMatrix();
+  const Vector3d local = world_from_collider.transpose() * (point_m - collider.world_from_collider.position_m);
+  SurfaceSample found = std::visit([&](const auto& shape) { return sample(shape, local); }, collider.shape);
+  found.normal = world_from_collider * found.normal;
+  return found;
+}
+
+double mixed_friction(double a, double b) { return std::sqrt(std::max(0.0, a) * std::max(0.0, b)); }
+
+double mixed_restitution(double a, double b) { return std::max(a, b); }
+
+}  // namespace livegs

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/pose.h"
+#include "geometry/sample_particles.h"
+
+// The lattice of cubic eight-node cells that an elastic body is embedded in. Its nodes are the unknowns of the
+// `cells` solver and the drivers of the kernels; particles ride in cells by trilinear weights.
+//
+//        6-------7         Corner c of a cell: bit 0 of c is +x, bit 1 +y, bit 2 +z.
+//       /|      /|         Inside a cell a point has local coordinates -1 ... 1 along each axis, and corner c the
+//      4-------5 |         weight N_c = (1 ± x)(1 ± y)(1 ± z) / 8.
+//      | 2-----|-3
+//      |/      |/          A cell need not be full: it keeps the volume, centroid and spread of the material in it,
+//      0-------1           so that cut cells, sheets and cords need no form of their own.
+
+namespace livegs {
+
+// A box of the object's rest frame.
+struct RestBox {
+  Eigen::Vector3d min_m, max_m;
+};
+
+struct LatticeCell {
+  Eigen::Vector3i coordinates;
+  std::array<uint32_t, 8> nodes;
+  double volume_m3 = 0.0;    // of the material inside, at rest
+  Eigen::Vector3d centroid;  // of the material, local coordinates
+  Eigen::Vector3d spread;    // variance of the material along each axis over that of a full cell; 0 ... 1
+  bool fixed = false;        // all its material lies in a fixed region
+};
+
+// A material point as its cell and local coordinates; slightly beyond -1 ... 1 for points outside every cell.
+struct EmbeddedPoint {
+  uint32_t cell = 0;
+  Eigen::Vector3d local = Eigen::Vector3d::Zero();
+};
+std::array<double, 8> trilinear_weights(const Eigen::Vector3d& local);
+// Gradients of the weights by lattice position, 1/m.
+std::array<Eigen::Vector3d, 8> trilinear_gradients(const Eigen::Vector3d& local, double cell_width_m);
+
+// The material as boxes along the lattice axes: what the cells are filled with.
+struct MassBox {
+  Eigen::Vector3d centre_m, half_m;  // lattice axes
+  double volume_m3;
+};
+
+// The directions of the lattice and what lies along them. The object's own axes where they fit as tightly as the
+// principal ones (a tie keeps a regular grid of particles regular), else the principal axes: a sheet or a cord is
+// modelled well only along itself (elastic-study.md 5).
+struct BodyExtent {
+  Eigen::Quaterniond object_from_lattice;
+  std::vector<MassBox> boxes;
+  Eigen::Vector3d min_m, max_m;  // of the boxes
+  double box_edge_m = 0.0;       // of a typical box
+};
+// Preconditions: at least one particle, finite positions, positive volumes.
+BodyExtent measure_extent(const ParticleSet& particles);
+
+struct Lattice {
+  Pose object_from_lattice;
+  double cell_width_m = 0.0;
+  std::vector<Eigen::Vector3i> node_coordinates;  // >= 0
+  std::vector<double> node_volumes_m3;            // sum to the body's
+  std::vector<LatticeCell> cells;                 // grouped by colour, then by z, y, x
+  std::array<uint32_t, 9> colour_begin{};         // cells of one parity colour share no node
+
+  Eigen::Vector3d node_position_m(size_t node) const;  // object frame, at rest
+  // The cell a material point (object frame) lies in, or the nearest cell.
+  EmbeddedPoint embed(const Eigen::Vector3d& object_point_m) const;
+};
+
+// A lattice plane is snapped to the inner face of the first fixed region along each axis where the axes agree.
+Lattice build_lattice(const BodyExtent& extent, double cell_width_m, std::span<const RestBox> fixed_regions);
+
+}  // namespace livegs

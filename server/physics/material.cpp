@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// LIVE-GS (Mao et al.): the table that turns the stiffness s E into a deformation resistance.
+#include "physics/material.h"
+
+#include <algorithm>
+#include <array>
+
+namespace livegs {
+namespace {
+
+struct BreakPoint {
+  double stiffness_pa;
+  double resistance;
+};
+constexpr std::array<BreakPoint, 5> kTable{{{0.0, 0.0}, {1e5, 0.1}, {1e6, 0.5}, {5e7, 0.8}, {2e8, 1.0}}};
+
+// Both ends are met exactly, so that a round trip through a break point is the break point.
+double between(double x, double x0, double x1, double y0, double y1) {
+  const double t = (x - x0) / (x1 - x0);
+  return t >= 1.0 ? y1 : y0 + t * (y1 - y0);
+}
+
+}  // namespace
+
+double deformation_resistance(double effective_youngs_modulus_pa) {
+  const double stiffness = std::clamp(effective_youngs_modulus_pa, 0.0, kTable.back().stiffness_pa);
+  size_t upper = 1;
+  while (upper + 1 < kTable.size() && stiffness > kTable[upper].stiffness_pa) ++upper;
+  const BreakPoint &a = kTable[upper - 1], &b = kTable[upper];
+  return between(stiffness, a.stiffness_pa, b.stiffness_pa, a.resistance, b.resistance);
+}
+
+double effective_youngs_modulus_pa(double deformation_resistance) {
+  const double resistance = std::clamp(deformation_resistance, 0.0, 1.0);
+  size_t upper = 1;
+  while (upper + 1 < kTable.size() && resistance > kTable[upper].resistance) ++upper;
+  const BreakPoint &a = kTable[upper - 1], &b = kTable[upper];
+  return between(resistance, a.resistance, b.resistance, a.stiffness_pa, b.stiffness_pa);
+}
+
+}  // namespace livegs

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "physics/point_contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+namespace livegs {
+namespace {
+
+using Eigen::Vector3d;
+using Key = std::tuple<int64_t, int64_t, int64_t>;
+
+// Particles by voxel, to ask what lies near a point.
+class VoxelMap {
+ public:
+  VoxelMap(const ParticleSet& particles, double edge) : particles_(particles), edge_(edge) {
+    for (size_t i = 0; i < particles.positions_m.size(); ++i) voxels_[key(particles.positions_m[i])].push_back(i);
+  }
+
+  template <class Accept>
+  bool any_within(const Vector3d& centre, double half, const Accept& accept) const {
+    const auto [x0, y0, z0] = key(centre - Vector3d::Constant(half));
+    const auto [x1, y1, z1] = key(centre + Vector3d::Constant(half));
+    for (int64_t x = x0; x <= x1; ++x) {
+      for (int64_t y = y0; y <= y1; ++y) {
+        for (int64_t z = z0; z <= z1; ++z) {
+          const auto found = voxels_.find({x, y, z});
+          if (found == voxels_.end()) continue;
+          for (const size_t i : found->second) {
+            if ((particles_.positions_m[i] - centre).cwiseAbs().maxCoeff() <= half && accept(i)) return true;
+          }
+        }
+      }
+    }
+    return false;
+  }
+
+ private:
+  Key key(const Vector3d& p) const {
+    const auto cell = [&](double x) { return static_cast<int64_t>(std::floor(x / edge_)); };
+    return {cell(p.x()), cell(p.y()), cell(p.z())};
+  }
+  const ParticleSet& particles_;
+  double edge_;
+  std::map<Key, std::vector<size_t>> voxels_;
+};
+
+}  // namespace
+
+std::vector<SurfacePoint> surface_points(const ParticleSet& particles) {
+  const size_t count = particles.positions_m.size();
+  double volume = 0.0;
+  for (const double v : particles.volumes_m3) volume += v;
+  const double edge = particles.spacing_m > 0.0 ? particles.spacing_m : std::cbrt(volume / static_cast<double>(count));
+  const VoxelMap map(particles, edge);
+  const auto on_surface = [&](size_t i) { return i < particles.on_surface.size() && particles.on_surface[i]; };
+
+  std::vector<SurfacePoint> points;
+  for (size_t i = 0; i < count; ++i) {
+    const Vector3d& p = particles.positions_m[i];
+    if (on_surface(i)) {
+      points.push_back({static_cast<uint32_t>(i), 0.0});
+      continue;
+    }
+    bool inner = true;  // something lies on all six sides
+    for (int d = 0; d < 3 && inner; ++d) {
+      for (const double side : {-1.0, 1.0}) {
+        inner = inner && map.any_within(p + side * edge * Vector3d::Unit(d), 0.6 * edge,
+                                        [&](size_t j) { return j != i && side * (particles.positions_m[j] - p)[d] > 0.0; });
+      }
+    }
+    if (inner || map.any_within(p, edge, on_surface)) continue;
+    points.push_back({static_cast<uint32_t>(i), 0.5 * edge});
+  }
+  return points;
+}
+
+Vector3d contact_correction(const Vector3d& normal, double depth_m, const Vector3d& moved_m, double friction) {
+  const Vector3d slid = moved_m - normal * normal.dot(moved_m);
+  const double way = slid.norm(), hold = friction * depth_m;
+  const double part = way > hold ? hold / way : 1.0;
+  return depth_m * normal - part * slid;
+}
+
+std::optional<BallContact> ball_contact(const Vector3d& point_m, double radius_m, const Vector3d& moved_m,
+                                        double mobility, const Vector3d& centre_m, const Vector3d& ball_moved_m,
+                                        double ball_radius_m, double ball_mobility, double friction) {
+  const Vector3d away = point_m - centre_m;
+  const double distance = away.norm(), depth = ball_radius_m + radius_m - distance;
+  if (depth <= 0.0) return std::nullopt;
+  const Vector3d normal = distance > 0.0 ? Vector3d(away / distance) : Vector3d::UnitY();
+  const Vector3d relative = contact_correction(normal, depth, moved_m - ball_moved_m, friction);
+  const Vector3d pull = relative / (mobility + ball_mobility);
+  return BallContact{mobility * pull, pull};
+}
+
+void reachable_colliders(std::span<const Collider> colliders, const Vector3d& centre_m, double reach_m,
+                         std::vector<const Collider*>& reachable) {
+  reachable.clear();
+  for (const Collider& collider : colliders) {
+    const auto* field = std::get_if<FieldShape>(&collider.shape);
+    const double margin = field ? 2.0 * field->field->cell_m() : 0.0;
+    if (sample_surface(collider, centre_m).distance_m <= reach_m + margin) reachable.push_back(&collider);
+  }
+}
+
+}  // namespace livegs

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "geometry/sample_particles.h"
+#include "physics/collider.h"
+#include "physics/elastic_body.h"
+
+// Contact of one sampled point of a deformable body, as a correction of its position at the end of a substep.
+
+namespace livegs {
+
+// A point of the body's surface, or the centre of a voxel whose outer half is the surface.
+struct SurfacePoint {
+  uint32_t particle;
+  double radius_m;
+};
+// Mesh vertices stand on the surface. Voxel centres count where they are at the edge of the body and no vertex is
+// near, with half a voxel around them: a coarse mesh has few vertices, a cloud of points none.
+std::vector<SurfacePoint> surface_points(const ParticleSet& particles);
+
+// Takes the point out of the solid along the normal; friction holds it to where it was at the start of the substep,
+// by at most `friction` times the depth (Coulomb's law on positions). `moved_m` is the way it went relative to the
+// solid since then.
+Eigen::Vector3d contact_correction(const Eigen::Vector3d& normal, double depth_m, const Eigen::Vector3d& moved_m,
+                                   double friction);
+
+// What a ball is to a point during one substep: where it will be, and how it answers.
+struct BallContact {
+  Eigen::Vector3d correction_m;        // of the point
+  Eigen::Vector3d pull_kg_m;           // the multiplier: mass times way, what the point was given
+};
+// `mobility` is the point's inverse mass; `ball_mobility` the way of the ball for the same multiplier. `centre_m` and
+// `ball_moved_m` are the ball's at the end of the substep so far.
+std::optional<BallContact> ball_contact(const Eigen::Vector3d& point_m, double radius_m,
+                                        const Eigen::Vector3d& moved_m, double mobility,
+                                        const Eigen::Vector3d& centre_m, const Eigen::Vector3d& ball_moved_m,
+                                        double ball_radius_m, double ball_mobility, double friction);
+
+// The colliders that a ball around the body reaches; distance fields are trusted to one cell.
+void reachable_colliders(std::span<const Collider> colliders, const Eigen::Vector3d& centre_m, double reach_m,
+                         std::vector<const Collider*>& reachable);
+
+}  // namespace livegs

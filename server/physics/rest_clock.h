@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+namespace livegs {
+
+// When a body has been still for long enough to sleep.
+class RestClock {
+ public:
+  explicit RestClock(bool may_sleep) : may_sleep_(may_sleep) {}
+
+  // A node faster than this, in the world frame, keeps its body awake.
+  static constexpr double kStillSpeed_m_s = 0.02;
+  static constexpr double kStillTime_s = 0.5;
+
+  // Once a frame; true when the body falls asleep now. A body that is forced, or falls, is not at rest.
+  bool tick(double frame_s, double fastest_m_s, bool supported, bool forced) {
+    if (!may_sleep_ || asleep_) return false;
+    still_s_ = fastest_m_s < kStillSpeed_m_s && supported && !forced ? still_s_ + frame_s : 0.0;
+    asleep_ = still_s_ >= kStillTime_s - 1e-9;
+    return asleep_;
+  }
+  void wake() {
+    asleep_ = false;
+    still_s_ = 0.0;
+  }
+  bool asleep() const { return asleep_; }
+
+ private:
+  bool may_sleep_;
+  bool asleep_ = false;
+  double still_s_ = 0.0;
+};
+
+}  // namespace livegs
