@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "physics/rigid_body.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "physics/rigid_motion.h"
+
+namespace livegs {
+
+void RigidBody::update_turning() {
+  const Eigen::Matrix3d inverse = rotated_tensor(world_from_body.orientation, inverse_inertia_body());
+  angular_velocity_rad_s = inverse * angular_momentum;
+  inverse_mass = asleep ? 0.0 : 1.0 / mass_kg;
+  inverse_inertia = asleep ? Eigen::Matrix3d::Zero().eval() : inverse;
+}
+
+void RigidBody::set_angular_velocity(const Eigen::Vector3d& velocity_rad_s) {
+  angular_momentum = rotated_tensor(world_from_body.orientation, mass_kg * unit_inertia_body) * velocity_rad_s;
+  update_turning();
+}
+
+void RigidBody::apply_impulse(const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& arm_m) {
+  if (asleep) return;
+  velocity_m_s += inverse_mass * impulse_n_s;
+  apply_angular_impulse(arm_m.cross(impulse_n_s));
+}
+
+void RigidBody::apply_angular_impulse(const Eigen::Vector3d& impulse) {
+  if (asleep) return;
+  angular_momentum += impulse;
+  angular_velocity_rad_s += inverse_inertia * impulse;
+}
+
+void RigidBody::move(double duration_s) {
+  Eigen::Vector3d late = velocity_m_s - substep_velocity_m_s;
+  for (const ContactPatch& patch : patches) {
+    for (int i = 0; i < patch.point_count; ++i) {
+      const ContactPoint& point = patch.points[i];
+      if (point.impulse_n_s > 0.0) late -= point.normal.dot(late) * point.normal;
+    }
+  }
+  if (pushed_by_owner) late.setZero();
+  world_from_body.position_m += duration_s * (velocity_m_s - 0.5 * late);
+  if (!shape.is_ball()) {
+    world_from_body.orientation =
+        turned_freely(world_from_body.orientation, inverse_inertia_body(), angular_momentum, duration_s);
+  } else {
+    world_from_body.orientation =
+        (rotation_exp(duration_s * angular_velocity_rad_s) * world_from_body.orientation).normalized();
+  }
+  update_turning();
+}
+
+double sleep_speed_m_s(const RigidShape& shape) {
+  return kSleepSpeed_m_s * std::sqrt(std::min(1.0, 2.0 * shape.bounding_radius_m));
+}
+
+double three_point_speed_m_s(const RigidBody& body) {
+  const Eigen::Matrix3d axes = body.world_from_body.orientation.toRotationMatrix();
+  double fastest = body.velocity_m_s.norm();
+  for (int axis = 0; axis < 2; ++axis) {
+    fastest = std::max(fastest, body.point_velocity(body.shape.bounding_radius_m * axes.col(axis)).norm());
+  }
+  return fastest;
+}
+
+}  // namespace livegs

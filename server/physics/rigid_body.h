@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <vector>
+
+#include "core/pose.h"
+#include "physics/rigid_contact.h"
+#include "physics/rigid_shape.h"
+
+namespace livegs {
+
+// One rigid body or ball in motion. World frame unless a name says body; the body's origin is its centre of mass.
+// One thread at a time. The velocity solver reads and writes velocity, angular velocity and angular momentum together
+// through apply_impulse; everything else reads.
+struct RigidBody {
+  uint32_t object_id = 0;
+  RigidShape shape;
+
+  double mass_kg = 0.0;
+  Eigen::Matrix3d unit_inertia_body = Eigen::Matrix3d::Identity();  // of 1 kg
+  double friction = 0.5;
+  double restitution = 0.2;
+
+  Pose world_from_body;
+  Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angular_momentum = Eigen::Vector3d::Zero();  // about the centre of mass, kg m²/s: the state
+  Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero();  // follows from it: see update_turning
+
+  bool asleep = false;
+  double still_s = 0.0;  // for how long it has been slower than the sleep speed
+
+  // What resists an impulse now; zero while asleep, so that a sleeper is as good as a wall.
+  double inverse_mass = 0.0;
+  Eigen::Matrix3d inverse_inertia = Eigen::Matrix3d::Zero();
+
+  Eigen::Vector3d substep_velocity_m_s = Eigen::Vector3d::Zero();  // at the start of the substep
+  Eigen::Vector3d substep_acceleration_m_s2 = Eigen::Vector3d::Zero();
+  bool pushed_by_owner = false;  // in this substep, by a patch that another body owns
+  std::vector<ContactPatch> patches;           // where this body is the first of the pair
+  std::vector<ContactPatch> previous_patches;  // of the substep before, for warm starting
+
+  // Over the tick, for events.
+  double contact_impulse_n_s = 0.0;
+  Eigen::Vector3d contact_moment = Eigen::Vector3d::Zero();  // impulse times point
+
+  Eigen::Matrix3d inverse_inertia_body() const { return (mass_kg * unit_inertia_body).inverse(); }
+  Eigen::Vector3d point_velocity(const Eigen::Vector3d& arm_m) const {
+    return velocity_m_s + angular_velocity_rad_s.cross(arm_m);
+  }
+  // Refreshes what follows from orientation, angular momentum and sleep.
+  void update_turning();
+  void set_angular_velocity(const Eigen::Vector3d& velocity_rad_s);
+  // An impulse at `arm_m` from the centre of mass.
+  void apply_impulse(const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& arm_m);
+  void apply_angular_impulse(const Eigen::Vector3d& impulse);
+  // Moves by the present velocities. Where no contact held it, displacement is the mean of the velocities before and
+  // after (exact for a constant acceleration); along the normals of contacts that pushed it is that after.
+  void move(double duration_s);
+
+  double kinetic_j() const {
+    return 0.5 * (mass_kg * velocity_m_s.squaredNorm() + angular_velocity_rad_s.dot(angular_momentum));
+  }
+};
+
+// Slower than this at three points of the body for kSleepSeconds, and touching something: it sleeps. At a size of
+// 1 m 0.03 m/s (Jolt's value), with the square root of size below, as speeds under gravity go.
+inline constexpr double kSleepSpeed_m_s = 0.03;
+inline constexpr double kSleepSeconds = 0.5;
+double sleep_speed_m_s(const RigidShape& shape);
+// The largest speed of the centre of mass and of two points at right angles on the bounding sphere.
+double three_point_speed_m_s(const RigidBody& body);
+
+}  // namespace livegs

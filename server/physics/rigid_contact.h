@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+
+// Contact between a rigid body and something else: up to four points that share one friction patch.
+
+namespace livegs {
+
+struct RigidBody;
+
+inline constexpr int kMaxPatchPoints = 4;
+
+// A place where two surfaces are close, before patches are made of them.
+struct ContactCandidate {
+  uint64_t feature_id = 0;  // the same place in the next substep has the same id
+  Eigen::Vector3d point_m;  // world
+  Eigen::Vector3d normal;   // unit, world, from the other towards the first body
+  double separation_m = 0;  // negative when overlapping
+};
+
+struct ContactPoint {
+  uint64_t feature_id = 0;
+  Eigen::Vector3d normal;
+  Eigen::Vector3d arm_a_m;  // from the first body's centre of mass, world axes; kept while the bodies move, since a
+                            // rolling body's contact does not turn with it
+  double separation_m = 0;
+  double impact_speed_m_s = 0;  // closing speed at touch, > 0 when closing
+  double impulse_n_s = 0;       // of this substep, >= 0; the next one starts from it
+  double largest_impulse_n_s = 0;
+
+  // Refreshed when the bodies have moved.
+  Eigen::Vector3d arm_b_m;
+  double mass_kg = 0;
+};
+
+struct ContactPatch {
+  RigidBody* other = nullptr;  // nullptr: a collider, which does not move
+  uint64_t other_id = 0;       // object id, or kColliderBit + index
+  double friction = 0;
+  double restitution = 0;
+  double restitution_speed_m_s = 0;  // impacts slower than this do not bounce
+  double push_speed_m_s = 0;         // overlaps part no faster than this
+
+  std::array<ContactPoint, kMaxPatchPoints> points;
+  int point_count = 0;
+
+  // Friction acts at the centre of pressure, in the plane of the mean normal, and as a twist about it.
+  Eigen::Vector3d normal;
+  Eigen::Vector3d arm_a_m;
+  Eigen::Vector3d friction_impulse_n_s = Eigen::Vector3d::Zero();
+  double twist_impulse = 0;  // N m s
+  double twist_radius_m = 0; // mean distance of the points from the centre
+
+  Eigen::Vector3d arm_b_m, tangent, bitangent;
+  Eigen::Matrix2d tangent_mass;
+  double twist_mass = 0;
+};
+
+inline constexpr uint64_t kColliderBit = uint64_t{1} << 40;
+
+// Soft constraint: bias rate (1/s), and how much of mass and of accumulated impulse one solve takes.
+// Catto 2024, Solver2D: soft step.
+struct ContactSoftness {
+  double bias_rate = 0, mass_scale = 1, impulse_scale = 0;
+};
+// Contact springs at min(30 Hz, a quarter of the substep rate), damping ratio 10; against what never moves, twice as
+// stiff within the same bound. A body at rest sinks g / (2 pi f)^2: 0.07 mm at 60 Hz.
+ContactSoftness contact_softness(double substep_s, bool against_static);
+
+// The parts of one substep, in the order of use. `a` owns the patch.
+void prepare_patch(RigidBody& a, ContactPatch& patch);       // masses, and the same places seen from `other`, now
+void warm_start_patch(RigidBody& a, ContactPatch& patch);
+enum class ContactPhase {
+  Push,   // overlaps are driven apart softly
+  Relax,  // velocities only: takes the energy of the push out again
+};
+void solve_patch(RigidBody& a, ContactPatch& patch, ContactPhase phase, double substep_s);
+// After the bodies moved: separations follow.
+void follow_patch(RigidBody& a, ContactPatch& patch, double substep_s);
+// Gives back what fell in. Returns whether anything bounced.
+bool restitute_patch(RigidBody& a, ContactPatch& patch);
+void rub_patch(RigidBody& a, ContactPatch& patch);  // friction alone
+double total_impulse(const ContactPatch& patch);
+
+}  // namespace livegs

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "physics/collider.h"
+#include "physics/rigid_body.h"
+
+// Where rigid bodies and balls are about to touch within one substep. Contacts are speculative: what would be reached
+// within the substep gets a row that lets it close the gap and no more, so that thin things stop fast ones.
+
+namespace livegs {
+
+// Points closer than this part of the bounding radius are contacts whatever their speed.
+inline constexpr double kContactMargin = 0.01;
+
+// Fills body.patches for everything it may touch in the next `duration_s` at its present velocity; the former patches
+// become previous_patches. `bodies` are all rigid bodies in ascending id. A pair is owned by a ball; of two balls, by
+// the one with the lower id. (Two meshes do not touch each other.)
+// Writes only `body`, reads everything: bodies can be done in parallel.
+void find_contacts(RigidBody& body, std::span<const Collider> colliders, std::span<RigidBody* const> bodies,
+                   double gravity_m_s2, double duration_s);
+
+}  // namespace livegs

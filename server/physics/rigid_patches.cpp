@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "physics/rigid_patches.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace livegs {
+namespace {
+
+// Points whose depths differ by less than this part of the bounding radius are equally deep: a box face that rests
+// is held by its corners, not by whichever point rounding made the deepest.
+constexpr double kEqualDepth = 0.002;
+
+using Chosen = std::vector<const ContactCandidate*>;
+
+// Up to four of `group` (its deepest first) that span it. Ties go to the lowest feature id, so that rounding does not
+// decide them.
+Chosen spread_points(Chosen group, double equal_depth_m) {
+  if (group.size() <= kMaxPatchPoints) return group;
+  const double deep_m = group[0]->separation_m + equal_depth_m;
+  std::sort(group.begin(), group.end(), [](const ContactCandidate* a, const ContactCandidate* b) {
+    return a->feature_id < b->feature_id;
+  });
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  double deep_count = 0.0;
+  for (const ContactCandidate* candidate : group) {
+    if (candidate->separation_m > deep_m) continue;
+    mean += candidate->point_m;
+    deep_count += 1.0;
+  }
+  mean /= deep_count;
+
+  // Shallow points count for less, so that a face far above does not outbid an edge that touches.
+  const auto weight = [&](const ContactCandidate& candidate) {
+    return 1.0 / (1.0 + std::max(0.0, candidate.separation_m - deep_m) / equal_depth_m);
+  };
+  Chosen chosen;
+  const auto choose = [&](const auto& score) {
+    const ContactCandidate* best = nullptr;
+    double best_score = 0.0;
+    for (const ContactCandidate* candidate : group) {
+      const double value = score(*candidate);
+      if (value > best_score * (1.0 + 1e-6)) {
+        best = candidate;
+        best_score = value;
+      }
+    }
+    if (best) chosen.push_back(best);
+  };
+  choose([&](const ContactCandidate& c) {
+    return c.separation_m > deep_m ? 0.0 : (c.point_m - mean).squaredNorm() + 1e-12;
+  });
+  const Eigen::Vector3d first = chosen[0]->point_m;
+  const Eigen::Vector3d normal = chosen[0]->normal;
+  choose([&](const ContactCandidate& c) { return weight(c) * (c.point_m - first).squaredNorm(); });
+  if (chosen.size() < 2) return chosen;
+  const Eigen::Vector3d along = chosen[1]->point_m - first;
+  // Twice the area of the triangle with the first two, signed; one per mille of their square is still a line.
+  const auto side = [&](const ContactCandidate& c) {
+    const double area = normal.dot(along.cross(c.point_m - first));
+    return std::abs(area) > 1e-3 * along.squaredNorm() ? area : 0.0;
+  };
+  choose([&](const ContactCandidate& c) { return weight(c) * std::max(0.0, side(c)); });
+  choose([&](const ContactCandidate& c) { return weight(c) * std::max(0.0, -side(c)); });
+  return chosen;
+}
+
+// The patch of the substep before that this one continues.
+const ContactPatch* earlier_patch(const RigidBody& body, const ContactPatch& patch) {
+  const ContactPatch* best = nullptr;
+  double best_cosine = kPatchNormalCosine;
+  for (const ContactPatch& earlier : body.previous_patches) {
+    if (earlier.other_id != patch.other_id) continue;
+    const double cosine = earlier.normal.dot(patch.normal);
+    if (cosine > best_cosine) {
+      best = &earlier;
+      best_cosine = cosine;
+    }
+  }
+  return best;
+}
+
+double earlier_impulse(const RigidBody& body, uint64_t other_id, uint64_t feature_id) {
+  for (const ContactPatch& earlier : body.previous_patches) {
+    if (earlier.other_id != other_id) continue;
+    for (int i = 0; i < earlier.point_count; ++i) {
+      if (earlier.points[i].feature_id == feature_id) return earlier.points[i].impulse_n_s;
+    }
+  }
+  return 0.0;
+}
+
+// The closing speed the point will have at the moment of touch, from the constant acceleration of the substep.
+double impact_speed_m_s(const RigidBody& body, const RigidBody* other, const ContactCandidate& candidate,
+                        double duration_s) {
+  Eigen::Vector3d velocity = body.point_velocity(candidate.point_m - body.world_from_body.position_m);
+  Eigen::Vector3d acceleration = body.substep_acceleration_m_s2;
+  if (other) {
+    velocity -= other->point_velocity(candidate.point_m - other->world_from_body.position_m);
+    acceleration -= other->substep_acceleration_m_s2;
+  }
+  const double normal_acceleration = candidate.normal.dot(acceleration);
+  const double closing = -(candidate.normal.dot(velocity) - normal_acceleration * duration_s);
+  if (closing <= 0.0) return 0.0;
+  const double gained = -2.0 * normal_acceleration * std::max(0.0, candidate.separation_m);
+  return std::sqrt(std::max(0.0, closing * closing + gained));
+}
+
+}  // namespace
+
+void append_patches(RigidBody& body, const ContactPair& pair, double duration_s,
+                    std::vector<ContactCandidate>& candidates) {
+  std::sort(candidates.begin(), candidates.end(), [](const ContactCandidate& a, const ContactCandidate& b) {
+    return a.separation_m != b.separation_m ? a.separation_m < b.separation_m : a.feature_id < b.feature_id;
+  });
+  std::vector<char> taken(candidates.size(), 0);
+  for (size_t seed = 0; seed < candidates.size(); ++seed) {
+    if (taken[seed]) continue;
+    Chosen group;
+    for (size_t i = seed; i < candidates.size(); ++i) {
+      if (taken[i] || candidates[i].normal.dot(candidates[seed].normal) < kPatchNormalCosine) continue;
+      taken[i] = 1;
+      group.push_back(&candidates[i]);
+    }
+    Chosen chosen = spread_points(std::move(group), kEqualDepth * body.shape.bounding_radius_m);
+    std::sort(chosen.begin(), chosen.end(), [](const ContactCandidate* a, const ContactCandidate* b) {
+      return a->feature_id < b->feature_id;
+    });
+
+    ContactPatch patch;
+    patch.other = pair.other;
+    patch.other_id = pair.other_id;
+    patch.friction = pair.friction;
+    patch.restitution = pair.restitution;
+    patch.restitution_speed_m_s = pair.restitution_speed_m_s;
+    patch.push_speed_m_s = pair.push_speed_m_s;
+    patch.normal.setZero();
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    double weight = 0.0;
+    for (const ContactCandidate* candidate : chosen) {
+      ContactPoint& point = patch.points[patch.point_count++];
+      point.feature_id = candidate->feature_id;
+      point.normal = candidate->normal;
+      point.arm_a_m = candidate->point_m - body.world_from_body.position_m;
+      point.separation_m = candidate->separation_m;
+      point.impulse_n_s = earlier_impulse(body, pair.other_id, candidate->feature_id);
+      point.impact_speed_m_s = impact_speed_m_s(body, pair.other, *candidate, duration_s);
+      patch.normal += candidate->normal;
+      centre += point.impulse_n_s * point.arm_a_m;
+      weight += point.impulse_n_s;
+    }
+    patch.normal.normalize();
+    if (weight <= 0.0) {
+      centre.setZero();
+      for (int i = 0; i < patch.point_count; ++i) centre += patch.points[i].arm_a_m;
+      weight = patch.point_count;
+    }
+    patch.arm_a_m = centre / weight;
+    for (int i = 0; i < patch.point_count; ++i) {
+      patch.twist_radius_m += (patch.points[i].arm_a_m - patch.arm_a_m).norm() / patch.point_count;
+    }
+    if (const ContactPatch* earlier = earlier_patch(body, patch)) {
+      patch.friction_impulse_n_s = earlier->friction_impulse_n_s;
+      patch.twist_impulse = earlier->twist_impulse;
+    }
+    body.patches.push_back(patch);
+  }
+}
+
+}  // namespace livegs

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "geometry/distance_field.h"
+#include "geometry/triangle_mesh.h"
+
+// What a rigid body is for contact: points against the surfaces of others, and a distance field against their
+// points. A ball is its radius alone.
+
+namespace livegs {
+
+// At most this many contact points a body: 400 samples of a collider are about 10 µs.
+inline constexpr size_t kMaxContactPoints = 400;
+// Contact points are at least this far apart, in parts of the longest side of the bounding box, and no point of the
+// surface is much farther than this from one. Smaller: bumpier surfaces are felt, more points.
+inline constexpr double kContactPointSpacing = 1.0 / 16.0;
+// Cells of a body's own distance field along the longest side of its bounding box.
+inline constexpr double kBodyFieldCells = 32.0;
+
+// All lengths in the body frame: origin at the centre of mass, axes parallel to the object's at rest.
+struct RigidShape {
+  double sphere_radius_m = 0.0;  // > 0: a ball, and nothing below is filled but the bounds
+  TriangleMesh mesh;
+  std::vector<Eigen::Vector3d> contact_points_m;
+  double contact_spacing_m = 0.0;
+  std::unique_ptr<const DistanceField> field;
+  Eigen::Vector3d min_m, max_m;
+  double bounding_radius_m = 0.0;  // about the centre of mass
+
+  bool is_ball() const { return sphere_radius_m > 0.0; }
+  // Signed distance to the body's surface. Never more than the true distance away from it, so that it can be marched.
+  DistanceField::Sample sample(const Eigen::Vector3d& point_m) const;
+};
+
+// Precondition: a closed mesh with a volume.
+RigidShape mesh_shape(const TriangleMesh& object_mesh, const Eigen::Vector3d& centre_of_mass_m);
+RigidShape ball_shape(double radius_m);
+
+// Points of the surface, thinned on a grid of `spacing_m`; of a grid cell the one farthest from the origin stays.
+// Long edges and large triangles are filled. The extremes along 26 directions are always kept.
+std::vector<Eigen::Vector3d> contact_points(const TriangleMesh& mesh, double spacing_m);
+
+}  // namespace livegs

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "physics/world.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/assert.h"
+#include "physics/world_check.h"
+#include "physics/world_state.h"
+
+namespace livegs {
+
+bool WorldObject::asleep() const {
+  if (const RigidObject* object = rigid()) return object->body->asleep;
+  if (const ElasticObject* object = elastic()) return object->body->asleep();
+  return true;
+}
+
+void WorldObject::wake() {
+  if (RigidObject* object = rigid()) {
+    object->body->asleep = false;
+    object->body->still_s = 0.0;
+    object->body->update_turning();
+  } else if (ElasticObject* soft = elastic()) {
+    soft->body->wake();
+  }
+}
+
+WorldObject* World::State::find(uint32_t object_id) {
+  const auto found = objects.find(object_id);
+  return found == objects.end() ? nullptr : &found->second;
+}
+
+const WorldObject* World::State::find(uint32_t object_id) const {
+  const auto found = objects.find(object_id);
+  return found == objects.end() ? nullptr : &found->second;
+}
+
+void World::State::list_bodies() {
+  rigid_bodies.clear();
+  elastic_objects.clear();
+  for (auto& [id, object] : objects) {
+    if (RigidObject* rigid = object.rigid()) rigid_bodies.push_back(rigid->body.get());
+    if (ElasticObject* elastic = object.elastic()) elastic_objects.push_back(elastic);
+  }
+  loads.resize(rigid_bodies.size());
+}
+
+void World::State::wake_all() {
+  for (auto& [id, object] : objects) object.wake();
+}
+
+World::World(const WorldSettings& settings) : state_(std::make_unique<State>()) {
+  LIVEGS_ASSERT(check_settings(settings).has_value());
+  state_->settings = settings;
+}
+World::~World() = default;
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+
+const WorldSettings& World::settings() const { return state_->settings; }
+uint64_t World::tick() const { return state_->tick; }
+StepTimes World::last_times() const { return state_->times; }
+
+void World::add_collider(const Collider& collider) {
+  state_->colliders.push_back(collider);
+  state_->wake_all();
+}
+
+namespace {
+
+Result<void> check_new_id(const WorldObject* present, uint32_t object_id) {
+  if (!present) return {};
+  return invalid_argument("object " + std::to_string(object_id) + ": the id is already in use");
+}
+
+Pose normalized(Pose pose) {
+  pose.orientation.normalize();
+  return pose;
+}
+
+}  // namespace
+
+Result<void> World::add_static(uint32_t object_id, const Pose& world_from_object) {
+  if (auto fresh = check_new_id(state_->find(object_id), object_id); !fresh) return fresh;
+  if (auto checked = check_pose(object_id, world_from_object); !checked) return checked;
+  StaticObject object{normalized(world_from_object), {}};
+  object.material.behavior = Behavior::Static;
+  state_->objects[object_id] = {std::move(object), true};
+  return {};
+}
+
+Result<void> World::add_rigid(const RigidBodyDescription& description) {
+  const uint32_t id = description.object_id;
+  if (auto fresh = check_new_id(state_->find(id), id); !fresh) return fresh;
+  if (auto checked = check_rigid(description); !checked) return checked;
+
+  RigidObject object;
+  object.centre_of_mass_m = description.properties.centre_of_mass_m;
+  object.material = description.material;
+  object.material.behavior = Behavior::Rigid;
+  object.body = std::make_unique<RigidBody>();
+  RigidBody& body = *object.body;
+  body.object_id = id;
+  body.shape = mesh_shape(description.mesh, object.centre_of_mass_m);
+  body.mass_kg = description.material.mass_kg;
+  body.unit_inertia_body = 0.5 * (description.properties.inertia_m2 + description.properties.inertia_m2.transpose());
+  body.friction = description.material.friction;
+  body.restitution = description.material.restitution;
+  body.world_from_body = normalized(description.world_from_object);
+  body.world_from_body.position_m = body.world_from_body * object.centre_of_mass_m;
+  body.velocity_m_s = description.velocity_m_s;
+  body.set_angular_velocity(description.angular_velocity_rad_s);
+  state_->objects[id] = {std::move(object), false};
+  state_->list_bodies();
+  return {};
+}
+
+Result<void> World::add_ball(const BallDescription& description) {
+  const uint32_t id = description.object_id;
+  if (auto fresh = check_new_id(state_->find(id), id); !fresh) return fresh;
+  if (auto checked = check_ball(description); !checked) return checked;
+
+  RigidObject object;
+  object.material.behavior = Behavior::Rigid;
+  object.material.mass_kg = description.mass_kg;
+  object.material.friction = description.friction;
+  object.material.restitution = description.restitution;
+  object.body = std::make_unique<RigidBody>();
+  RigidBody& body = *object.body;
+  body.object_id = id;
+  body.shape = ball_shape(description.radius_m);
+  body.mass_kg = description.mass_kg;
+  body.unit_inertia_body = 0.4 * description.radius_m * description.radius_m * Eigen::Matrix3d::Identity();
+  body.friction = description.friction;
+  body.restitution = description.restitution;
+  body.world_from_body.position_m = description.position_m;
+  body.velocity_m_s = description.velocity_m_s;
+  body.update_turning();
+  state_->objects[id] = {std::move(object), false};
+  state_->list_bodies();
+  return {};
+}
+
+Result<void> World::add_elastic(const ElasticBodyDescription& description) {
+  const uint32_t id = description.object_id;
+  if (auto fresh = check_new_id(state_->find(id), id); !fresh) return fresh;
+  if (auto checked = check_elastic(description); !checked) return checked;
+  const WorldSettings& settings = state_->settings;
+  auto body = make_elastic_body(description, settings.elastic_solver, settings.rate_hz, settings.substeps,
+                                settings.sleep);
+  if (!body) return body.error();
+  ElasticObject object;
+  object.body = std::move(body).value();
+  const Eigen::Vector3d centre = object.body->centre_pose().position_m;
+  for (const Eigen::Vector3d& particle : description.particles.positions_m) {
+    object.reach_m = std::max(object.reach_m, (normalized(description.world_from_object) * particle - centre).norm());
+  }
+  object.reach_m += description.particles.spacing_m;
+  state_->objects[id] = {std::move(object), false};
+  state_->list_bodies();
+  return {};
+}
+
+void World::remove(uint32_t object_id) {
+  if (state_->objects.erase(object_id) == 0) return;
+  state_->list_bodies();
+  // Contacts name bodies by pointer: none may outlive its body. What leaned on it must move.
+  for (RigidBody* body : state_->rigid_bodies) {
+    const auto gone = [&](const ContactPatch& patch) { return patch.other_id == object_id; };
+    const bool leaned = std::erase_if(body->patches, gone) > 0;
+    std::erase_if(body->previous_patches, gone);
+    if (leaned) state_->find(body->object_id)->wake();
+  }
+  for (RigidBody* body : state_->rigid_bodies) {
+    if (body->pushed_by_owner) state_->find(body->object_id)->wake();
+  }
+}
+
+void World::set_force(uint64_t force_id, uint32_t object_id, const PointForce& force) {
+  WorldObject* object = state_->find(object_id);
+  if (!object) return;
+  object->wake();
+  state_->forces[force_id] = {object_id, force};
+}
+
+void World::clear_force(uint64_t force_id) {
+  const auto found = state_->forces.find(force_id);
+  if (found == state_->forces.end()) return;
+  if (WorldObject* object = state_->find(found->second.object_id)) object->wake();
+  state_->forces.erase(found);
+}
+
+void World::set_spring(uint64_t spring_id, uint32_t object_id, const Spring& spring) {
+  if (!state_->find(object_id)) return;
+  HeldSpring& held = state_->springs[spring_id];
+  if (held.object_id != object_id) held.force_n.setZero();
+  held.object_id = object_id;
+  held.spring = spring;
+}
+
+void World::clear_spring(uint64_t spring_id) { state_->springs.erase(spring_id); }
+
+Eigen::Vector3d World::spring_force_n(uint64_t spring_id) const {
+  const auto found = state_->springs.find(spring_id);
+  return found == state_->springs.end() ? Eigen::Vector3d::Zero().eval() : found->second.force_n;
+}
+
+Result<void> World::set_material(uint32_t object_id, const Material& material) {
+  WorldObject* object = state_->find(object_id);
+  if (!object) return not_found("object " + std::to_string(object_id) + ": there is none of this id");
+  const Material* present = this->material(object_id);
+  if (present->behavior != material.behavior) {
+    return invalid_argument("object " + std::to_string(object_id) +
+                            ": behavior cannot change; remove the object and add it anew");
+  }
+  if (StaticObject* fixed = object->fixed()) {
+    fixed->material = material;
+    return {};
+  }
+  if (auto checked = check_material(object_id, material); !checked) return checked;
+  if (RigidObject* rigid = object->rigid()) {
+    const Eigen::Vector3d spin = rigid->body->angular_velocity_rad_s;
+    rigid->material = material;
+    rigid->body->mass_kg = material.mass_kg;
+    rigid->body->friction = material.friction;
+    rigid->body->restitution = material.restitution;
+    rigid->body->set_angular_velocity(spin);
+  } else {
+    object->elastic()->body->set_material(material);
+  }
+  object->wake();
+  return {};
+}
+
+const Material* World::material(uint32_t object_id) const {
+  const WorldObject* object = state_->find(object_id);
+  if (!object) return nullptr;
+  if (const StaticObject* fixed = object->fixed()) return &fixed->material;
+  if (const RigidObject* rigid = object->rigid()) return &rigid->material;
+  return &object->elastic()->body->material();
+}
+
+std::vector<WorldEvent> World::take_events() { return std::exchange(state_->events, {}); }
+
+}  // namespace livegs

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "core/result.h"
+#include "physics/world.h"
+
+// What the world refuses, at its door: values that are not physical. Messages name the object, the field and the range.
+
+namespace livegs {
+
+Result<void> check_settings(const WorldSettings& settings);
+Result<void> check_pose(uint32_t object_id, const Pose& pose);
+Result<void> check_material(uint32_t object_id, const Material& material);
+Result<void> check_rigid(const RigidBodyDescription& description);
+Result<void> check_ball(const BallDescription& description);
+Result<void> check_elastic(const ElasticBodyDescription& description);
+
+}  // namespace livegs

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
+
+#include "core/assert.h"
+#include "physics/rigid_ray_cast.h"
+#include "physics/world_state.h"
+
+namespace livegs {
+
+std::optional<RayHit> World::ray_cast(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
+                                      double max_distance_m) const {
+  std::optional<RayHit> nearest;
+  const auto offer = [&](uint32_t id, double distance, const Eigen::Vector3d& rest_point) {
+    if (distance > max_distance_m || (nearest && nearest->distance_m <= distance)) return;
+    nearest = RayHit{id, distance, rest_point};
+  };
+  for (const auto& [id, object] : state_->objects) {
+    if (const RigidObject* rigid = object.rigid()) {
+      if (const auto distance = livegs::ray_cast(*rigid->body, origin_m, direction)) {
+        const Eigen::Vector3d point = origin_m + *distance * direction;
+        offer(id, *distance, rigid->body->world_from_body.inverse() * point + rigid->centre_of_mass_m);
+      }
+    } else if (const ElasticObject* elastic = object.elastic()) {
+      if (const auto hit = elastic->body->ray_cast(origin_m, direction)) {
+        offer(id, hit->distance_m, hit->rest_point_m);
+      }
+    }
+  }
+  return nearest;
+}
+
+Eigen::Vector3d World::world_point(uint32_t object_id, const Eigen::Vector3d& rest_point_m) const {
+  const WorldObject* object = state_->find(object_id);
+  if (!object) return rest_point_m;
+  if (const StaticObject* fixed = object->fixed()) return fixed->world_from_object * rest_point_m;
+  if (const RigidObject* rigid = object->rigid()) {
+    return rigid->body->world_from_body * Eigen::Vector3d(rest_point_m - rigid->centre_of_mass_m);
+  }
+  return object->elastic()->body->world_point(rest_point_m);
+}
+
+RestBody World::rest_body(uint32_t object_id) const {
+  const WorldObject* object = state_->find(object_id);
+  LIVEGS_ASSERT(object != nullptr);
+  if (const ElasticObject* elastic = object->elastic()) return elastic->body->rest_body();
+  RestBody rest;
+  rest.kind = DriverKind::Rigid;
+  Pose object_from_body;
+  if (const RigidObject* rigid = object->rigid()) object_from_body.position_m = rigid->centre_of_mass_m;
+  rest.bodies.push_back(object_from_body);
+  return rest;
+}
+
+DriverFrame World::drivers() const {
+  DriverFrame frame;
+  frame.tick = state_->tick;
+  frame.simulated_ns = std::llround(static_cast<double>(state_->tick) * 1e9 / state_->settings.rate_hz);
+  for (const auto& [id, object] : state_->objects) {
+    ObjectDrivers drivers;
+    if (const ElasticObject* elastic = object.elastic()) elastic->body->write_drivers(drivers);
+    if (const RigidObject* rigid = object.rigid()) drivers.poses.push_back(rigid->body->world_from_body);
+    if (const StaticObject* fixed = object.fixed()) drivers.poses.push_back(fixed->world_from_object);
+    drivers.object_id = id;
+    drivers.asleep = object.asleep();
+    frame.objects.push_back(std::move(drivers));
+  }
+  return frame;
+}
+
+std::vector<BodyState> World::bodies() const {
+  std::vector<BodyState> bodies;
+  for (const auto& [id, object] : state_->objects) {
+    BodyState state;
+    state.object_id = id;
+    state.asleep = object.asleep();
+    state.velocity_m_s.setZero();
+    state.angular_velocity_rad_s.setZero();
+    if (const StaticObject* fixed = object.fixed()) {
+      state.world_from_body = fixed->world_from_object;
+    } else if (const RigidObject* rigid = object.rigid()) {
+      state.world_from_body = rigid->body->world_from_body;
+      state.velocity_m_s = rigid->body->velocity_m_s;
+      state.angular_velocity_rad_s = rigid->body->angular_velocity_rad_s;
+      state.mass_kg = rigid->body->mass_kg;
+    } else {
+      const ElasticBody& body = *object.elastic()->body;
+      state.world_from_body = body.centre_pose();
+      state.velocity_m_s = body.velocity_m_s();
+      state.angular_velocity_rad_s = body.angular_velocity_rad_s();
+      state.mass_kg = body.material().mass_kg;
+    }
+    bodies.push_back(state);
+  }
+  return bodies;
+}
+
+const ElasticBody* World::elastic_body(uint32_t object_id) const {
+  const WorldObject* object = state_->find(object_id);
+  return object && object->elastic() ? object->elastic()->body.get() : nullptr;
+}
+
+BodyEnergy World::energy() const {
+  BodyEnergy total;
+  for (const auto& [id, object] : state_->objects) {
+    if (const RigidObject* rigid = object.rigid()) {
+      const RigidBody& body = *rigid->body;
+      const Eigen::Vector3d momentum = body.mass_kg * body.velocity_m_s;
+      total.kinetic_j += body.kinetic_j();
+      total.gravity_j -= body.mass_kg * state_->settings.gravity_m_s2.dot(body.world_from_body.position_m);
+      total.linear_momentum += momentum;
+      total.angular_momentum += body.world_from_body.position_m.cross(momentum) + body.angular_momentum;
+    } else if (const ElasticObject* elastic = object.elastic()) {
+      const BodyEnergy energy = elastic->body->energy(state_->settings.gravity_m_s2);
+      total.kinetic_j += energy.kinetic_j;
+      total.elastic_j += energy.elastic_j;
+      total.gravity_j += energy.gravity_j;
+      total.linear_momentum += energy.linear_momentum;
+      total.angular_momentum += energy.angular_momentum;
+    }
+  }
+  return total;
+}
+
+}  // namespace livegs

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+
+#include "core/clock.h"
+#include "core/parallel_for.h"
+#include "physics/spring.h"
+#include "physics/world_state.h"
+
+namespace livegs {
+namespace {
+
+Eigen::Vector3d arm_of(const RigidObject& object, const Eigen::Vector3d& rest_point_m) {
+  return object.body->world_from_body.orientation * (rest_point_m - object.centre_of_mass_m);
+}
+
+double mass_of(const ElasticObject& object) { return object.body->material().mass_kg; }
+
+}  // namespace
+
+// Forces and springs, as they are at the start of the substep.
+void World::State::gather_loads(double duration_s) {
+  std::fill(loads.begin(), loads.end(), RigidLoad{});
+  for (ElasticObject* elastic : elastic_objects) elastic->forces.clear();
+
+  const auto push = [&](WorldObject& object, const Eigen::Vector3d& rest_point, const Eigen::Vector3d& force) {
+    if (ElasticObject* elastic = object.elastic()) elastic->forces.push_back({rest_point, force});
+    if (RigidObject* rigid = object.rigid()) {
+      const auto at = std::lower_bound(rigid_bodies.begin(), rigid_bodies.end(), rigid->body->object_id,
+                                       [](const RigidBody* body, uint32_t id) { return body->object_id < id; });
+      RigidLoad& load = loads[static_cast<size_t>(at - rigid_bodies.begin())];
+      load.impulse_n_s += duration_s * force;
+      load.angular_impulse += duration_s * arm_of(*rigid, rest_point).cross(force);
+    }
+  };
+  for (const auto& [id, held] : forces) {
+    if (WorldObject* object = find(held.object_id)) push(*object, held.force.point_m, held.force.force_n);
+  }
+  for (auto& [id, held] : springs) {
+    held.force_n.setZero();
+    WorldObject* object = find(held.object_id);
+    if (!object || object->fixed()) continue;
+    object->wake();
+    if (const RigidObject* rigid = object->rigid()) {
+      held.force_n = spring_force(held.spring, *rigid->body, arm_of(*rigid, held.spring.rest_point_m), duration_s);
+    } else {
+      held.force_n = spring_force(held.spring, *object->elastic()->body, mass_of(*object->elastic()), duration_s);
+    }
+    push(*object, held.spring.rest_point_m, held.force_n);
+  }
+}
+
+// The body's own copies of the balls it may touch. A sleeper that a ball comes to wakes.
+void World::State::meet_balls(ElasticObject& elastic, double duration_s) {
+  elastic.spheres.clear();
+  elastic.sphere_owners.clear();
+  const Eigen::Vector3d centre = elastic.body->centre_pose().position_m;
+  // A soft body may be drawn out to twice its length while it is held.
+  const double reach = 2.0 * elastic.reach_m;
+  for (RigidBody* body : rigid_bodies) {
+    if (!body->shape.is_ball() || body->asleep) continue;
+    const double radius = body->shape.sphere_radius_m;
+    const Eigen::Vector3d& position = body->world_from_body.position_m;
+    if ((position - centre).norm() > reach + radius + duration_s * body->velocity_m_s.norm()) continue;
+    elastic.spheres.push_back({position, body->velocity_m_s, radius, body->mass_kg, body->friction,
+                               body->restitution, Eigen::Vector3d::Zero()});
+    elastic.sphere_owners.push_back(body);
+  }
+  if (!elastic.spheres.empty() && elastic.body->asleep()) elastic.body->wake();
+}
+
+void World::State::step_elastic(double duration_s) {
+  for (ElasticObject* elastic : elastic_objects) meet_balls(*elastic, duration_s);
+  parallel_for(elastic_objects.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      ElasticObject& elastic = *elastic_objects[i];
+      if (elastic.body->asleep()) continue;
+      SubstepContext context;
+      context.duration_s = duration_s;
+      context.gravity_m_s2 = settings.gravity_m_s2;
+      context.colliders = colliders;
+      context.spheres = elastic.spheres;
+      context.forces = elastic.forces;
+      elastic.body->substep(context);
+    }
+  });
+  // In body order, so that the sum does not depend on threads.
+  for (ElasticObject* elastic : elastic_objects) {
+    for (size_t i = 0; i < elastic->spheres.size(); ++i) {
+      const MovingSphere& sphere = elastic->spheres[i];
+      RigidBody& ball = *elastic->sphere_owners[i];
+      const auto at = std::lower_bound(rigid_bodies.begin(), rigid_bodies.end(), ball.object_id,
+                                       [](const RigidBody* body, uint32_t id) { return body->object_id < id; });
+      loads[static_cast<size_t>(at - rigid_bodies.begin())].impulse_n_s += sphere.impulse_n_s;
+      const double size = sphere.impulse_n_s.norm();
+      elastic->contact_impulse_n_s += size;
+      elastic->contact_moment += size * ball.world_from_body.position_m;
+      ball.contact_impulse_n_s += size;
+      ball.contact_moment += size * ball.world_from_body.position_m;
+    }
+  }
+}
+
+void World::State::report_contacts() {
+  const auto report = [&](uint32_t id, double& impulse, Eigen::Vector3d& moment) {
+    if (impulse > kReportedImpulse_n_s) {
+      events.push_back({tick, WorldEventKind::Contact, id, impulse, moment / impulse});
+    }
+    impulse = 0.0;
+    moment.setZero();
+  };
+  for (auto& [id, object] : objects) {
+    if (RigidObject* rigid = object.rigid()) {
+      report(id, rigid->body->contact_impulse_n_s, rigid->body->contact_moment);
+    } else if (ElasticObject* elastic = object.elastic()) {
+      report(id, elastic->contact_impulse_n_s, elastic->contact_moment);
+    }
+  }
+}
+
+void World::State::report_sleep() {
+  for (auto& [id, object] : objects) {
+    const bool asleep = object.asleep();
+    if (asleep == object.reported_asleep) continue;
+    object.reported_asleep = asleep;
+    WorldEvent event;
+    event.tick = tick;
+    event.kind = asleep ? WorldEventKind::Sleep : WorldEventKind::Wake;
+    event.object_id = id;
+    if (const RigidObject* rigid = object.rigid()) event.point_m = rigid->body->world_from_body.position_m;
+    if (const ElasticObject* elastic = object.elastic()) event.point_m = elastic->body->centre_pose().position_m;
+    events.push_back(event);
+  }
+}
+
+void World::step() {
+  State& state = *state_;
+  const int64_t begin_ns = now_ns();
+  const double tick_s = 1.0 / state.settings.rate_hz;
+  const double duration_s = tick_s / state.settings.substeps;
+  state.times = {};
+  ++state.tick;
+  for (int substep = 0; substep < state.settings.substeps; ++substep) {
+    state.gather_loads(duration_s);
+    const int64_t elastic_ns = now_ns();
+    state.step_elastic(duration_s);
+    const int64_t rigid_ns = now_ns();
+    step_rigid_bodies(state.rigid_bodies, state.loads, state.colliders, state.settings.gravity_m_s2, duration_s);
+    state.times.elastic_ms += milliseconds_from_ns(rigid_ns - elastic_ns);
+    state.times.rigid_ms += milliseconds_from_ns(now_ns() - rigid_ns);
+  }
+  const int64_t end_ns = now_ns();
+  parallel_for(state.elastic_objects.size(), 1, [&](size_t first, size_t last) {
+    for (size_t i = first; i < last; ++i) state.elastic_objects[i]->body->end_frame(tick_s);
+  });
+  state.times.elastic_ms += milliseconds_from_ns(now_ns() - end_ns);
+  if (state.settings.sleep) update_sleep(state.rigid_bodies, tick_s);
+  state.report_contacts();
+  state.report_sleep();
+  if (state.events.size() > kMaxKeptEvents) {
+    state.events.erase(state.events.begin(), state.events.end() - static_cast<ptrdiff_t>(kMaxKeptEvents));
+  }
+  state.times.total_ms = milliseconds_from_ns(now_ns() - begin_ns);
+}
+
+}  // namespace livegs
