@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
+#include "core/parallel_for.h"
 #include "sample/colour.h"
 #include "sample/lobe_to_sh.h"
 #include "sample/noise.h"
@@ -15,12 +17,13 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr int kSkyDirections = 48;
-constexpr int kKeyDirections = 5;
+constexpr int kSkyDirections = 36;
+constexpr int kKeyDirections = 9;
+constexpr int kDirectionSets = 16;
 
-const Vector3d kKeyColour(1.02, 0.95, 0.85);
-const Vector3d kSkyColour(0.56, 0.60, 0.66);     // straight up
-const Vector3d kHorizonColour(0.46, 0.45, 0.44);
+const Vector3d kKeyColour(0.92, 0.85, 0.76);
+const Vector3d kSkyColour(0.62, 0.65, 0.70);     // straight up
+const Vector3d kHorizonColour(0.50, 0.49, 0.47);
 const Vector3d kFloorColour(0.25, 0.22, 0.19);   // light back from the floor, away from the object
 
 struct Directions {
@@ -28,16 +31,18 @@ struct Directions {
   std::array<Vector3d, kKeyDirections> key;
 };
 
-// A Fibonacci sphere for the sky; a small disc about the key direction for the window.
-Directions make_directions() {
+// A Fibonacci sphere for the sky; a small disc about the key direction for the window. Sets are turned against each
+// other, so that the edges of single directions become grain finer than the texture instead of steps.
+Directions make_directions(int set) {
   Directions d;
+  const double turn = 2 * kPi * set / kDirectionSets;
   for (int i = 0; i < kSkyDirections; ++i) {
-    const double y = 1 - (2 * i + 1.0) / kSkyDirections, r = std::sqrt(1 - y * y), a = 2.399963229728653 * i;
+    const double y = 1 - (2 * i + 1.0) / kSkyDirections, r = std::sqrt(1 - y * y), a = 2.399963229728653 * i + turn;
     d.sky[i] = Vector3d(r * std::cos(a), y, r * std::sin(a));
   }
   const Vector3d key = key_direction(), side = key.unitOrthogonal(), other = key.cross(side);
   for (int i = 0; i < kKeyDirections; ++i) {
-    const double r = i == 0 ? 0.0 : 0.22, a = 2 * kPi * i / (kKeyDirections - 1);
+    const double r = 0.24 * std::sqrt((i + 0.5) / kKeyDirections), a = 2.399963229728653 * i + turn;
     d.key[i] = (key + r * std::cos(a) * side + r * std::sin(a) * other).normalized();
   }
   return d;
@@ -53,20 +58,24 @@ struct Light {
 class Illumination {
  public:
   Illumination(const SurfaceSamples& samples, const BakeOptions& options)
-      : grid_(samples, options.occlusion_cells), options_(options), directions_(make_directions()) {}
+      : options_(options) {
+    for (int set = 0; set < kDirectionSets; ++set) directions_[set] = make_directions(set);
+    if (options.occlusion_cells > 0) grid_.emplace(samples, options.occlusion_cells);
+  }
 
-  Light at(const Vector3d& point_m, const Vector3d& face, const Vector3d& normal) const {
+  Light at(const Vector3d& point_m, const Vector3d& face, const Vector3d& normal, size_t set) const {
+    const Directions& directions = directions_[set % kDirectionSets];
     Light light{Vector3d::Zero(), 0.0, 0.0};
     double weights = 0.0;
     const double contact = 1 - std::exp(-std::max(0.0, point_m.y()) / options_.contact_height_m);
-    for (const Vector3d& d : directions_.sky) {
+    for (const Vector3d& d : directions.sky) {
       const double cosine = normal.dot(d);
       if (cosine <= 0.02 || face.dot(d) <= 0.0) continue;
-      const double seen = grid_.transmittance(point_m, face, d);
+      const double visible = seen(point_m, face, d);
       const Vector3d from = d.y() >= 0 ? blend(kHorizonColour, kSkyColour, d.y())
                                        : Vector3d(kFloorColour * contact);
-      light.diffuse += cosine * seen * from;
-      light.sky_visibility += cosine * seen;
+      light.diffuse += cosine * visible * from;
+      light.sky_visibility += cosine * visible;
       weights += cosine;
     }
     // Light that was blocked has bounced inside the object; a tenth of it comes back.
@@ -75,8 +84,8 @@ class Illumination {
       light.diffuse = light.diffuse / weights + (1 - light.sky_visibility) * Vector3d(0.055, 0.050, 0.045);
     }
     double key = 0.0;
-    for (const Vector3d& d : directions_.key)
-      if (face.dot(d) > -0.05) key += grid_.transmittance(point_m, face, d) / kKeyDirections;
+    for (const Vector3d& d : directions.key)
+      if (face.dot(d) > -0.05) key += seen(point_m, face, d) / kKeyDirections;
     light.key_visibility = key;
     // A window is wide: light wraps a little past the terminator.
     const double wrapped = std::max(0.0, (normal.dot(key_direction()) + 0.15) / 1.15);
@@ -85,9 +94,13 @@ class Illumination {
   }
 
  private:
-  OcclusionGrid grid_;
+  double seen(const Vector3d& point_m, const Vector3d& face, const Vector3d& direction) const {
+    return grid_ ? grid_->transmittance(point_m, face, direction) : 1.0;
+  }
+
+  std::optional<OcclusionGrid> grid_;
   BakeOptions options_;
-  Directions directions_;
+  std::array<Directions, kDirectionSets> directions_;
 };
 
 // Half a turn about x: y up to -Y up, z towards the viewer to z forward.
@@ -132,21 +145,24 @@ GaussianAsset bake_kernels(const SurfaceSamples& samples, const Material& materi
   asset.sh_degree = options.sh_degree;
   asset.resize(samples.size());
   const size_t rest_count = asset.sh_rest_count();
-  // A second, dimmer reflection: the bright room opposite the window.
+  // The window is tall: upright things mirror its lower half. Opposite it, dimmer, the bright room.
+  const Vector3d window_direction = Vector3d(0.62, 0.24, 0.72).normalized();
   const Vector3d fill_direction = Vector3d(-0.7, 0.45, 0.55).normalized();
-  std::vector<Vector3d> rest(rest_count);
-  for (size_t i = 0; i < samples.size(); ++i) {
+  std::vector<std::array<double, 2>> jitter(samples.size());  // of size and opacity, drawn in order
+  for (auto& j : jitter) j = {random.uniform(-1, 1), random.uniform(-1, 1)};
+  const auto bake_one = [&](size_t i, std::vector<Vector3d>& rest) {
     const SurfaceSample& s = samples[i];
     const Appearance a = material(s);
     const Vector3d normal = (s.normal + a.bump).normalized();
-    const Light front = illumination.at(s.position_m, s.normal, normal);
+    const Light front = illumination.at(s.position_m, s.normal, normal, i);
     Vector3d front_radiance = options.exposure * front.diffuse.cwiseProduct(a.albedo);
+    front_radiance += a.subsurface * front.sky_visibility * (1 - std::min(1.0, front.diffuse.mean()));
 
     Vector3d dc = Vector3d::Zero();
     std::fill(rest.begin(), rest.end(), Vector3d::Zero());
     Vector3d display;
     if (a.two_sided) {
-      const Light back = illumination.at(s.position_m, -s.normal, -normal);
+      const Light back = illumination.at(s.position_m, -s.normal, -normal, i);
       const Vector3d leaf_light(0.75, 1.0, 0.25);  // what passes through a leaf is yellow-green
       Vector3d back_radiance = options.exposure * back.diffuse.cwiseProduct(a.back_albedo);
       const Vector3d through_front = a.translucency * back.diffuse.cwiseProduct(a.albedo).cwiseProduct(leaf_light);
@@ -167,6 +183,10 @@ GaussianAsset bake_kernels(const SurfaceSamples& samples, const Material& materi
       if (key > 0.01)
         add_lobe(lobe, asset_from_model(-reflect(key_direction(), normal)), a.gloss * key * Vector3d(1, 0.98, 0.94), dc,
                  rest);
+      const double window = smooth_step(-0.05, 0.3, normal.dot(window_direction)) * (0.3 + 0.7 * front.key_visibility);
+      if (window > 0.01)
+        add_lobe(lobe, asset_from_model(-reflect(window_direction, normal)),
+                 0.75 * a.gloss * window * Vector3d(1, 0.99, 0.96), dc, rest);
       const double fill = smooth_step(-0.05, 0.4, normal.dot(fill_direction)) * front.sky_visibility;
       if (fill > 0.01)
         add_lobe(lobe, asset_from_model(-reflect(fill_direction, normal)),
@@ -182,15 +202,19 @@ GaussianAsset bake_kernels(const SurfaceSamples& samples, const Material& materi
     axes.col(1) = axes.col(2).cross(axes.col(0));
     asset.rotations[i] = Eigen::Quaterniond(axes).normalized().cast<float>();
     asset.rotations[i].normalize();
-    const double size_m = a.overlap * s.spacing_m * (1 + 0.06 * random.uniform(-1, 1));
+    const double size_m = a.overlap * s.spacing_m * (1 + 0.06 * jitter[i][0]);
     const double along_m = size_m * s.stretch * std::sqrt(a.elongation), across_m = size_m / std::sqrt(a.elongation);
     asset.log_scales[i] =
         Vector3d(std::log(along_m), std::log(across_m), std::log(a.flatness * across_m)).cast<float>();
-    const double opacity = std::clamp(a.opacity + 0.02 * random.uniform(-1, 1), 0.05, 0.99);
+    const double opacity = std::clamp(a.opacity + 0.02 * jitter[i][1], 0.05, 0.99);
     asset.opacity_logits[i] = static_cast<float>(std::log(opacity / (1 - opacity)));
     asset.sh_dc[i] = dc.cast<float>();
     for (size_t k = 0; k < rest_count; ++k) asset.sh_rest[i * rest_count + k] = rest[k].cast<float>();
-  }
+  };
+  parallel_for(samples.size(), 1024, [&](size_t begin, size_t end) {
+    std::vector<Vector3d> rest(rest_count);
+    for (size_t i = begin; i < end; ++i) bake_one(i, rest);
+  });
   return asset;
 }
 

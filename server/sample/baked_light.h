@@ -19,7 +19,8 @@ struct Appearance {
   double translucency = 0.0;  // share of the light from behind that a leaf lets through
   double gloss = 0.0;         // height of the highlight, display units
   double gloss_width = 0.25;  // how rough: 0.05 polished glaze, 0.5 satin
-  double sheen = 0.0;         // grazing brightening of fibres or a clear coat, display units
+  Eigen::Vector3d subsurface{0, 0, 0};  // light that wanders inside and fills the shadows, linear
+  double sheen = 0.0;         // grazing brightening of a clear coat, display units; needs degree 2
   double opacity = 0.96;
   double flatness = 0.15;     // thickness over tangential size
   double overlap = 0.78;      // standard deviation over spacing: 0.6 crisp, 0.9 closed
@@ -28,16 +29,17 @@ struct Appearance {
   Eigen::Vector3d bump{0, 0, 0};  // added to the normal for shading only
 };
 
+// Called from several threads at once.
 using Material = std::function<Appearance(const SurfaceSample&)>;
 
 struct BakeOptions {
   int sh_degree = 2;
   double contact_height_m = 0.02;  // over which light from the floor fades in above the plane y = 0
   double exposure = 1.0;
-  int occlusion_cells = 72;
+  int occlusion_cells = 72;  // 0: nothing shades anything (the material brings its own)
 };
 
-// One light for all objects, so that they belong together: a large window to the right of and before the object
+// One light for all objects, so that they belong together: a tall window to the right of and before the object
 // (key), a cool sky above, warm light back from the floor.
 Eigen::Vector3d key_direction();  // unit, from the object to the window, modelling frame
 

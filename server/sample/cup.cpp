@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A thrown stoneware cup: bare clay foot, speckled cream glaze with two painted cobalt rings, celadon inside.
+#include <algorithm>
 #include <cmath>
 
 #include "sample/baked_light.h"
@@ -34,11 +35,11 @@ class CupGlaze {
     const Vector3d p = s.position_m;
     const bool inside = s.part == kBody && s.v > kInsideStarts;
     Appearance a;
-    a.gloss = 0.42;
+    a.gloss = 0.40;
     a.gloss_width = 0.10;
     a.sheen = 0.16;
     a.opacity = 0.97;
-    a.overlap = 0.72;
+    a.overlap = 0.75;
     const double cloud = fractal_noise(p / 0.018, 3, seed_);
     if (inside) {
       // Celadon pools darker and bluer towards the bottom.
@@ -46,7 +47,7 @@ class CupGlaze {
       a.albedo = blend(linear_from_hex(0xC3DDD0), linear_from_hex(0x6FA79C), depth);
       a.albedo *= 1 + 0.05 * cloud;
     } else {
-      a.albedo = linear_from_hex(0xEFE6D6) * (1 + 0.035 * cloud);
+      a.albedo = linear_from_hex(0xE4D8C2) * (1 + 0.035 * cloud);
     }
     speckle(p, a);
     if (!inside) paint(p, s.part, a);
@@ -68,12 +69,10 @@ class CupGlaze {
 
   // Cobalt by brush: edges waver, the colour thins where the brush ran dry.
   void paint(const Vector3d& p, int part, Appearance& a) const {
-    if (part == kHandle) {
-      return;
-    }
+    if (part == kHandle) return;
     const double angle = std::atan2(p.x(), p.z());
     const Vector3d around(2.2 * std::cos(angle), 2.2 * std::sin(angle), 0.0);
-    const double waver_m = 0.0006 * fractal_noise(around * 2.0, 3, seed_ + 41);
+    const double waver_m = 0.0006 * fractal_noise(around * 2.0, 2, seed_ + 41);
     const double height_m = p.y() + waver_m;
     const double broad = smooth_step(0.0040, 0.0034, std::abs(height_m - 0.0800));
     const double thin = smooth_step(0.0011, 0.0006, std::abs(height_m - 0.0722));
@@ -107,11 +106,19 @@ GaussianAsset make_cup(uint64_t seed) {
   // Thrown by hand: a trace out of round.
   const double oval = 0.004 + 0.004 * random.uniform(), turn = random.uniform(0, 6.28);
   SurfaceSamples samples;
-  ParametricSurface body = lathe(profile, 0.00098, kBody);
+  ParametricSurface body = lathe(profile, 0.00104, kBody);
   body.position_m = [profile, oval, turn](double u, double v) {
     Vector3d p = profile.turned(v, u);
     const double round = 1 + oval * std::cos(2 * (u - turn));
     return Vector3d(p.x() * round, p.y(), p.z() * round);
+  };
+  // Finer where the brush lines and the lip are.
+  body.refinement = [profile](double, double v) {
+    const double y = profile.at(v).y();
+    if (v > kInsideStarts) return 1.0;
+    const double edge_m = std::min({std::abs(y - 0.0762), std::abs(y - 0.0838), std::abs(y - 0.0722),
+                                    std::abs(y - 0.0315)});
+    return 0.66 + 0.34 * smooth_step(0.0012, 0.0026, edge_m);
   };
   sample_surface(body, random, samples);
 
@@ -133,6 +140,7 @@ GaussianAsset make_cup(uint64_t seed) {
   BakeOptions options;
   options.sh_degree = 3;
   options.contact_height_m = 0.008;
+  options.exposure = 0.96;
   GaussianAsset asset = bake_kernels(samples, CupGlaze(seed), options, random);
   stand_at_origin(asset);
   return asset;

@@ -34,10 +34,10 @@ bool DartBoard::take(const Eigen::Vector3d& point, const Eigen::Vector3d& normal
 
 bool DartBoard::fill(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double radius) {
   // Kernels of standard deviation 0.75 radius and opacity 0.95; a hole is where more than 5 % passes.
-  constexpr double kSigma = 0.75, kOpacity = 0.95, kClosedDepth = 3.0;
+  constexpr double kSigma = 0.75, kOpacity = 0.95, kClosed = 0.05;
   const Eigen::Vector3d cell = (point / cell_).array().floor();
   const auto x = static_cast<int64_t>(cell.x()), y = static_cast<int64_t>(cell.y()), z = static_cast<int64_t>(cell.z());
-  double depth = 0.0;
+  double transmittance = 1.0;
   for (int64_t dz = -1; dz <= 1; ++dz)
     for (int64_t dy = -1; dy <= 1; ++dy)
       for (int64_t dx = -1; dx <= 1; ++dx)
@@ -46,8 +46,8 @@ bool DartBoard::fill(const Eigen::Vector3d& point, const Eigen::Vector3d& normal
           if (dart.normal.dot(normal) <= 0.0) continue;
           const double sigma = kSigma * dart.radius;
           const double power = 0.5 * (dart.point - point).squaredNorm() / (sigma * sigma);
-          if (power < 6.0) depth -= std::log1p(-kOpacity * std::exp(-power));
-          if (depth > kClosedDepth) return false;
+          if (power < 5.0) transmittance *= 1.0 - kOpacity * std::exp(-power);
+          if (transmittance < kClosed) return false;
         }
   add(point, normal, radius);
   return true;

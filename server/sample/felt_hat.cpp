@@ -65,17 +65,16 @@ class HatCloth {
   Appearance felt(const SurfaceSample& s) const {
     const Vector3d& p = s.position_m;
     Appearance a;
-    const double cloud = fractal_noise(p / 0.03, 3, seed_), fibre = fractal_noise(p / 0.0028, 2, seed_ + 3);
-    a.albedo = linear_from_hex(0x8A3A3E) * (1 + 0.10 * cloud + 0.17 * fibre);
+    const double cloud = fractal_noise(p / 0.03, 3, seed_), fibre = fractal_noise(p / 0.0019, 2, seed_ + 3);
+    a.albedo = linear_from_hex(0x782C33) * (1 + 0.10 * cloud + 0.13 * fibre);
     const double stray = lattice_random(static_cast<int64_t>(std::floor(p.x() / 0.0013)),
                                         static_cast<int64_t>(std::floor(p.y() / 0.0013)),
                                         static_cast<int64_t>(std::floor(p.z() / 0.0013)), seed_ + 5);
-    if (stray > 0.94) a.albedo = blend(a.albedo, linear_from_hex(0xB4686A), 0.45);
-    if (stray < 0.06) a.albedo = blend(a.albedo, linear_from_hex(0x4C1E24), 0.45);
-    a.sheen = 0.16;
+    if (stray > 0.94) a.albedo = blend(a.albedo, linear_from_hex(0xA25A5E), 0.18);
+    if (stray < 0.06) a.albedo = blend(a.albedo, linear_from_hex(0x481A20), 0.25);
     a.flatness = 0.2;
     a.overlap = 0.80;
-    a.elongation = 1.5;
+    a.elongation = 1.9;
     a.across = stray * 8 - std::floor(stray * 8) < 0.5;
     a.bump = 0.12 * Vector3d(value_noise(p / 0.004, seed_ + 6), value_noise(p / 0.004, seed_ + 7),
                              value_noise(p / 0.004, seed_ + 8));
@@ -104,11 +103,10 @@ class HatCloth {
     const Vector3d& p = s.position_m;
     Appearance a;
     const double rib = s.part == kRibbon ? std::sin(s.u * 290) : std::sin(s.u * (s.part == kKnot ? 40 : 150));
-    a.albedo = linear_from_hex(0x35262E) * (1 + 0.28 * rib + 0.10 * fractal_noise(p / 0.003, 2, seed_ + 31));
-    if (s.part != kKnot && (s.v < 0.07 || s.v > 0.93)) a.albedo *= 1.45;  // selvedge
+    a.albedo = linear_from_hex(0x2B2430) * (1 + 0.28 * rib + 0.10 * fractal_noise(p / 0.003, 2, seed_ + 31));
+    if (s.part != kKnot && (s.v < 0.07 || s.v > 0.93)) a.albedo *= 1.9;  // selvedge
     a.gloss = 0.10;
     a.gloss_width = 0.4;
-    a.sheen = 0.08;
     a.overlap = 0.74;
     return a;
   }
@@ -136,6 +134,7 @@ GaussianAsset make_felt_hat(uint64_t seed) {
   ParametricSurface felt = lathe(profile, 0.0023, kFelt);
   felt.position_m = [profile, shaped](double u, double v) { return shaped(profile.turned(v, u)); };
   felt.cells_u = 128;
+  felt.refinement = [brim_edge](double, double v) { return v < brim_edge - 0.02 ? 1.0 : 0.88; };
   sample_surface(felt, random, samples);
 
   // The ribbon hugs the crown 1.2 mm off the felt, its edges turned in.
@@ -163,7 +162,7 @@ GaussianAsset make_felt_hat(uint64_t seed) {
     const double waist = 0.62 + 0.38 * smooth_step(0.05, 0.6, std::abs(u));
     const double y = 0.5 * (low_m + high_m) + (v - 0.5) * 0.0265 * waist;
     const double tip = 1 - 0.16 * (2 * std::abs(v - 0.5));  // swallow-tail ends
-    const double bulge_m = 0.0032 * std::sin(3.14159 * std::min(1.0, std::abs(u))) + 0.0022;
+    const double bulge_m = 0.0050 * std::sin(3.14159 * std::min(1.0, std::abs(u))) + 0.0022;
     const double off_m = bulge_m * (1 - 0.25 * std::pow(2 * v - 1, 2.0));
     const double angle = middle + 0.34 * u * tip, r = crown_radius_m(y) + off_m;
     return shaped({r * std::sin(angle), y, r * std::cos(angle)});

@@ -18,7 +18,7 @@ OcclusionGrid::OcclusionGrid(const SurfaceSamples& samples, int cells) {
   nx_ = static_cast<int>(span.x()) + 6;
   ny_ = static_cast<int>(span.y()) + 6;
   nz_ = static_cast<int>(span.z()) + 6;
-  density_.assign(static_cast<size_t>(nx_) * ny_ * nz_, 0.0);
+  density_.assign(static_cast<size_t>(nx_) * ny_ * nz_, 0.0f);
   for (const SurfaceSample& s : samples) {
     // A saturated sheet across a cell sums to optical depth 3, shared between the eight nearest cells.
     const double depth = 3.0 * s.spacing_m * s.spacing_m * s.stretch / 0.65 / (cell_m_ * cell_m_);
@@ -28,30 +28,32 @@ OcclusionGrid::OcclusionGrid(const SurfaceSamples& samples, int cells) {
     for (int corner = 0; corner < 8; ++corner) {
       const int dx = corner & 1, dy = (corner >> 1) & 1, dz = corner >> 2;
       cell(static_cast<int>(base.x()) + dx, static_cast<int>(base.y()) + dy, static_cast<int>(base.z()) + dz) +=
-          depth * (dx ? w.x() : 1 - w.x()) * (dy ? w.y() : 1 - w.y()) * (dz ? w.z() : 1 - w.z());
+          static_cast<float>(depth * (dx ? w.x() : 1 - w.x()) * (dy ? w.y() : 1 - w.y()) * (dz ? w.z() : 1 - w.z()));
     }
   }
 }
 
-double OcclusionGrid::density_at(const Eigen::Vector3d& p) const {
-  const double fx = std::floor(p.x()), fy = std::floor(p.y()), fz = std::floor(p.z());
-  const int x = static_cast<int>(fx), y = static_cast<int>(fy), z = static_cast<int>(fz);
-  const double wx = p.x() - fx, wy = p.y() - fy, wz = p.z() - fz;
-  const double* c = &density_[(static_cast<size_t>(z) * ny_ + y) * nx_ + x];
+float OcclusionGrid::density_at(const Eigen::Vector3f& p) const {
+  const int x = static_cast<int>(p.x()), y = static_cast<int>(p.y()), z = static_cast<int>(p.z());
+  const float wx = p.x() - static_cast<float>(x), wy = p.y() - static_cast<float>(y), wz = p.z() - static_cast<float>(z);
+  const float* c = &density_[(static_cast<size_t>(z) * ny_ + y) * nx_ + x];
   const size_t row = static_cast<size_t>(nx_), slab = static_cast<size_t>(nx_) * ny_;
-  const auto line = [&](const double* q) { return q[0] + (q[1] - q[0]) * wx; };
-  const double bottom = line(c) + (line(c + row) - line(c)) * wy;
-  const double top = line(c + slab) + (line(c + slab + row) - line(c + slab)) * wy;
+  const auto line = [&](const float* q) { return q[0] + (q[1] - q[0]) * wx; };
+  const float bottom = line(c) + (line(c + row) - line(c)) * wy;
+  const float top = line(c + slab) + (line(c + slab + row) - line(c + slab)) * wy;
   return bottom + (top - bottom) * wz;
 }
 
 double OcclusionGrid::transmittance(const Eigen::Vector3d& point_m, const Eigen::Vector3d& normal,
                                     const Eigen::Vector3d& direction, double clearance) const {
-  Eigen::Vector3d p = (point_m - low_m_) / cell_m_ - Eigen::Vector3d::Constant(0.5) + clearance * normal;
-  double depth = 0.0, step = 0.9;
-  // Steps grow as the cone of light that a direction stands for widens.
-  for (p += 0.5 * direction; depth < 5.0; p += step * direction, step *= 1.08) {
-    if (p.x() < 0 || p.y() < 0 || p.z() < 0 || p.x() >= nx_ - 1 || p.y() >= ny_ - 1 || p.z() >= nz_ - 1) break;
+  const Eigen::Vector3f toward = direction.cast<float>();
+  Eigen::Vector3f p =
+      ((point_m - low_m_) / cell_m_ - Eigen::Vector3d::Constant(0.5) + clearance * normal).cast<float>();
+  const Eigen::Vector3f end(static_cast<float>(nx_ - 1), static_cast<float>(ny_ - 1), static_cast<float>(nz_ - 1));
+  float depth = 0.0f, step = 0.9f;
+  // Steps grow as the cone of light that a direction stands for widens. Past depth 4 it is dark.
+  for (p += 0.5f * toward; depth < 4.0f; p += step * toward, step *= 1.12f) {
+    if (p.x() < 0 || p.y() < 0 || p.z() < 0 || p.x() >= end.x() || p.y() >= end.y() || p.z() >= end.z()) break;
     depth += step * density_at(p);
   }
   return std::exp(-depth);

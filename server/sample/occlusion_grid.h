@@ -22,13 +22,13 @@ class OcclusionGrid {
   double cell_m() const { return cell_m_; }
 
  private:
-  double density_at(const Eigen::Vector3d& cell_point) const;
-  double& cell(int x, int y, int z) { return density_[(static_cast<size_t>(z) * ny_ + y) * nx_ + x]; }
+  float density_at(const Eigen::Vector3f& cell_point) const;
+  float& cell(int x, int y, int z) { return density_[(static_cast<size_t>(z) * ny_ + y) * nx_ + x]; }
 
   Eigen::Vector3d low_m_;
   double cell_m_ = 1.0;
   int nx_ = 0, ny_ = 0, nz_ = 0;
-  std::vector<double> density_;  // of a crossing of one cell: optical depth
+  std::vector<float> density_;  // of a crossing of one cell: optical depth
 };
 
 }  // namespace livegs::sample

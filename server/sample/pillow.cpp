@@ -16,9 +16,14 @@ using namespace sample;
 using Eigen::Vector3d;
 
 constexpr int kTop = 0, kBottom = 1, kPiping = 2;
-constexpr double kHalf_m = 0.2215;
+constexpr double kHalf_m = 0.2305;
 constexpr double kHalfTurn = 1.5707963267948966;
-constexpr double kSquareness = 12.0;  // exponent of the superellipse that the seam follows
+
+// Stripes, by the distance of their middle from the pillow's own and half their width.
+struct Band {
+  double centre_m, half_m;
+};
+constexpr Band kBands[] = {{0.085, 0.0155}, {0.0590, 0.0035}, {0.1110, 0.0035}};
 
 class PillowShape {
  public:
@@ -29,7 +34,7 @@ class PillowShape {
     const double s = std::sin(kHalfTurn * a), t = std::sin(kHalfTurn * b);
     const double dome = std::cos(kHalfTurn * a) * std::cos(kHalfTurn * b);
     const Vector3d flat = seam_plane(s, t);
-    const double height = 0.088 * std::pow(dome, 0.72) + wrinkles(s, t, dome, seed_);
+    const double height = 0.098 * std::pow(dome, 0.66) + wrinkles(s, t, dome, seed_);
     return {flat.x(), seam_height(s, t) + height, flat.z()};
   }
 
@@ -37,39 +42,40 @@ class PillowShape {
     const double s = std::sin(kHalfTurn * a), t = std::sin(kHalfTurn * b);
     const double dome = std::cos(kHalfTurn * a) * std::cos(kHalfTurn * b);
     const Vector3d flat = seam_plane(s, t);
-    const double sag = 0.085 * std::pow(dome, 0.72) + wrinkles(s, t, dome, seed_ + 5);
+    const double sag = 0.085 * std::pow(dome, 0.66) + wrinkles(s, t, dome, seed_ + 5);
     // Its own weight presses it flat on the floor.
     constexpr double kFlat_m = 0.052;
     const double depth = sag - 0.5 * (sag - kFlat_m + std::sqrt((sag - kFlat_m) * (sag - kFlat_m) + 4e-5));
     return {flat.x(), seam_height(s, t) - std::max(0.0, depth), flat.z()};
   }
 
-  // u in 0..1 once around the seam.
+  // u in 0..1 once around the seam, corners rounded by the stiffness of the cord.
   Vector3d seam(double u) const {
-    const double angle = 4 * kHalfTurn * u, c = std::cos(angle), d = std::sin(angle);
-    const double scale = std::pow(std::pow(std::abs(c), kSquareness) + std::pow(std::abs(d), kSquareness),
-                                  -1 / kSquareness);
-    const double s = c * scale, t = d * scale;
-    Vector3d p(kHalf_m * s * (1 - pull(t)), 0, kHalf_m * t * (1 - pull(s)));
-    p += 0.002 * p.normalized();
-    const double reach = std::max(std::abs(s), std::abs(t));
-    p.y() = seam_height(s / reach, t / reach);
-    return p;
+    constexpr int kReach = 3;
+    constexpr double kStep = 0.0022;
+    Vector3d sum = Vector3d::Zero();
+    for (int i = -kReach; i <= kReach; ++i) sum += border(u + kStep * i);
+    const Vector3d p = sum / (2 * kReach + 1);
+    return p * (1 + 0.0015 / std::hypot(p.x(), p.z()));
   }
 
  private:
-  // The filling pulls the middle of each edge in and leaves the corners standing out.
-  static double pull(double along) { return 0.055 * (1 - along * along); }
+  Vector3d border(double u) const {
+    const double side = 4 * (u - std::floor(u)), along = 2 * (side - std::floor(side)) - 1;
+    const double s = side < 1 ? along : side < 2 ? 1 : side < 3 ? -along : -1;
+    const double t = side < 1 ? -1 : side < 2 ? along : side < 3 ? 1 : -along;
+    Vector3d p = seam_plane(s, t);
+    p.y() = seam_height(s, t);
+    return p;
+  }
+
+  // The filling pulls the middle of each edge in and leaves the corners standing out, blunted a little.
+  static double pull(double along) { return 0.070 * (1 - along * along); }
 
   static Vector3d seam_plane(double s, double t) {
-    const double reach = std::max(std::abs(s), std::abs(t));
-    double round = 1.0;
-    if (reach > 1e-9)
-      round = reach / std::pow(std::pow(std::abs(s), kSquareness) + std::pow(std::abs(t), kSquareness),
-                               1 / kSquareness);
-    s *= round;
-    t *= round;
-    return {kHalf_m * s * (1 - pull(t) * std::abs(s)), 0, kHalf_m * t * (1 - pull(s) * std::abs(t))};
+    constexpr double kBlunt = 0.08;
+    return {kHalf_m * s * std::sqrt(1 - kBlunt * t * t) * (1 - pull(t) * std::abs(s)), 0,
+            kHalf_m * t * std::sqrt(1 - kBlunt * s * s) * (1 - pull(s) * std::abs(t))};
   }
 
   double seam_height(double s, double t) const {
@@ -79,7 +85,8 @@ class PillowShape {
   // Gathers run in from the seam; longer folds from the corners; a soft dent where a head lay.
   static double wrinkles(double s, double t, double dome, uint64_t seed) {
     const double edge = std::exp(-dome / 0.22) * std::min(1.0, dome / 0.05);
-    const double toward_s = std::pow(std::abs(s), 6.0), toward_t = std::pow(std::abs(t), 6.0);
+    const double toward_s = std::pow(std::abs(s), 6.0) * (1 - std::pow(t, 8.0)),
+                 toward_t = std::pow(std::abs(t), 6.0) * (1 - std::pow(s, 8.0));
     const double gathers = toward_s * value_noise(Vector3d(14 * t, 2.0 * s, s > 0 ? 1.5 : 8.5), seed + 1) +
                            toward_t * value_noise(Vector3d(14 * s, 2.0 * t, t > 0 ? 3.5 : 6.5), seed + 2);
     const double around = std::atan2(t, s), radius = std::hypot(s, t);
@@ -88,12 +95,23 @@ class PillowShape {
     const double soft = value_noise(Vector3d(2.3 * s, 2.3 * t, 0.5), seed + 4);
     const double crease = -std::exp(-std::pow((t + 0.25 * s - 0.18 + 0.1 * soft) / 0.035, 2.0)) *
                           smooth_step(0.75, 0.2, std::abs(s + 0.1));
-    return 0.0055 * edge * gathers + 0.007 * folds * std::min(1.0, dome / 0.2) +
+    return 0.0050 * edge * gathers + 0.004 * folds * std::min(1.0, dome / 0.2) +
            std::min(1.0, dome / 0.3) * (0.004 * soft + 0.0028 * crease);
   }
 
   uint64_t seed_;
 };
+
+// Distance to the nearest edge of a stripe.
+double stripe_edge_m(double x) {
+  double nearest_m = 1.0;
+  for (const Band& b : kBands)
+    nearest_m = std::min(nearest_m, std::abs(std::abs(std::abs(x) - b.centre_m) - b.half_m));
+  return nearest_m;
+}
+
+// Finer sampling where the colour changes.
+double near_stripe(double x) { return 0.72 + 0.28 * smooth_step(0.002, 0.004, stripe_edge_m(x)); }
 
 class Linen {
  public:
@@ -105,36 +123,37 @@ class Linen {
     a.opacity = 0.95;
     a.overlap = 0.80;
     a.flatness = 0.16;
-    a.sheen = 0.10;
     if (s.part == kPiping) {
       // Cord under bias-cut cloth: a twill line runs round it.
       const double twist = std::sin(420 * s.u * 6.283 + 2 * s.v);
       a.albedo = linear_from_hex(0x3C4F78) * (1 + 0.14 * twist + 0.08 * fractal_noise(p / 0.004, 2, seed_));
       return a;
     }
-    // Every kernel is a piece of one thread, warp or weft; each thread has its own tone and swells (slubs).
-    a.across = lattice_random(static_cast<int64_t>(std::floor(p.x() / 0.0011)),
-                              static_cast<int64_t>(std::floor(p.z() / 0.0011)), s.part, seed_ + 2) < 0.5;
-    a.elongation = 2.2;
-    const double across_m = a.across ? p.x() : p.z(), along_m = a.across ? p.z() : p.x();
+    // Every kernel is a piece of one thread, warp or weft; each thread has its own tone and swells (slubs). Along the
+    // edge of a stripe only warp shows, which keeps it sharp.
+    const double edge_m = stripe_edge_m(p.x());
+    a.across = edge_m < 0.004 || lattice_random(static_cast<int64_t>(std::floor(p.x() / 0.0011)),
+                                                static_cast<int64_t>(std::floor(p.z() / 0.0011)), s.part, seed_ + 2) < 0.5;
+    // dP/du is along z on the top sheet and along x below.
+    const bool warp = a.across;
+    if (s.part == kTop) a.across = !a.across;
+    a.elongation = 2.0;
+    const double across_m = warp ? p.x() : p.z(), along_m = warp ? p.z() : p.x();
     const auto thread = static_cast<int64_t>(std::floor(across_m / 0.0021));
-    const double tone = lattice_random(thread, a.across, s.part, seed_ + 7) - 0.5;
-    const double slub = value_noise(Vector3d(along_m / 0.022, static_cast<double>(thread) * 1.7, a.across), seed_ + 9);
+    const double tone = lattice_random(thread, warp, s.part, seed_ + 7) - 0.5;
+    const double slub = value_noise(Vector3d(along_m / 0.022, static_cast<double>(thread) * 1.7, warp), seed_ + 9);
     const double shade = 1 + 0.16 * tone + 0.10 * std::max(0.0, slub) + 0.03 * fractal_noise(p / 0.05, 2, seed_ + 3);
-    Vector3d cloth = linear_from_hex(0xDDD2BC);
+    Vector3d cloth = linear_from_hex(0xD8CCB4);
     // Stripes are woven in, so the weft keeps a little of the ground.
-    const double x = p.x() + 0.0010 * value_noise(p / 0.01, seed_ + 13);
-    const double stripe = std::max({band(x, 0.085, 0.0155), band(x, 0.059, 0.0035), band(x, 0.111, 0.0035),
-                                    band(x, -0.085, 0.0155), band(x, -0.059, 0.0035), band(x, -0.111, 0.0035)});
-    cloth = blend(cloth, linear_from_hex(0x465A86), stripe * (a.across ? 0.96 : 0.78));
+    const double x = p.x() + 0.0006 * value_noise(p / 0.02, seed_ + 13);
+    double stripe = 0.0;
+    for (const Band& b : kBands) stripe = std::max(stripe, smooth_step(b.half_m + 0.0004, b.half_m - 0.0004, std::abs(std::abs(x) - b.centre_m)));
+    cloth = blend(cloth, linear_from_hex(0x465A86), stripe * (warp ? 0.96 : 0.82));
     a.albedo = cloth * shade;
     return a;
   }
 
  private:
-  static double band(double x, double centre_m, double half_m) {
-    return smooth_step(half_m + 0.0006, half_m - 0.0006, std::abs(x - centre_m));
-  }
   uint64_t seed_;
 };
 
@@ -147,14 +166,16 @@ GaussianAsset make_pillow(uint64_t seed) {
   ParametricSurface top;
   top.u_min = top.v_min = -1;
   top.cells_u = top.cells_v = 160;
-  top.spacing_m = 0.0025;
+  top.spacing_m = 0.0028;
   top.part = kTop;
   ParametricSurface bottom = top;
   // dP/du x dP/dv is up for (z, x) and down for (x, z).
   top.position_m = [shape](double u, double v) { return shape.top(v, u); };
   bottom.position_m = [shape](double u, double v) { return shape.bottom(u, v); };
   bottom.part = kBottom;
-  bottom.spacing_m = 0.0033;
+  bottom.spacing_m = 0.0038;
+  top.refinement = [shape](double u, double v) { return near_stripe(shape.top(v, u).x()); };
+  bottom.refinement = [shape](double u, double v) { return near_stripe(shape.bottom(u, v).x()); };
   sample_surface(top, random, samples);
   sample_surface(bottom, random, samples);
   ParametricSurface piping = sweep([shape](double u) { return shape.seam(u); }, Vector3d::UnitY(),

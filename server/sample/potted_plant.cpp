@@ -43,8 +43,8 @@ struct Blade {
   double length_m = 0.0, width_m = 0.0, roll = 0.0, brown = 0.0, tone = 0.0;
 
   double half_width_m(double s) const {
-    const double shape = std::pow(s + 0.02, 0.32) * std::pow(std::max(0.0, 1.0 - s), 0.62);
-    return 0.5 * width_m * shape / 0.617 + 0.0003;  // 0.617 is its largest value
+    const double shape = std::pow(s + 0.02, 0.32) * std::pow(std::max(0.0, 1.0 - s), 0.85);
+    return 0.5 * width_m * shape / 0.519 + 0.0003;  // 0.519 is its largest value
   }
   Vector3d at(double s, double q) const {
     const double place = std::clamp(s, 0.0, 1.0) * kSteps;
@@ -66,9 +66,9 @@ Blade grow(int index, Random& random) {
   // Old blades stand outside and hang; young ones stand up in the middle.
   const double age = (index + 0.5) / kLeafCount;
   const double azimuth = 2.399963229728653 * index + 0.35 * random.uniform(-1, 1);
-  double elevation = 1.50 - 0.78 * std::pow(age, 0.9) + 0.08 * random.uniform(-1, 1);
+  double elevation = 1.52 - 0.70 * std::pow(age, 0.9) + 0.08 * random.uniform(-1, 1);
   blade.length_m = (0.30 + 0.17 * std::sin(kPi * (0.18 + 0.70 * age))) * (1 + 0.12 * random.uniform(-1, 1));
-  blade.width_m = 0.018 + 0.008 * random.uniform();
+  blade.width_m = 0.021 + 0.008 * random.uniform();
   blade.brown = random.uniform();
   blade.tone = random.uniform(-1, 1);
   const double bend = 0.55 + 1.75 * std::pow(age, 0.75) + 0.25 * random.uniform(-1, 1);
@@ -143,7 +143,7 @@ class PlantSkin {
     a.albedo *= 1 + 0.04 * std::sin(p.y() / 0.0011) * (0.5 + 0.5 * cloud);
     const double bloom = smooth_step(0.05, 0.55, fractal_noise(Vector3d(4 * std::cos(angle), 4 * std::sin(angle), p.y() / 0.03), 3, seed_ + 13) +
                                                      0.5 * smooth_step(0.075, 0.01, p.y()) - 0.12);
-    a.albedo = blend(a.albedo, linear_from_hex(0xE3CDBB), 0.42 * bloom);
+    a.albedo = blend(a.albedo, linear_from_hex(0xE3CDBB), 0.30 * bloom);
     if (s.part == kPot && std::hypot(p.x(), p.z()) < 0.0665 && p.y() > 0.11)
       a.albedo *= 0.55 + 0.45 * smooth_step(0.120, 0.136, p.y());
     return a;
@@ -208,7 +208,7 @@ GaussianAsset make_potted_plant(uint64_t seed) {
     constexpr double kStretch = 2.2;
     ParametricSurface leaf;
     leaf.part = kLeaf + i;
-    leaf.spacing_m = 0.0018;
+    leaf.spacing_m = 0.0020;
     leaf.stretch = kStretch;
     leaf.v_min = -1;
     leaf.cells_u = 64;

@@ -3,11 +3,13 @@
 // them, a framed print. Flat things need few kernels, laid row by row; only edges and the print are fine.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "sample/baked_light.h"
 #include "sample/colour.h"
 #include "sample/noise.h"
 #include "sample/sample_scene.h"
+#include "sample/surface_sampler.h"
 #include "sample/wood.h"
 
 namespace livegs {
@@ -19,6 +21,8 @@ using Eigen::Vector3d;
 constexpr int kBoard = 0, kSeam = 1, kWall = 2, kSkirting = 3, kFrame = 4, kPrint = 5, kMat = 6;
 constexpr double kHalf_m = 1.5, kWallHeight_m = 2.4;
 constexpr double kSkirtingHeight_m = 0.11, kSkirtingDepth_m = 0.016;
+const Vector3d kPictureLow_m(-0.42, 1.10, -kHalf_m);  // its lower left corner
+constexpr double kPictureWidth_m = 0.62, kPictureHeight_m = 0.82;
 constexpr double kBoardLength_m = 0.48, kBoardWidth_m = 0.08;
 
 // A flat rectangle of kernels, one row after another, jittered by a fifth of the spacing.
@@ -57,12 +61,12 @@ class Decor {
         break;
       case kFrame:
         a.albedo = wood_albedo(Vector3d(p.x() + p.y(), p.y() - p.x(), p.z() + 0.03),
-                               {linear_from_hex(0x6B4A30), linear_from_hex(0x432A19), 0.004}, seed_ + 3);
+                               {linear_from_hex(0x6B4A30), linear_from_hex(0x533522), 0.012, 0.3}, seed_ + 3);
         break;
       case kMat: a.albedo = linear_from_hex(0xF3EFE4); break;
       default: print(s, a); break;
     }
-    a.albedo *= window_light(s);
+    a.albedo *= window_light(s) * corner_shade(s);
     return a;
   }
 
@@ -84,14 +88,15 @@ class Decor {
     const Vector3d grain(p.dot(s.tangent) + 3.1 * lattice_random(board, 3, 0, seed_),
                          0.018 + 0.03 * lattice_random(board, 4, 0, seed_),
                          p.dot(side) - std::floor(p.dot(side)) + 0.05 * lattice_random(board, 5, 0, seed_) - 0.5);
-    const WoodTone oak{linear_from_hex(0xC79B68), linear_from_hex(0xA57443), 0.011};
+    const WoodTone oak{linear_from_hex(0xC79B68), linear_from_hex(0xAC7B48), 0.020, 0.3};
     a.albedo = wood_albedo(grain, oak, seed_ + 13 + static_cast<uint64_t>(board % 7)) * (1 + 0.24 * tone);
     a.albedo = a.albedo.cwiseProduct(Vector3d(1 + 0.05 * warm, 1, 1 - 0.08 * warm));
   }
 
   void wall(const Vector3d& p, Appearance& a) const {
-    a.albedo = linear_from_hex(0xD3CDBF) * (1 + 0.03 * fractal_noise(p / 0.35, 4, seed_ + 31) +
+    a.albedo = linear_from_hex(0xDED3BE) * (1 + 0.03 * fractal_noise(p / 0.35, 4, seed_ + 31) +
                                             0.015 * value_noise(p / 0.05, seed_ + 33));
+    a.flatness = 0.05;
     a.bump = 0.03 * Vector3d(value_noise(p / 0.12, seed_ + 34), value_noise(p / 0.12, seed_ + 35),
                              value_noise(p / 0.12, seed_ + 36));
   }
@@ -113,14 +118,14 @@ class Decor {
     a.gloss_width = 0.4;
   }
 
-  // The window is tall, four panes by two, out of sight on the right; its light falls on the left wall and the
-  // floor, softer the farther it travels. The rest of the room is half a stop down.
-  double window_light(const SurfaceSample& s) const {
+  // The window is tall, four panes by two, out of sight on the right; its light falls on the back wall and the
+  // floor, softer the farther it travels. The rest of the room lies in what it scatters.
+  static double window_light(const SurfaceSample& s) {
     const Vector3d light = key_direction();
     const Vector3d q = s.position_m + 0.004 * s.normal;
     const double travel_m = (2.6 - q.x()) / light.x();
     const Vector3d at = q + light * travel_m;  // where the ray crosses the window's plane
-    const double blur_m = 0.012 + 0.016 * travel_m;
+    const double blur_m = 0.010 + 0.012 * travel_m;
     const auto opening = [&](double value, double low, double high) {
       return smooth_step(low - blur_m, low + blur_m, value) * smooth_step(high + blur_m, high - blur_m, value);
     };
@@ -130,8 +135,21 @@ class Decor {
         through += opening(at.z(), 1.05 + 0.72 * column, 1.05 + 0.72 * column + 0.64) *
                    opening(at.y(), 3.05 + 0.68 * row, 3.05 + 0.68 * row + 0.61);
     const double distance = std::hypot(q.x() - 1.5, q.z() - 1.5) / 4.2;
-    const double gradient = 0.92 - 0.26 * smooth_step(0.1, 1.0, distance) - 0.10 * smooth_step(1.0, 2.4, q.y());
-    return gradient + 0.24 * through;
+    const double gradient = 0.88 - 0.22 * smooth_step(0.1, 1.0, distance) - 0.08 * smooth_step(1.0, 2.4, q.y());
+    return gradient + 0.42 * through;
+  }
+
+  // Where planes meet, each takes the sky from the other: a narrow crease and a wide falling off.
+  static double corner_shade(const SurfaceSample& s) {
+    const auto crease = [](double distance_m) {
+      const double d = std::max(0.0, distance_m);
+      return 1 - 0.09 * std::exp(-d / 0.05) - 0.17 * std::exp(-d / 0.40);
+    };
+    double shade = 1.0;
+    if (std::abs(s.normal.x()) < 0.7) shade *= crease(s.position_m.x() + kHalf_m);
+    if (std::abs(s.normal.y()) < 0.7) shade *= crease(s.position_m.y());
+    if (std::abs(s.normal.z()) < 0.7) shade *= crease(s.position_m.z() + kHalf_m);
+    return shade;
   }
 
   uint64_t seed_;
@@ -141,7 +159,6 @@ class Decor {
 void lay_parquet(Random& random, SurfaceSamples& samples) {
   const Eigen::Rotation2Dd turn(0.78539816339);
   const double length = kBoardLength_m, width = kBoardWidth_m;
-  const int steps = static_cast<int>(length / width + 0.5);
   int number = 0;
   // Rows across one board, closer at its edges so that the seam stays crisp.
   const double rows_m[] = {0.0022, 0.0085, 0.0170, 0.0270, 0.0400, 0.0530, 0.0630, 0.0715, 0.0778};
@@ -182,7 +199,6 @@ void lay_parquet(Random& random, SurfaceSamples& samples) {
       lay(step, true);
       lay(step + Eigen::Vector2d(length, width - length + 0.0), false);
     }
-  (void)steps;
 }
 
 void lay_skirting(Random& random, SurfaceSamples& samples) {
@@ -198,8 +214,8 @@ void lay_skirting(Random& random, SurfaceSamples& samples) {
 }
 
 void lay_picture(Random& random, SurfaceSamples& samples) {
-  const double width = 0.62, height = 0.82, border = 0.022, mat = 0.075, depth = 0.020;
-  const Vector3d low(-0.42, 1.10, -kHalf_m);
+  const double width = kPictureWidth_m, height = kPictureHeight_m, border = 0.022, mat = 0.075, depth = 0.020;
+  const Vector3d& low = kPictureLow_m;
   const Vector3d x = Vector3d::UnitX(), y = Vector3d::UnitY(), z = Vector3d::UnitZ();
   const auto face = [&](double x0, double y0, double x1, double y1, double out, double spacing, int part) {
     lay_rectangle(low + x0 * x + y0 * y + out * z, (x1 - x0) * x, (y1 - y0) * y, spacing, 1.0, part, random, samples);
@@ -224,21 +240,48 @@ void lay_picture(Random& random, SurfaceSamples& samples) {
   face(b, b, width - b, height - b, 0.0095, 0.0058, kPrint);
 }
 
+// How far inside the frame's outline a point of the back wall lies; negative outside. Nothing is laid behind the
+// picture: a wide kernel that close would be drawn over it from the side.
+double picture_depth_m(const Vector3d& p) {
+  return std::min({p.x() - kPictureLow_m.x(), kPictureLow_m.x() + kPictureWidth_m - p.x(), p.y() - kPictureLow_m.y(),
+                   kPictureLow_m.y() + kPictureHeight_m - p.y()});
+}
+
+// Plaster, irregular so that no row shows; finer along its edges so that they are straight.
+void lay_wall(const std::function<Vector3d(double, double)>& position_m, bool behind_picture, Random& random, SurfaceSamples& samples) {
+  ParametricSurface wall;
+  wall.position_m = position_m;
+  wall.u_min = -kHalf_m + 0.002;
+  wall.u_max = kHalf_m - 0.012;
+  wall.v_min = kSkirtingHeight_m - 0.02;
+  wall.v_max = kWallHeight_m - 0.012;
+  wall.spacing_m = 0.040;
+  wall.part = kWall;
+  wall.cells_u = wall.cells_v = 160;
+  if (behind_picture) wall.keep = [](const Vector3d& p) { return picture_depth_m(p) < 0.012; };
+  wall.refinement = [position_m, behind_picture](double u, double v) {
+    const double frame_m = behind_picture ? std::abs(picture_depth_m(position_m(u, v))) : 1.0;
+    const double edge_m = std::min({frame_m, kHalf_m - std::abs(u), kWallHeight_m - v, v - kSkirtingHeight_m + 0.05});
+    return 0.32 + 0.68 * smooth_step(0.02, 0.12, edge_m);
+  };
+  sample_surface(wall, random, samples);
+}
+
 }  // namespace
 
 GaussianAsset make_room_corner(uint64_t seed) {
   Random random(seed * 8 + 7);
   SurfaceSamples samples;
   lay_parquet(random, samples);
-  const double h = kWallHeight_m - kSkirtingHeight_m;
-  lay_rectangle({-kHalf_m, kSkirtingHeight_m, -kHalf_m}, {2 * kHalf_m, 0, 0}, {0, h, 0}, 0.030, 1.0, kWall, random, samples);
-  lay_rectangle({-kHalf_m, kSkirtingHeight_m, kHalf_m}, {0, 0, -2 * kHalf_m}, {0, h, 0}, 0.030, 1.0, kWall, random, samples);
+  lay_wall([](double u, double v) { return Vector3d(u, v, -kHalf_m); }, true, random, samples);
+  lay_wall([](double u, double v) { return Vector3d(-kHalf_m, v, -u); }, false, random, samples);
   lay_skirting(random, samples);
   lay_picture(random, samples);
   BakeOptions options;
   options.sh_degree = 1;
   options.contact_height_m = 0.05;
-  options.exposure = 0.95;
+  options.exposure = 1.0;
+  options.occlusion_cells = 0;
   return bake_kernels(samples, Decor(seed * 613), options, random);
 }
 

@@ -7,10 +7,10 @@ std::vector<SampleAsset> make_sample_assets(uint64_t seed) {
   std::vector<SampleAsset> assets;
   assets.push_back({"cup", make_cup(seed)});
   assets.push_back({"pillow", make_pillow(seed)});
-  assets.push_back({"felt_hat", make_felt_hat(seed)});
-  assets.push_back({"potted_plant", make_potted_plant(seed)});
-  assets.push_back({"toy_duck", make_toy_duck(seed)});
-  assets.push_back({"wooden_stool", make_wooden_stool(seed)});
+  assets.push_back({"hat", make_felt_hat(seed)});
+  assets.push_back({"plant", make_potted_plant(seed)});
+  assets.push_back({"duck", make_toy_duck(seed)});
+  assets.push_back({"stool", make_wooden_stool(seed)});
   assets.push_back({"room", make_room_corner(seed)});
   return assets;
 }

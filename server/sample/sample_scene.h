@@ -19,7 +19,7 @@
 namespace livegs {
 
 struct SampleAsset {
-  std::string name;  // also a good file name: "cup", "pillow", "felt_hat", ...
+  std::string name;  // also a good file name: cup, pillow, hat, plant, duck, stool, room
   GaussianAsset asset;
 };
 

@@ -13,8 +13,8 @@ namespace {
 // Random sequential packing saturates at 0.70 discs per spacing². Of the darts per saturated disc, the later ones
 // only fill holes.
 constexpr double kSaturation = 0.70;
-constexpr double kDartsPerDisc = 8.0;
-constexpr double kFillFrom = 0.5;  // share of the darts after which holes are filled
+constexpr double kDartsPerDisc = 6.5;
+constexpr double kFillFrom = 0.55;  // share of the darts after which holes are filled
 constexpr double kGolden = 0.6180339887498949;
 constexpr double kLargestTurnRad = 0.35;  // of the normal within one spacing
 

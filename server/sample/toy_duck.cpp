@@ -28,35 +28,39 @@ double ellipsoid(const Vector3d& p, const Vector3d& radii) {
   return slope > 1e-9 ? near * (near - 1) / slope : -radii.minCoeff();
 }
 
-// Turns about x so that +z tips up by the angle.
-Vector3d tipped(const Vector3d& p, double angle_rad) {
-  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
-  return {p.x(), c * p.y() - s * p.z(), s * p.y() + c * p.z()};
-}
+// A turn about x that tips +z up by the angle.
+struct Tip {
+  explicit Tip(double angle_rad) : c(std::cos(angle_rad)), s(std::sin(angle_rad)) {}
+  Vector3d operator()(const Vector3d& p) const { return {p.x(), c * p.y() - s * p.z(), s * p.y() + c * p.z()}; }
+  double c, s;
+};
 
 const Vector3d kHeadCentre(0, 0.0845, 0.0225);
 constexpr double kHeadRadius = 0.0288;
 
 double body_distance(const Vector3d& p) {
+  static const Tip tail_tip(-0.78), wing_tip(-0.35);
   double d = ellipsoid(p - Vector3d(0, 0.0365, -0.003), {0.0425, 0.0375, 0.0525});
   d = smooth_min(d, ellipsoid(p - Vector3d(0, 0.036, 0.022), {0.036, 0.034, 0.034}), 0.02);  // breast
-  d = smooth_min(d, ellipsoid(tipped(p - Vector3d(0, 0.0565, -0.0475), -0.75), {0.0185, 0.0095, 0.0245}), 0.02);  // tail
+  d = smooth_min(d, ellipsoid(tail_tip(p - Vector3d(0, 0.0570, -0.0480)), {0.0165, 0.0100, 0.0280}), 0.024);  // tail
   d = smooth_min(d, (p - kHeadCentre).norm() - kHeadRadius, 0.012);
   d = smooth_min(d, ellipsoid(p - Vector3d(0, 0.1125, 0.017), {0.0045, 0.0055, 0.008}), 0.008);  // tuft
   // Wings: pads that lift off towards the tail.
   const Vector3d side(std::abs(p.x()), p.y(), p.z());
-  const Vector3d w = tipped(side - Vector3d(0.0385 - 0.10 * std::max(0.0, -p.z() - 0.02), 0.044, -0.012), -0.35);
+  const double back_m = 0.5 * (-p.z() - 0.02 + std::hypot(p.z() + 0.02, 0.012));
+  const Vector3d w = wing_tip(side - Vector3d(0.0385 - 0.10 * back_m, 0.044, -0.012));
   d = smooth_min(d, ellipsoid(w, {0.0085, 0.0185, 0.0310}), 0.004);
   // Flat base with a rounded edge.
   return -smooth_min(-d, p.y(), 0.006);
 }
 
 double beak_distance(const Vector3d& p) {
+  static const Tip upper_tip(0.22), lower_tip(0.10);
   const double lift = 0.16 * p.x() * p.x() / 0.016;  // corners of the mouth turn up
   const Vector3d q(p.x(), p.y() - lift, p.z());
-  const double upper = ellipsoid(tipped(q - Vector3d(0, 0.0800, 0.0520), 0.22), {0.0155, 0.0050, 0.0165});
-  const double lower = ellipsoid(tipped(q - Vector3d(0, 0.0742, 0.0480), 0.05), {0.0120, 0.0042, 0.0125});
-  return smooth_min(upper, lower, 0.0012);
+  const double upper = ellipsoid(upper_tip(q - Vector3d(0, 0.0800, 0.0530)), {0.0165, 0.0054, 0.0175});
+  const double lower = ellipsoid(lower_tip(q - Vector3d(0, 0.0738, 0.0490)), {0.0128, 0.0040, 0.0132});
+  return smooth_min(upper, lower, 0.0016);
 }
 
 Vector3d eye_centre(double sign) {
@@ -75,7 +79,7 @@ class Vinyl {
   Appearance operator()(const SurfaceSample& s) const {
     const Vector3d& p = s.position_m;
     Appearance a;
-    a.gloss = 0.34;
+    a.gloss = 0.32;
     a.gloss_width = 0.20;
     a.sheen = 0.12;
     a.opacity = 0.97;
@@ -85,17 +89,23 @@ class Vinyl {
       a.albedo = linear_from_hex(0xF2721A) * (1 + 0.04 * cloud);
       // The line of the mouth.
       const double lift = 0.16 * p.x() * p.x() / 0.016;
-      const double mouth = std::abs(p.y() - lift - 0.0765 + 0.08 * (p.z() - 0.05));
-      a.albedo *= 0.55 + 0.45 * smooth_step(0.0002, 0.0011, mouth);
+      const double mouth = std::abs(p.y() - lift - 0.0768 - 0.16 * (p.z() - 0.05));
+      a.albedo *= 0.60 + 0.40 * smooth_step(0.0001, 0.0010, mouth);
+      a.subsurface = Vector3d(0.22, 0.05, 0.0);
       nostrils(p, a);
       return a;
     }
     // Dye a little deeper below, bleached by the sun on top.
     a.albedo = blend(linear_from_hex(0xF5B70C), linear_from_hex(0xFFD83A), smooth_step(0.01, 0.1, p.y()));
     a.albedo *= 1 + 0.03 * cloud;
+    a.subsurface = Vector3d(0.34, 0.17, 0.0);
     const double eye_m = eye_distance_m(p);
-    a.albedo = blend(a.albedo, linear_from_hex(0xF6F4EC), smooth_step(0.0065, 0.0060, eye_m));
-    a.albedo = blend(a.albedo, linear_from_hex(0x14120F), smooth_step(0.0049, 0.0044, eye_m));
+    a.albedo = blend(a.albedo, linear_from_hex(0xF6F4EC), smooth_step(0.0064, 0.0059, eye_m));
+    const double pupil = smooth_step(0.0052, 0.0047, eye_m);
+    a.albedo = blend(a.albedo, linear_from_hex(0x0C0A08), pupil);
+    a.gloss *= 1 - 0.8 * pupil;
+    a.sheen *= 1 - pupil;
+    if (eye_m < 0.0064) a.subsurface.setZero();
     const double sign = p.x() > 0 ? 1 : -1;
     const Vector3d catchlight = eye_centre(sign) + Vector3d(0.0013, 0.0018, 0.0006);
     a.albedo = blend(a.albedo, linear_from_hex(0xFFFFFF), smooth_step(0.0017, 0.0011, (p - catchlight).norm()));
@@ -123,11 +133,11 @@ GaussianAsset make_toy_duck(uint64_t seed) {
   duck.distance_m = [](const Vector3d& p) { return smooth_min(body_distance(p), beak_distance(p), 0.0008); };
   duck.min_m = Vector3d(-0.055, -0.004, -0.080);
   duck.max_m = Vector3d(0.055, 0.124, 0.076);
-  duck.spacing_m = 0.00100;
+  duck.spacing_m = 0.00098;
   duck.refinement = [](const Vector3d& p) {
     if (p.y() < 0.0006) return 1.0;
     const double seam_m = std::abs(beak_distance(p) - body_distance(p));
-    return std::min(0.62 + 0.38 * smooth_step(0.006, 0.009, eye_distance_m(p)),
+    return std::min(0.50 + 0.50 * smooth_step(0.0066, 0.009, eye_distance_m(p)),
                     beak_distance(p) < 0.01 ? 0.62 + 0.38 * smooth_step(0.002, 0.004, seam_m) : 1.0);
   };
   SurfaceSamples samples;
@@ -135,6 +145,7 @@ GaussianAsset make_toy_duck(uint64_t seed) {
   BakeOptions options;
   options.sh_degree = 3;
   options.contact_height_m = 0.010;
+  options.exposure = 0.92;
   GaussianAsset asset = bake_kernels(samples, Vinyl(seed), options, random);
   stand_at_origin(asset);
   return asset;

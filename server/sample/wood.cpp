@@ -23,10 +23,10 @@ Vector3d wood_albedo(const Vector3d& p, const WoodTone& tone, uint64_t seed) {
   Vector3d albedo = blend(tone.early, tone.late, late);
   const double fibre = fractal_noise(Vector3d(p.x() / 0.03, p.y() / 0.0016, p.z() / 0.0016), 2, seed + 5);
   const double cloud = fractal_noise(Vector3d(p.x() / 0.12, p.y() / 0.03, p.z() / 0.03), 2, seed + 6);
-  albedo *= 1 + 0.11 * fibre + 0.09 * cloud;
+  albedo *= 1 + 0.11 * tone.detail * fibre + 0.09 * cloud;
   // Open pores: short dark dashes along the grain.
   const double pore = value_noise(Vector3d(p.x() / 0.012, p.y() / 0.0011, p.z() / 0.0011), seed + 7);
-  return albedo * (1 - 0.22 * smooth_step(0.55, 0.85, pore));
+  return albedo * (1 - 0.22 * tone.detail * smooth_step(0.55, 0.85, pore));
 }
 
 }  // namespace livegs::sample

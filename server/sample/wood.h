@@ -11,6 +11,7 @@ namespace livegs::sample {
 struct WoodTone {
   Eigen::Vector3d early, late;  // spring and summer wood, linear light
   double ring_m = 0.006;
+  double detail = 1.0;  // strength of fibres and pores, which kernels wider than 2 mm cannot carry
 };
 
 Eigen::Vector3d wood_albedo(const Eigen::Vector3d& grain_m, const WoodTone& tone, uint64_t seed);

@@ -121,7 +121,8 @@ class OiledOak {
       grain = Vector3d(along_x ? p.x() : p.z(), p.y() - 0.14, (along_x ? p.z() : p.x()) * 0.9 + 0.03);
     }
     WoodTone tone = tone_;
-    tone.ring_m = 0.0042;
+    tone.ring_m = 0.0060;
+    tone.late = blend(tone.early, tone.late, 0.7);
     a.albedo = wood_albedo(grain, tone, seed_ + 300 + 17 * s.part);
     if (leg) {
       // Dirt and oil stay in the grooves of the turning; feet are scuffed.
@@ -144,9 +145,22 @@ GaussianAsset make_wooden_stool(uint64_t seed) {
   const Profile seat_curve = seat_profile();
   // The seat as a polar patch, its kernels stretched along the boards (x): distances in x count for less.
   constexpr double kStretch = 1.7;
-  ParametricSurface seat = lathe(seat_curve, 0.0023, kSeat);
+  ParametricSurface seat = lathe(seat_curve, 0.0021, kSeat);
   seat.stretch = kStretch;
   seat.metric = [](double, double, const Vector3d& p) { return Vector3d(p.x() / kStretch, p.y(), p.z()); };
+  seat.cells_v = 256;
+  seat.refinement = [seat_curve](double u, double v) {
+    const Eigen::Vector2d p = seat_curve.at(v);
+    if (p.y() < 0.44) return 1.0;
+    const Vector3d at(p.x() * std::sin(u), 0, p.x() * std::cos(u));
+    double nearest_m = 1.0;
+    for (int leg = 0; leg < 4; ++leg) {
+      Vector3d tenon = leg_at(leg, 0.447);
+      tenon.y() = 0;
+      nearest_m = std::min(nearest_m, (at - tenon).norm());
+    }
+    return 0.55 + 0.45 * smooth_step(0.017, 0.022, nearest_m);
+  };
   sample_surface(seat, random, samples);
   for (SurfaceSample& s : samples) {
     Vector3d along = Vector3d::UnitX() - s.normal * s.normal.x();
@@ -161,7 +175,7 @@ GaussianAsset make_wooden_stool(uint64_t seed) {
   for (int leg = 0; leg < 4; ++leg) {
     ParametricSurface turned;
     turned.part = kLeg + leg;
-    turned.spacing_m = 0.0022;
+    turned.spacing_m = 0.0020;
     turned.stretch = 1.5;
     turned.u_max = 1;
     turned.v_max = 2 * kPi;
