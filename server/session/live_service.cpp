@@ -7,6 +7,7 @@
 #include "core/log.h"
 #include "session/asset_call.h"
 #include "session/grpc_status.h"
+#include "session/hand_controls.h"
 #include "session/stream_call.h"
 #include "session/version.h"
 #include "wire/frame_codec.h"
@@ -62,6 +63,7 @@ grpc::Status LiveService::join(const std::string& peer, const v1::JoinRequest& r
   reply.set_session_id(joined->session->id);
   reply.set_rate_hz(status.rate_hz);
   reply.set_tick(status.tick);
+  reply.set_ball_speed_m_s(kBallSpeed_m_s);
   for (const SessionTable::Object& object : joined->objects) *reply.add_objects() = *object;
   log_info("session %.8s: \"%s\" joined from %s", joined->session->id.c_str(),
            printable(request.client_name()).c_str(), peer.c_str());

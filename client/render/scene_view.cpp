@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/scene_view.h"
+
+#include <algorithm>
+
+#include "core/clock.h"
+
+namespace livegs {
+namespace {
+
+bool same_drivers(const ObjectDrivers& a, const ObjectDrivers& b) {
+  const auto same_pose = [](const Pose& p, const Pose& q) {
+    return p.position_m == q.position_m && p.orientation.coeffs() == q.orientation.coeffs();
+  };
+  const auto same_turn = [](const Eigen::Quaternionf& p, const Eigen::Quaternionf& q) { return p.coeffs() == q.coeffs(); };
+  return a.kind == b.kind && a.positions_m == b.positions_m &&
+         std::equal(a.poses.begin(), a.poses.end(), b.poses.begin(), b.poses.end(), same_pose) &&
+         std::equal(a.rotations.begin(), a.rotations.end(), b.rotations.begin(), b.rotations.end(), same_turn);
+}
+
+// 1st to 99th percentile along each axis.
+Eigen::AlignedBox3d robust_bounds(const std::vector<Eigen::Vector3f>& positions) {
+  Eigen::AlignedBox3d box;
+  if (positions.empty()) return box;
+  std::vector<float> along(positions.size());
+  Eigen::Vector3d low, high;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (size_t i = 0; i < positions.size(); ++i) along[i] = positions[i][axis];
+    const auto at = [&](double share) {
+      const auto rank = along.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(along.size() - 1));
+      std::nth_element(along.begin(), rank, along.end());
+      return static_cast<double>(*rank);
+    };
+    low[axis] = at(0.01);
+    high[axis] = at(0.99);
+  }
+  return {low, high};
+}
+
+}  // namespace
+
+Result<void> SceneView::add(uint32_t object_id, std::shared_ptr<const GaussianAsset> asset, RestBody rest,
+                            bool environment) {
+  auto bindings = bind_kernels(*asset, rest);
+  if (!bindings) return bindings.error();
+  Object& object = objects_[object_id];
+  object = {};
+  object.asset = std::move(asset);
+  object.rest = std::move(rest);
+  object.bindings = std::move(*bindings);
+  object.environment = environment;
+  return {};
+}
+
+void SceneView::remove(uint32_t object_id) { objects_.erase(object_id); }
+
+Result<void> SceneView::pose(const DriverFrame& frame) {
+  const int64_t begun_ns = now_ns();
+  times_.objects_skinned = 0;
+  visible_.clear();
+  for (const ObjectDrivers& drivers : frame.objects) {
+    const auto found = objects_.find(drivers.object_id);
+    if (found == objects_.end()) continue;
+    Object& object = found->second;
+    visible_.push_back(drivers.object_id);
+    if (object.posed_by && same_drivers(*object.posed_by, drivers)) continue;
+    if (auto checked = check_drivers(object.rest, drivers); !checked) {
+      return Error{checked.error().code,
+                   "object " + std::to_string(drivers.object_id) + ": " + checked.error().message};
+    }
+    skin_kernels(*object.asset, object.rest, object.bindings, drivers, object.kernels);
+    object.posed_by = drivers;
+    ++times_.objects_skinned;
+  }
+  times_.skin_ms = milliseconds_from_ns(now_ns() - begun_ns);
+  return {};
+}
+
+Result<void> SceneView::draw(const DriverFrame& frame, const Camera& camera, RasterisedView& view) {
+  if (auto posed = pose(frame); !posed) return posed;
+  const int64_t begun_ns = now_ns();
+  std::vector<DrawnObject> drawn;
+  for (uint32_t id : visible_) drawn.push_back({objects_.at(id).asset.get(), &objects_.at(id).kernels, id});
+  RasteriseOptions options;
+  options.background = kBackground;
+  rasteriser_.draw(drawn, camera, options, view);
+  times_.raster_ms = milliseconds_from_ns(now_ns() - begun_ns);
+  return {};
+}
+
+Eigen::AlignedBox3d SceneView::object_bounds() const {
+  Eigen::AlignedBox3d box;
+  for (uint32_t id : visible_) {
+    if (!objects_.at(id).environment) box.extend(bounds(id));
+  }
+  return box;
+}
+
+Eigen::AlignedBox3d SceneView::bounds(uint32_t object_id) const {
+  const auto found = objects_.find(object_id);
+  return found == objects_.end() ? Eigen::AlignedBox3d() : robust_bounds(found->second.kernels.positions_m);
+}
+
+std::optional<Eigen::Vector3d> SceneView::environment_middle() const {
+  for (uint32_t id : visible_) {
+    const Object& object = objects_.at(id);
+    if (!object.environment || object.kernels.positions_m.empty()) continue;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3f& position : object.kernels.positions_m) sum += position.cast<double>();
+    return sum / static_cast<double>(object.kernels.positions_m.size());
+  }
+  return std::nullopt;
+}
+
+}  // namespace livegs

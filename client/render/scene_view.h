@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "core/result.h"
+#include "gaussian/gaussian_asset.h"
+#include "skin/driver_frame.h"
+#include "skin/skin_kernels.h"
+#include "splat/rasterise.h"
+
+namespace livegs {
+
+// Behind a scene without walls, as `livegs render` has it.
+inline const Eigen::Vector3f kBackground{0.08f, 0.08f, 0.1f};
+
+// The objects of a scene as a client holds them, and how they look for a given frame of drivers. Kernels of an object
+// whose drivers are bit for bit those of the last picture are not skinned again. Not locked.
+class SceneView {
+ public:
+  // Ties the kernels to their drivers: about 0.2 s for 300k kernels. An id that is there already is replaced.
+  Result<void> add(uint32_t object_id, std::shared_ptr<const GaussianAsset> asset, RestBody rest, bool environment);
+  void remove(uint32_t object_id);
+
+  // Objects of the frame that were never added are left out; drivers that do not fit their object are an error.
+  Result<void> draw(const DriverFrame& frame, const Camera& camera, RasterisedView& view);
+
+  struct Times {
+    double skin_ms = 0, raster_ms = 0;
+    size_t objects_skinned = 0;
+  };
+  const Times& last_times() const { return times_; }
+
+  // World bounds of the objects (never the environment) as they stand in the last picture, or after pose(): from the
+  // 1st to the 99th percentile of their kernels along each axis, so that haze and floaters do not count.
+  Eigen::AlignedBox3d object_bounds() const;
+  Eigen::AlignedBox3d bounds(uint32_t object_id) const;  // empty if unknown
+  // The mean of the environment's kernels; nothing when there is none.
+  std::optional<Eigen::Vector3d> environment_middle() const;
+
+  // Skins without drawing.
+  Result<void> pose(const DriverFrame& frame);
+
+ private:
+  struct Object {
+    std::shared_ptr<const GaussianAsset> asset;
+    RestBody rest;
+    KernelBindings bindings;
+    bool environment = false;
+    PosedKernels kernels;
+    std::optional<ObjectDrivers> posed_by;
+  };
+
+  std::map<uint32_t, Object> objects_;
+  std::vector<uint32_t> visible_;  // ids of the last pose, ascending
+  Rasteriser rasteriser_;
+  Times times_;
+};
+
+}  // namespace livegs

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "skin/driver_frame.h"
+
+namespace livegs {
+
+// The driver frames of the recent past, and the drivers of any moment between them. Moments are simulated time
+// (DriverFrame::simulated_ns), which runs evenly however the network delivers. Not locked.
+class FrameHistory {
+ public:
+  explicit FrameHistory(size_t most_frames) : most_frames_(most_frames) {}
+
+  // Frames come in order; one that is not newer than the newest is ignored. The oldest makes room.
+  void add(DriverFrame frame);
+
+  bool empty() const { return frames_.empty(); }
+  size_t size() const { return frames_.size(); }
+  const DriverFrame& oldest() const { return frames_.front(); }
+  const DriverFrame& newest() const { return frames_.back(); }
+
+  // Positions are interpolated linearly, rotations by normalised lerp along the shorter way, between the two frames
+  // around the moment; before the oldest and after the newest those stand still. An object that is in the later
+  // frame only has not come yet; one in the earlier only is there until the later. Nothing while empty.
+  std::optional<DriverFrame> at(int64_t simulated_ns) const;
+  // Drops frames that at(t) for t >= simulated_ns does not need.
+  void forget_before(int64_t simulated_ns);
+
+ private:
+  size_t most_frames_;
+  std::deque<DriverFrame> frames_;
+};
+
+// `share` of the way from a to b, 0..1. Objects whose kind or count differ are taken from a.
+DriverFrame interpolate(const DriverFrame& a, const DriverFrame& b, double share);
+
+}  // namespace livegs

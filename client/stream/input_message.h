@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/input_sample.h"
+#include "livegs/v1/session.pb.h"
+
+namespace livegs {
+
+void write_input(const InputSample& sample, v1::Input& message);
+
+}  // namespace livegs

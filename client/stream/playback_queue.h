@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <variant>
+
+#include "stream/received.h"
+
+namespace livegs {
+
+struct ObjectAdded { StreamedObject object; };
+struct ObjectRemoved { uint32_t object_id = 0; };
+using StreamItem = std::variant<ReceivedFrame, ObjectAdded, ObjectRemoved>;
+
+// Between the stream's reader and a drawer that may be slower: everything in the order it came, frames still encoded.
+// Bounded: when more than `most_bytes` of frames wait, the oldest are dropped and counted, events never. Any thread.
+class PlaybackQueue {
+ public:
+  explicit PlaybackQueue(size_t most_bytes) : most_bytes_(most_bytes) {}
+
+  void add(StreamItem item);
+  // No more will come; take() gives what waits and then nothing.
+  void close();
+  // The oldest item, waiting for one. Nothing when closed and empty.
+  std::optional<StreamItem> take();
+
+  uint64_t dropped_frames() const;
+
+ private:
+  const size_t most_bytes_;
+  mutable std::mutex mutex_;  // guards everything below
+  std::condition_variable changed_;
+  std::deque<StreamItem> items_;
+  size_t bytes_ = 0;
+  uint64_t dropped_ = 0;
+  bool closed_ = false;
+};
+
+}  // namespace livegs

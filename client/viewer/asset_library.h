@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <future>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "gaussian/gaussian_asset.h"
+#include "stream/asset_cache.h"
+#include "stream/session_client.h"
+
+namespace livegs {
+
+// The assets of a session, decoded, each once however many objects share it. Asking for one starts its fetch on a
+// thread of its own, so that a stream's reader never waits for a file. Any thread.
+class AssetLibrary {
+ public:
+  // Both outlive the library.
+  AssetLibrary(SessionClient& client, const AssetCache& cache) : client_(client), cache_(cache) {}
+
+  using Asset = std::shared_ptr<const GaussianAsset>;
+  void ask_for(const StreamedObject& object);
+  // Waits for it. Precondition: it was asked for.
+  Result<Asset> get(const std::string& hash);
+
+  // Over what has arrived.
+  struct Totals {
+    size_t assets = 0, fetched = 0;
+    uint64_t fetched_bytes = 0;
+  };
+  Totals totals() const;
+
+ private:
+  struct Loaded {
+    Asset asset;
+    uint64_t fetched_bytes = 0;
+  };
+  Result<Loaded> load(const std::string& hash, uint64_t bytes);
+
+  SessionClient& client_;
+  const AssetCache& cache_;
+  mutable std::mutex mutex_;  // guards the two below
+  std::map<std::string, std::shared_future<Result<Loaded>>> assets_;
+  Totals totals_;
+};
+
+}  // namespace livegs

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/frame_log.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include "core/clock.h"
+
+namespace livegs {
+namespace {
+
+std::unique_ptr<std::FILE, int (*)(std::FILE*)> open(const std::filesystem::path& path, const char* header) {
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "w"), &std::fclose);
+  if (file) std::fprintf(file.get(), "%s\n", header);
+  return file;
+}
+
+Error cannot_write(const std::filesystem::path& path) {
+  return invalid_argument(path.string() + ": cannot be written: " + std::strerror(errno));
+}
+
+}  // namespace
+
+double percentile(std::vector<double> numbers, double share) {
+  if (numbers.empty()) return 0;
+  const auto rank = numbers.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(numbers.size() - 1));
+  std::nth_element(numbers.begin(), rank, numbers.end());
+  return *rank;
+}
+
+Result<ReceivedLog> ReceivedLog::create(const std::filesystem::path& path) {
+  auto file = open(path, "tick,stepped_ns,sent_ns,received_ns,age_ms,bytes,server_step_ms,input_sequence,held_hands");
+  if (!file) return cannot_write(path);
+  return ReceivedLog(std::move(file));
+}
+
+void ReceivedLog::add(const ReceivedFrame& frame) {
+  const double age_ms = milliseconds_from_ns(frame.received_ns - frame.stepped_ns);
+  std::fprintf(file_.get(), "%llu,%lld,%lld,%lld,%.3f,%zu,%.3f,%llu,%zu\n", static_cast<unsigned long long>(frame.tick),
+               static_cast<long long>(frame.stepped_ns), static_cast<long long>(frame.sent_ns),
+               static_cast<long long>(frame.received_ns), age_ms, frame.encoded.size(), frame.step_ms,
+               static_cast<unsigned long long>(frame.input_sequence), frame.hands.size());
+  if (age_ms_.empty()) {
+    first_tick_ = frame.tick;
+    first_ns_ = frame.received_ns;
+  }
+  last_tick_ = frame.tick;
+  last_ns_ = frame.received_ns;
+  age_ms_.push_back(age_ms);
+  bytes_.push_back(static_cast<double>(frame.encoded.size()));
+  step_ms_.push_back(frame.step_ms);
+}
+
+ReceivedLog::Summary ReceivedLog::summary() const {
+  Summary summary;
+  summary.frames = age_ms_.size();
+  if (age_ms_.empty()) return summary;
+  summary.missed_ticks = last_tick_ - first_tick_ + 1 - summary.frames;
+  summary.seconds = seconds_from_ns(last_ns_ - first_ns_);
+  if (summary.seconds > 0) summary.rate_hz = static_cast<double>(summary.frames - 1) / summary.seconds;
+  summary.age_ms_p50 = percentile(age_ms_, 0.50);
+  summary.age_ms_p99 = percentile(age_ms_, 0.99);
+  summary.bytes_p50 = percentile(bytes_, 0.50);
+  summary.bytes_p99 = percentile(bytes_, 0.99);
+  summary.step_ms_p50 = percentile(step_ms_, 0.50);
+  summary.step_ms_p99 = percentile(step_ms_, 0.99);
+  return summary;
+}
+
+Result<DrawnLog> DrawnLog::create(const std::filesystem::path& path) {
+  auto file = open(path, "picture,simulated_s,tick,received_ns,age_ms,lag_ms,skin_ms,raster_ms,bytes,server_step_ms");
+  if (!file) return cannot_write(path);
+  return DrawnLog(std::move(file));
+}
+
+void DrawnLog::add(const Row& row) {
+  std::fprintf(file_.get(), "%llu,%.6f,%llu,%lld,%.3f,%.3f,%.3f,%.3f,%zu,%.3f\n",
+               static_cast<unsigned long long>(row.index), row.simulated_s, static_cast<unsigned long long>(row.tick),
+               static_cast<long long>(row.received_ns), row.age_ms, row.lag_ms, row.skin_ms, row.raster_ms, row.bytes,
+               row.server_step_ms);
+  skin_ms_.push_back(row.skin_ms);
+  raster_ms_.push_back(row.raster_ms);
+}
+
+DrawnLog::Summary DrawnLog::summary() const {
+  return {skin_ms_.size(), percentile(skin_ms_, 0.50), percentile(skin_ms_, 0.99), percentile(raster_ms_, 0.50),
+          percentile(raster_ms_, 0.99)};
+}
+
+}  // namespace livegs

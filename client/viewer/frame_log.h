@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "stream/received.h"
+
+namespace livegs {
+
+// The value below which `share` of the numbers lie; 0 for none.
+double percentile(std::vector<double> numbers, double share);
+
+// frames.csv, a row a received frame, and what the rows come to. Ages compare the server's clock with ours, so they
+// mean something on one machine only. One thread.
+class ReceivedLog {
+ public:
+  static Result<ReceivedLog> create(const std::filesystem::path& path);
+  void add(const ReceivedFrame& frame);
+
+  struct Summary {
+    uint64_t frames = 0;
+    uint64_t missed_ticks = 0;       // between the first and the last: skipped by the server's window
+    double seconds = 0;
+    double rate_hz = 0;              // frames a second
+    double age_ms_p50 = 0, age_ms_p99 = 0;    // end of the server's step to received
+    double bytes_p50 = 0, bytes_p99 = 0;
+    double step_ms_p50 = 0, step_ms_p99 = 0;  // of the server
+  };
+  Summary summary() const;
+
+ private:
+  using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+  explicit ReceivedLog(File file) : file_(std::move(file)) {}
+  File file_;
+  std::vector<double> age_ms_, bytes_, step_ms_;
+  uint64_t first_tick_ = 0, last_tick_ = 0;
+  int64_t first_ns_ = 0, last_ns_ = 0;
+};
+
+// timings.csv, a row a drawn picture.
+class DrawnLog {
+ public:
+  static Result<DrawnLog> create(const std::filesystem::path& path);
+
+  struct Row {
+    uint64_t index = 0;
+    double simulated_s = 0;     // the moment that is shown
+    uint64_t tick = 0;          // of the newest frame in it
+    int64_t received_ns = 0;
+    double age_ms = 0;          // of that frame when it came
+    double lag_ms = 0;          // from its coming to the end of drawing: a slow drawer's backlog
+    double skin_ms = 0, raster_ms = 0;
+    size_t bytes = 0;
+    double server_step_ms = 0;
+  };
+  void add(const Row& row);
+
+  struct Summary {
+    uint64_t pictures = 0;
+    double skin_ms_p50 = 0, skin_ms_p99 = 0, raster_ms_p50 = 0, raster_ms_p99 = 0;
+  };
+  Summary summary() const;
+
+ private:
+  using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+  explicit DrawnLog(File file) : file_(std::move(file)) {}
+  File file_;
+  std::vector<double> skin_ms_, raster_ms_;
+};
+
+}  // namespace livegs

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/offscreen_run.h"
+
+#include <cstdio>
+#include <map>
+#include <thread>
+
+#include "core/clock.h"
+#include "core/file.h"
+#include "core/log.h"
+#include "render/choose_camera.h"
+#include "stream/session_client.h"
+#include "viewer/player.h"
+#include "viewer/recorder.h"
+#include "xr/offscreen_display.h"
+
+namespace livegs {
+namespace {
+
+constexpr double kWaitSlice_s = 0.05;
+
+// What can be wrong before a server is asked.
+struct Prepared {
+  std::optional<Camera> camera;
+  v1::InputScript script;
+  std::filesystem::path cache;
+  PictureSize size;
+};
+
+Result<Prepared> prepare(const OffscreenRunOptions& options) {
+  Prepared prepared;
+  prepared.size = options.size.value_or(PictureSize{});
+  if (!options.camera_file.empty()) {
+    auto camera = read_camera_file(options.camera_file, options.size);
+    if (!camera) return camera.error();
+    prepared.camera = *camera;
+    prepared.size = {camera->width, camera->height};
+  }
+  if (!options.script_file.empty()) {
+    auto script = read_script_file(options.script_file);
+    if (!script) return script.error();
+    prepared.script = std::move(*script);
+  } else if (!options.poke.empty()) {
+    prepared.script = poke_script(options.poke);
+  }
+  prepared.cache = options.cache;
+  if (prepared.cache.empty()) {
+    auto folder = AssetCache::default_folder();
+    if (!folder) return folder.error();
+    prepared.cache = std::move(*folder);
+  }
+  return prepared;
+}
+
+Result<void> check_names(const v1::InputScript& script, const JoinedScene& scene) {
+  for (const v1::InputScript::Action& action : script.actions()) {
+    const std::string& name = action.has_poke() ? action.poke().object() : action.ball().object();
+    if (action.has_ball() && action.ball().aim_case() != v1::InputScript::Ball::kObject) continue;
+    std::string known;
+    bool found = false;
+    for (const StreamedObject& object : scene.objects) {
+      if (object.environment) continue;
+      found = found || object.name == name;
+      known += (known.empty() ? "" : ", ") + object.name;
+    }
+    if (!found) return not_found("the script's object \"" + name + "\": the scene has none of that name; it has: " + known);
+  }
+  return {};
+}
+
+Result<void> load_scene(const JoinedScene& scene, AssetLibrary& assets, SceneView& view) {
+  for (const StreamedObject& object : scene.objects) assets.ask_for(object);
+  for (const StreamedObject& object : scene.objects) {
+    auto asset = assets.get(object.asset_hash);
+    if (!asset) return asset.error();
+    if (auto added = view.add(object.id, *asset, object.rest, object.environment); !added) {
+      return Error{added.error().code, object.name + ": " + added.error().message};
+    }
+  }
+  return {};
+}
+
+std::map<std::string, Recorder::Target> script_targets(const JoinedScene& scene, const SceneView& view) {
+  std::map<std::string, Recorder::Target> targets;
+  for (const StreamedObject& object : scene.objects) {
+    const Eigen::AlignedBox3d bounds = view.bounds(object.id);
+    if (object.environment || bounds.isEmpty()) continue;
+    targets[object.name] = {object.id, bounds.sizes().maxCoeff()};
+  }
+  return targets;
+}
+
+Result<void> write_pictures(const Player& player, const std::filesystem::path& folder) {
+  if (player.first_picture()) {
+    if (auto written = write_png(folder / "first.png", *player.first_picture()); !written) return written;
+  }
+  if (player.last_picture()) {
+    if (auto written = write_png(folder / "last.png", *player.last_picture()); !written) return written;
+    return write_file_atomically(folder / "last_frame.bin", std::as_bytes(std::span(player.last_frame())));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options, const std::atomic<bool>& interrupted) {
+  auto prepared = prepare(options);
+  if (!prepared) return prepared.error();
+  ConnectOptions connect;
+  connect.timeout_s = options.connect_timeout_s;
+  auto joined = SessionClient::join(options.address, connect);
+  if (!joined) return joined.error();
+  SessionClient& client = **joined;
+  const JoinedScene& scene = client.scene();
+  if (auto checked = check_names(prepared->script, scene); !checked) return checked.error();
+
+  const AssetCache cache(prepared->cache);
+  AssetLibrary assets(client, cache);
+  SceneView view;
+  if (auto loaded = load_scene(scene, assets, view); !loaded) return loaded.error();
+  log_info("joined %s: %zu objects, %.0f Hz; %zu of %zu assets fetched, %.1f MB", options.address.c_str(),
+           scene.objects.size(), scene.rate_hz, assets.totals().fetched, assets.totals().assets,
+           static_cast<double>(assets.totals().fetched_bytes) * 1e-6);
+
+  auto display = OffscreenDisplay::open({options.output, options.video_rate_hz, prepared->size.width,
+                                         prepared->size.height, options.png_every, options.video});
+  if (!display) return display.error();
+  auto received_log = ReceivedLog::create(options.output / "frames.csv");
+  if (!received_log) return received_log.error();
+  auto drawn_log = DrawnLog::create(options.output / "timings.csv");
+  if (!drawn_log) return drawn_log.error();
+
+  PlaybackQueue queue(kMostBacklogBytes);
+  Recorder recorder(client, assets, queue, std::move(*received_log), options.seconds);
+  const auto on_first_frame = [&](const SceneView& posed) -> Result<void> {
+    const Camera camera =
+        prepared->camera.value_or(choose_camera(posed, prepared->size.width, prepared->size.height));
+    (*display)->set_camera(camera);
+    if (prepared->script.actions_size() > 0) {
+      recorder.begin_script(ScriptedHands(prepared->script, {camera.world_from_camera.position_m, scene.ball_speed_m_s}),
+                            script_targets(scene, posed));
+    }
+    return write_camera_file(options.output / "camera.json", camera);
+  };
+  Player player(view, assets, queue, **display, std::move(*drawn_log), on_first_frame);
+  Result<void> played;
+  std::atomic<bool> play_ended{false};
+  std::thread drawer([&] {
+    played = player.play();
+    play_ended = true;
+  });
+
+  client.start(recorder);
+  while (!recorder.wait_done(kWaitSlice_s) && !client.ended() && !interrupted && !play_ended) {
+  }
+  const Result<void> streamed = client.stop();
+  queue.close();
+  if (!play_ended) log_info("the stream has ended; drawing what is left of it");
+  drawer.join();
+  auto finished = (*display)->finish();
+  if (!finished) log_warn("%s", finished.error().message.c_str());
+  if (auto written = write_pictures(player, options.output); !written) return written.error();
+
+  OffscreenRunSummary summary;
+  summary.scene_address = options.address;
+  summary.server_rate_hz = scene.rate_hz;
+  summary.objects = scene.objects.size();
+  for (const StreamedObject& object : scene.objects) summary.kernels += object.kernel_count;
+  summary.assets = assets.totals();
+  summary.received = recorder.summary();
+  summary.drawn = player.summary();
+  summary.dropped_frames = queue.dropped_frames();
+  if (!played) summary.stream_error = played.error();
+  else if (!streamed) summary.stream_error = streamed.error();
+  return summary;
+}
+
+std::string summary_text(const OffscreenRunSummary& summary) {
+  std::string text;
+  const auto append = [&](const char* format, auto... values) {
+    char line[256];
+    std::snprintf(line, sizeof line, format, values...);
+    text += line;
+  };
+  const auto count = [](uint64_t value) { return static_cast<unsigned long long>(value); };
+  append("client of %s: %zu objects, %zu kernels; %zu of %zu assets fetched, %.1f MB\n", summary.scene_address.c_str(),
+         summary.objects, summary.kernels, summary.assets.fetched, summary.assets.assets,
+         static_cast<double>(summary.assets.fetched_bytes) * 1e-6);
+  const ReceivedLog::Summary& received = summary.received;
+  append("received: %llu frames in %.1f s, %.1f a second of %.1f; %llu ticks not sent\n", count(received.frames),
+         received.seconds, received.rate_hz, summary.server_rate_hz, count(received.missed_ticks));
+  append("  staleness p50 %.2f ms, p99 %.2f ms; %.0f bytes a frame p50, %.0f p99; server tick p50 %.2f ms, p99 %.2f ms\n",
+         received.age_ms_p50, received.age_ms_p99, received.bytes_p50, received.bytes_p99, received.step_ms_p50,
+         received.step_ms_p99);
+  const DrawnLog::Summary& drawn = summary.drawn;
+  append("drawn: %llu pictures; skinning p50 %.2f ms, p99 %.2f ms; render p50 %.2f ms, p99 %.2f ms\n",
+         count(drawn.pictures), drawn.skin_ms_p50, drawn.skin_ms_p99, drawn.raster_ms_p50, drawn.raster_ms_p99);
+  if (summary.dropped_frames > 0) {
+    append("  %llu frames were dropped from a full backlog: the video skips\n", count(summary.dropped_frames));
+  }
+  return text;
+}
+
+}  // namespace livegs

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "core/result.h"
+#include "viewer/asset_library.h"
+#include "viewer/camera_file.h"
+#include "viewer/frame_log.h"
+
+namespace livegs {
+
+struct OffscreenRunOptions {
+  std::string address;
+  double seconds = 10;  // of stream, after the first frame; 0: until the server ends or `interrupted`
+  std::filesystem::path output = "out/client";
+  std::optional<PictureSize> size;
+  std::filesystem::path camera_file, script_file;  // empty: none
+  std::string poke;                                // an object's name; empty: none
+  double video_rate_hz = 30;
+  int png_every = 30;
+  bool video = true;
+  std::filesystem::path cache;  // empty: the user's
+  double connect_timeout_s = 5;
+};
+
+struct OffscreenRunSummary {
+  std::string scene_address;
+  double server_rate_hz = 0;
+  size_t objects = 0, kernels = 0;
+  AssetLibrary::Totals assets;
+  ReceivedLog::Summary received;
+  DrawnLog::Summary drawn;
+  uint64_t dropped_frames = 0;       // received, but never drawn: the backlog was full
+  std::optional<Error> stream_error;  // how the stream broke, if it did; the outputs are complete up to there
+};
+
+// Frames that wait to be drawn may hold this much: four minutes at 90 Hz and 25 kB.
+inline constexpr size_t kMostBacklogBytes = 512u << 20;
+
+// Joins, fetches, records the stream for its time and draws it, into `output`:
+//   out.mp4, frame_NNNNN.png    the video, and some of its pictures
+//   first.png, last.png         the first picture, and one of the very last frame
+//   last_frame.bin, camera.json that frame's bytes and the camera: `livegs render SCENE --frame --camera` draws it again
+//   frames.csv, timings.csv     a row a received frame; a row a drawn picture
+// The stream is taken at its full rate while drawing follows as fast as it can, from a bounded backlog of encoded
+// frames; after the time is up the session ends and the rest is drawn.
+// Fails when it could not start; a stream that breaks later is in the summary.
+Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options, const std::atomic<bool>& interrupted);
+
+std::string summary_text(const OffscreenRunSummary& summary);
+
+}  // namespace livegs

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/player.h"
+
+#include "core/clock.h"
+#include "wire/frame_codec.h"
+
+namespace livegs {
+
+Result<void> Player::play() {
+  while (auto item = queue_.take()) {
+    Result<void> taken;
+    if (const auto* frame = std::get_if<ReceivedFrame>(&*item)) taken = take(*frame);
+    else if (const auto* added = std::get_if<ObjectAdded>(&*item)) taken = take(*added);
+    else view_.remove(std::get<ObjectRemoved>(*item).object_id);
+    if (!taken) return taken;
+  }
+  if (history_.empty()) return {};
+  // Between the last display time and the last frame nothing else is to come: show that frame itself.
+  if (!planned_) planned_ = display_.wait_frame();
+  if (!planned_) return {};
+  if (auto drawn = draw(history_.newest()); !drawn) return drawn;
+  last_picture_ = picture_.image;
+  return {};
+}
+
+Result<void> Player::take(const ObjectAdded& added) {
+  auto asset = assets_.get(added.object.asset_hash);
+  if (!asset) return asset.error();
+  return view_.add(added.object.id, *asset, added.object.rest, added.object.environment);
+}
+
+Result<void> Player::take(const ReceivedFrame& frame) {
+  auto drivers = decode_frame(std::as_bytes(std::span(frame.encoded)));
+  if (!drivers) return Error{drivers.error().code, "frame " + std::to_string(frame.tick) + ": " + drivers.error().message};
+  if (!first_simulated_ns_) {
+    first_simulated_ns_ = drivers->simulated_ns;
+    if (auto posed = view_.pose(*drivers); !posed) return posed;
+    if (auto prepared = on_first_frame_(view_); !prepared) return prepared;
+  }
+  history_.add(std::move(*drivers));
+  last_ = frame;
+  return draw_until_newest();
+}
+
+Result<void> Player::draw_until_newest() {
+  for (;;) {
+    if (!planned_) planned_ = display_.wait_frame();
+    if (!planned_) return {};
+    const int64_t shown_ns = *first_simulated_ns_ + planned_->display_time_ns;
+    if (shown_ns > history_.newest().simulated_ns) return {};
+    if (auto drawn = draw(*history_.at(shown_ns)); !drawn) return drawn;
+    history_.forget_before(shown_ns);
+  }
+}
+
+Result<void> Player::draw(const DriverFrame& frame) {
+  std::vector<Image> images;
+  double skin_ms = 0, raster_ms = 0;
+  for (const Camera& camera : planned_->views) {
+    if (auto drawn = view_.draw(frame, camera, picture_); !drawn) return drawn;
+    skin_ms += view_.last_times().skin_ms;
+    raster_ms += view_.last_times().raster_ms;
+    images.push_back(picture_.image);
+  }
+  if (!first_picture_) first_picture_ = images.front();
+  if (auto submitted = display_.submit(*planned_, images); !submitted) return submitted;
+  log_.add({planned_->index, seconds_from_ns(frame.simulated_ns), last_.tick, last_.received_ns,
+            milliseconds_from_ns(last_.received_ns - last_.stepped_ns),
+            milliseconds_from_ns(now_ns() - last_.received_ns), skin_ms, raster_ms, last_.encoded.size(),
+            last_.step_ms});
+  planned_.reset();
+  return {};
+}
+
+}  // namespace livegs

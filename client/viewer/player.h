@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+
+#include "render/scene_view.h"
+#include "stream/frame_history.h"
+#include "stream/playback_queue.h"
+#include "viewer/asset_library.h"
+#include "viewer/frame_log.h"
+#include "xr/display.h"
+
+namespace livegs {
+
+// Takes what the recorder queued and draws it at the display's times, on one thread. A display time is shown as the
+// moment of the simulation that lies as long after the first frame; the video is even, whatever the network and the
+// drawing did, because simulated time is.
+class Player {
+ public:
+  // Called with the view posed by the first frame, before the first picture.
+  using OnFirstFrame = std::function<Result<void>(const SceneView& view)>;
+  Player(SceneView& view, AssetLibrary& assets, PlaybackQueue& queue, Display& display, DrawnLog log,
+         OnFirstFrame on_first_frame)
+      : view_(view), assets_(assets), queue_(queue), display_(display), log_(std::move(log)),
+        on_first_frame_(std::move(on_first_frame)) {}
+
+  // Until the queue is closed and empty; then draws the very last frame by itself.
+  Result<void> play();
+
+  // The first and the last picture. The last is of `last_frame`, not interpolated.
+  const std::optional<Image>& first_picture() const { return first_picture_; }
+  const std::optional<Image>& last_picture() const { return last_picture_; }
+  const std::string& last_frame() const { return last_.encoded; }
+  DrawnLog::Summary summary() const { return log_.summary(); }
+
+ private:
+  Result<void> take(const ReceivedFrame& frame);
+  Result<void> take(const ObjectAdded& added);
+  Result<void> draw_until_newest();
+  Result<void> draw(const DriverFrame& frame);
+
+  SceneView& view_;
+  AssetLibrary& assets_;
+  PlaybackQueue& queue_;
+  Display& display_;
+  DrawnLog log_;
+  OnFirstFrame on_first_frame_;
+
+  // Enough for the frames on both sides of a picture; what is older was drawn.
+  FrameHistory history_{8};
+  ReceivedFrame last_;  // the newest taken
+  std::optional<int64_t> first_simulated_ns_;
+  std::optional<PlannedFrame> planned_;
+  RasterisedView picture_;
+  std::optional<Image> first_picture_, last_picture_;
+};
+
+}  // namespace livegs

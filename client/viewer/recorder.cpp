@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/recorder.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "core/clock.h"
+#include "core/log.h"
+#include "wire/frame_codec.h"
+
+namespace livegs {
+namespace {
+
+std::optional<Eigen::Vector3d> middle_of(const DriverFrame& frame, uint32_t object_id) {
+  const auto object = std::find_if(frame.objects.begin(), frame.objects.end(),
+                                   [&](const ObjectDrivers& one) { return one.object_id == object_id; });
+  if (object == frame.objects.end()) return std::nullopt;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Pose& pose : object->poses) sum += pose.position_m;
+  for (const Eigen::Vector3f& position : object->positions_m) sum += position.cast<double>();
+  const size_t count = object->poses.size() + object->positions_m.size();
+  if (count == 0) return std::nullopt;
+  return sum / static_cast<double>(count);
+}
+
+}  // namespace
+
+void Recorder::on_frame(ReceivedFrame frame) {
+  {
+    std::lock_guard lock(mutex_);
+    if (done_) return;
+    if (first_ns_ == 0) {
+      first_ns_ = frame.received_ns;
+      first_tick_ = frame.tick;
+    }
+    log_.add(frame);
+    play_script(frame);
+    if (seconds_ > 0 && seconds_from_ns(frame.received_ns - first_ns_) >= seconds_) {
+      done_ = true;
+      changed_.notify_all();
+    }
+  }
+  queue_.add(std::move(frame));
+}
+
+void Recorder::play_script(const ReceivedFrame& frame) {
+  if (!hands_) return;
+  const double time_s = static_cast<double>(frame.tick - first_tick_) / client_.scene().rate_hz;
+  const auto locate = [&](const std::string& name) -> std::optional<ObjectExtent> {
+    const auto target = targets_.find(name);
+    if (target == targets_.end()) return std::nullopt;
+    const auto drivers = decode_frame(std::as_bytes(std::span(frame.encoded)));
+    if (!drivers) return std::nullopt;
+    const auto middle = middle_of(*drivers, target->second.object_id);
+    if (!middle) return std::nullopt;
+    return ObjectExtent{*middle, target->second.size_m};
+  };
+  client_.send(hands_->at(time_s, locate));
+}
+
+void Recorder::on_object_added(StreamedObject object) {
+  assets_.ask_for(object);
+  queue_.add(ObjectAdded{std::move(object)});
+}
+
+void Recorder::on_object_removed(uint32_t object_id) { queue_.add(ObjectRemoved{object_id}); }
+
+void Recorder::on_draining(const std::string& reason) {
+  log_info("the server says goodbye: %s", reason.c_str());
+  std::lock_guard lock(mutex_);
+  draining_reason_ = reason;
+  done_ = true;
+  changed_.notify_all();
+}
+
+void Recorder::begin_script(ScriptedHands hands, std::map<std::string, Target> targets) {
+  std::lock_guard lock(mutex_);
+  hands_.emplace(std::move(hands));
+  targets_ = std::move(targets);
+}
+
+bool Recorder::wait_done(double seconds) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return done_; });
+}
+
+std::string Recorder::draining_reason() const {
+  std::lock_guard lock(mutex_);
+  return draining_reason_;
+}
+
+ReceivedLog::Summary Recorder::summary() const {
+  std::lock_guard lock(mutex_);
+  return log_.summary();
+}
+
+}  // namespace livegs

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "stream/playback_queue.h"
+#include "stream/scripted_hands.h"
+#include "stream/session_client.h"
+#include "viewer/asset_library.h"
+#include "viewer/frame_log.h"
+
+namespace livegs {
+
+// What an offscreen client does with its stream, on the reader's thread: logs every frame, plays the script against
+// it, and puts it into the queue of the thread that draws.
+class Recorder final : public StreamSink {
+ public:
+  // All outlive the recorder's last call. `seconds` after the first frame the recording is done; 0: never.
+  Recorder(SessionClient& client, AssetLibrary& assets, PlaybackQueue& queue, ReceivedLog log, double seconds)
+      : client_(client), assets_(assets), queue_(queue), log_(std::move(log)), seconds_(seconds) {}
+
+  void on_frame(ReceivedFrame frame) override;
+  void on_object_added(StreamedObject object) override;
+  void on_object_removed(uint32_t object_id) override;
+  void on_draining(const std::string& reason) override;
+
+  // From now on the hands move. An object is known by its name and its size; where it is, its drivers say.
+  struct Target {
+    uint32_t object_id = 0;
+    double size_m = 0;
+  };
+  void begin_script(ScriptedHands hands, std::map<std::string, Target> targets);
+
+  // Waits, at most so long, until the recording is done or the server drains. True when it is.
+  bool wait_done(double seconds);
+  std::string draining_reason() const;
+  ReceivedLog::Summary summary() const;
+
+ private:
+  void play_script(const ReceivedFrame& frame);
+
+  SessionClient& client_;
+  AssetLibrary& assets_;
+  PlaybackQueue& queue_;
+
+  mutable std::mutex mutex_;  // guards everything below
+  std::condition_variable changed_;
+  ReceivedLog log_;
+  const double seconds_;
+  int64_t first_ns_ = 0;
+  uint64_t first_tick_ = 0;
+  bool done_ = false;
+  std::string draining_reason_;
+  std::optional<ScriptedHands> hands_;
+  std::map<std::string, Target> targets_;
+};
+
+}  // namespace livegs

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+
+#include "core/result.h"
+#include "splat/image.h"
+
+namespace livegs {
+
+// An H.264 video, 4:2:0, written through the `ffmpeg` command: any player takes it. Odd sizes are padded by a pixel.
+class VideoFile {
+ public:
+  // Unsupported when there is no ffmpeg to be found.
+  static Result<VideoFile> create(const std::filesystem::path& path, int width, int height, double rate_hz);
+  VideoFile(VideoFile&& other) noexcept;
+  VideoFile& operator=(VideoFile&&) = delete;
+  ~VideoFile();
+
+  Result<void> add(const Image& image);  // of the size given
+  Result<void> finish();                 // waits for the file; more than once is fine
+
+ private:
+  VideoFile(std::filesystem::path path, int pipe, pid_t process) : path_(std::move(path)), pipe_(pipe), process_(process) {}
+  std::filesystem::path path_;
+  int pipe_ = -1;
+  pid_t process_ = -1;
+};
+
+}  // namespace livegs
