@@ -71,9 +71,14 @@ Result<AssetFile> decode_asset(std::span<const std::byte> bytes, std::string_vie
 
 Result<AssetFile> read_asset(const std::filesystem::path& path) {
   std::error_code ignored;
-  const bool folder = std::filesystem::is_directory(path, ignored);
-  if (folder || lower_case_extension(path.string()) == ".json") {
-    return finished(read_sog_folder(folder ? path / "meta.json" : path, path.string()), path.string());
+  if (std::filesystem::is_directory(path, ignored))
+    return finished(read_sog_folder(path, path.string()), path.string());
+  if (lower_case_extension(path.string()) == ".json") {
+    if (path.filename() != "meta.json") {
+      return invalid_data(path.string() + ": of .json only the meta.json of an unbundled .sog is an asset");
+    }
+    return finished(read_sog_folder(path.has_parent_path() ? path.parent_path() : ".", path.string()),
+                    path.string());
   }
   const Result<std::vector<std::byte>> bytes = read_file(path);
   if (!bytes) return bytes.error();

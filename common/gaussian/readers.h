@@ -7,6 +7,7 @@
 #include "gaussian/asset_file.h"
 #include "gaussian/bytes.h"
 #include "gaussian/ply_header.h"
+#include "gaussian/sog_files.h"
 
 // One reader a format, inside this room. Each gives the values as they stand in the file, turned to the frame
 // of GaussianAsset; establish_invariants is the caller's next step.
@@ -21,6 +22,8 @@ Result<AssetFile> read_spz(Bytes bytes, std::string_view name);
 Result<AssetFile> read_splat(Bytes bytes, std::string_view name);
 
 Result<AssetFile> read_sog_bundle(Bytes bytes, std::string_view name);
-Result<AssetFile> read_sog_folder(const std::filesystem::path& meta_json, std::string_view name);
+Result<AssetFile> read_sog_folder(const std::filesystem::path& folder, std::string_view name);
+// `total_bytes` of all files bounds how many kernels are believed.
+Result<AssetFile> read_sog(const SogFiles& files, uint64_t total_bytes, std::string_view name);
 
 }  // namespace livegs

@@ -2,7 +2,6 @@
 // PlayCanvas SOG: a property an image, a kernel a pixel; SH of degree 1 and up as an index into a palette.
 #include <cmath>
 
-#include "core/file.h"
 #include "gaussian/opacity.h"
 #include "gaussian/readers.h"
 #include "gaussian/smallest_three.h"
@@ -162,13 +161,18 @@ class SogDecoder {
   GaussianAsset asset_;
 };
 
-Result<AssetFile> read_sog(const SogFiles& files, Bytes meta_json, uint64_t file_bytes,
-                           std::string_view name) {
-  const Result<SogMeta> meta = parse_sog_meta(meta_json, name);
+}  // namespace
+
+Result<AssetFile> read_sog(const SogFiles& files, uint64_t total_bytes, std::string_view name) {
+  const Result<std::vector<std::byte>> meta_json = files.read("meta.json");
+  if (!meta_json) return meta_json.error();
+  if (meta_json->size() > kMaxMetaBytes)
+    return invalid_data(std::string(name) + ": meta.json is over 16 MiB");
+  const Result<SogMeta> meta = parse_sog_meta(*meta_json, name);
   if (!meta) return meta.error();
-  if (meta->count * kBytesPerKernel > kMaxCompressionRatio * file_bytes) {
+  if (meta->count * kBytesPerKernel > kMaxCompressionRatio * total_bytes) {
     return invalid_data(std::string(name) + ": claims " + std::to_string(meta->count) +
-                        " kernels, more than " + std::to_string(file_bytes) + " bytes can hold");
+                        " kernels, more than " + std::to_string(total_bytes) + " bytes can hold");
   }
   Result<GaussianAsset> asset = SogDecoder(files, *meta, name).decode();
   if (!asset) return asset.error();
@@ -179,22 +183,13 @@ Result<AssetFile> read_sog(const SogFiles& files, Bytes meta_json, uint64_t file
   return file;
 }
 
-}  // namespace
-
 Result<AssetFile> read_sog_bundle(Bytes bytes, std::string_view name) {
   const Result<std::unique_ptr<SogFiles>> files = open_sog_bundle(bytes, name);
   if (!files) return files.error();
-  const Result<std::vector<std::byte>> meta = (*files)->read("meta.json");
-  if (!meta) return meta.error();
-  if (meta->size() > kMaxMetaBytes) return invalid_data(std::string(name) + ": meta.json is over 16 MiB");
-  return read_sog(**files, *meta, bytes.size(), name);
+  return read_sog(**files, bytes.size(), name);
 }
 
-Result<AssetFile> read_sog_folder(const std::filesystem::path& meta_json, std::string_view name) {
-  const Result<std::vector<std::byte>> meta = read_file(meta_json, kMaxMetaBytes);
-  if (!meta) return meta.error();
-  std::filesystem::path folder = meta_json.parent_path();
-  if (folder.empty()) folder = ".";
+Result<AssetFile> read_sog_folder(const std::filesystem::path& folder, std::string_view name) {
   uint64_t bytes = 0;
   std::error_code error;
   for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
@@ -203,7 +198,7 @@ Result<AssetFile> read_sog_folder(const std::filesystem::path& meta_json, std::s
     const uint64_t size = entry->is_regular_file(no_size) ? entry->file_size(no_size) : 0;
     if (!no_size) bytes += size;
   }
-  return read_sog(*open_sog_folder(folder, name), *meta, bytes, name);
+  return read_sog(*open_sog_folder(folder, name), bytes, name);
 }
 
 }  // namespace livegs

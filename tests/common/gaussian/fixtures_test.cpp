@@ -121,7 +121,7 @@ const std::map<std::string, std::string> kBad = {
     {"sog/malformed-meta.sog", "JSON"},
     {"sog/missing-plane.sog", "no file scales.webp"},
     {"sog/no-meta.sog", "no file meta.json"},
-    {"sog/not-sog.json", "has no count"},
+    {"sog/not-sog.json", "only the meta.json"},
     {"sog/not-sog.sog", "no Gaussian splat file"},
     {"sog/short-codebook.sog", "256 numbers"},
     {"sog/unbundled-missing-plane", "sh0.webp"},

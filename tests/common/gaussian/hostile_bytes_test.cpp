@@ -6,7 +6,7 @@
 
 #include <algorithm>
 #include <cstring>
-#include <fstream>
+#include <map>
 #include <random>
 #include <string>
 
@@ -16,6 +16,8 @@
 #include "core/file.h"
 #include "gaussian/asset_file.h"
 #include "gaussian/decompress.h"
+#include "gaussian/establish_invariants.h"
+#include "gaussian/readers.h"
 
 namespace livegs {
 namespace {
@@ -187,35 +189,48 @@ TEST(HostileBytes, MutationsUnderTheGzipOfSpzAreSurvived) {
   }
 }
 
-// Likewise the archive of .sog: here are its files in a folder, one of them changed.
-TEST(HostileBytes, MutationsOfTheFilesOfASogFolderAreSurvived) {
+// Likewise the archive of .sog: here are its files outside of it.
+class FilesInMemory : public SogFiles {
+ public:
+  explicit FilesInMemory(std::map<std::string, Buffer> files)
+      : SogFiles("memory.sog"), files_(std::move(files)) {}
+  std::map<std::string, Buffer> files_;
+
+ protected:
+  Result<Buffer> read_plain_name(const std::string& file) const override {
+    const auto found = files_.find(file);
+    if (found == files_.end()) return not_found("memory.sog: has no " + file);
+    return found->second;
+  }
+};
+
+TEST(HostileBytes, MutationsOfEachFileOfASogAreSurvived) {
   LIVEGS_NEEDS_SHARED_DATA();
-  std::string pattern = (std::filesystem::temp_directory_path() / "livegs_sog_test_XXXXXX").string();
-  const std::filesystem::path folder = ::mkdtemp(pattern.data());
-  const std::filesystem::path source = shared_data() / "fixtures/sog/unbundled-kit-multi-degree3";
-  std::vector<Sample> files;
-  for (const auto& entry : std::filesystem::directory_iterator(source)) {
-    files.push_back({entry.path().filename().string(), *read_file(entry.path())});
+  std::map<std::string, Buffer> good;
+  uint64_t total_bytes = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(shared_data() / "fixtures/sog/unbundled-kit-multi-degree3")) {
+    good[entry.path().filename().string()] = *read_file(entry.path());
+    total_bytes += entry.file_size();
   }
-  std::sort(files.begin(), files.end(), [](const Sample& a, const Sample& b) { return a.name < b.name; });
-  const auto write = [&](const std::string& name, const Buffer& bytes) {
-    std::ofstream out(folder / name, std::ios::binary);
-    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  };
-  for (const Sample& file : files) write(file.name, file.bytes);
-  ASSERT_TRUE(read_asset(folder));
+  ASSERT_TRUE(read_sog(FilesInMemory(good), total_bytes, "memory.sog"));
   std::mt19937_64 engine(4);
-  for (const Sample& file : files) {
+  for (const auto& [name, bytes] : good) {
+    FilesInMemory files(good);
     for (int i = 0; i < 300; ++i) {
-      write(file.name, mutated(file.bytes, engine));
-      const Result<AssetFile> read = read_asset(folder);
-      if (read) expect_invariants(read->asset, file.name);
+      files.files_[name] = mutated(bytes, engine);
+      Result<AssetFile> file = read_sog(files, total_bytes, "memory.sog");
+      if (file && establish_invariants(*file, name)) expect_invariants(file->asset, name);
     }
-    write(file.name, file.bytes);
   }
-  write("meta.json", bytes_of(std::string(1 << 20, '[')));
-  EXPECT_FALSE(read_asset(folder));
-  std::filesystem::remove_all(folder);
+}
+
+TEST(HostileBytes, DeeplyNestedMetaIsRefused) {
+  for (const char* nest : {"[", "{\"means\":"}) {
+    std::string text;
+    while (text.size() < 1000000) text += nest;
+    EXPECT_FALSE(read_sog(FilesInMemory({{"meta.json", bytes_of(text)}}), text.size(), "nested.sog"));
+  }
 }
 
 // Version 4 has its tables in the clear.
