@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geometry/sample_particles.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/assert.h"
+#include "geometry/inside_grid.h"
+#include "geometry/mesh_topology.h"
+#include "geometry/point_grid.h"
+
+namespace livegs {
+namespace {
+
+// Volume samples along an edge of a voxel: with 3 the voxel's own centre is one of them.
+constexpr int kSamplesPerVoxel = 3;
+// Half a voxel diagonal is taken this much shorter, so that a corner of a box cut into whole voxels, which lies at
+// that distance exactly, is taken whatever the rounding.
+constexpr double kSlack = 1e-9;
+// Each particle has at least this part of a voxel before volumes are scaled to the body's: no particle is massless.
+constexpr double kLeastVolume = 0.01;
+
+RegularGrid cell_centres(const Eigen::AlignedBox3d& bounds, double cell_m) {
+  RegularGrid grid;
+  grid.cell_m = cell_m;
+  grid.origin_m = bounds.min().array() + 0.5 * cell_m;
+  grid.counts = ((bounds.sizes() / cell_m).array() - 1e-6).ceil().cast<int>().max(1);
+  return grid;
+}
+
+template <class Visit>
+void for_each_inside(const TriangleMesh& mesh, const RegularGrid& grid, const Visit& visit) {
+  const std::vector<uint8_t> inside = nodes_inside(mesh, grid);
+  for (int k = 0; k < grid.counts.z(); ++k) {
+    for (int j = 0; j < grid.counts.y(); ++j) {
+      for (int i = 0; i < grid.counts.x(); ++i) {
+        if (inside[grid.index(i, j, k)]) visit(grid.point_m(i, j, k));
+      }
+    }
+  }
+}
+
+// Each sample of the volume goes to the particle nearest to it. What the samples miss of the mesh's volume (sheets
+// thinner than they are apart) is spread over the surface in the same way.
+std::vector<double> share_volume(const TriangleMesh& mesh, const Eigen::AlignedBox3d& bounds, double spacing_m,
+                                 double volume_m3, const PointGrid& particles) {
+  std::vector<double> volumes_m3(particles.size(), 0.0);
+  const double sample_m = affordable_cell_m(spacing_m / kSamplesPerVoxel, bounds.sizes());
+  const double sample_m3 = sample_m * sample_m * sample_m;
+  double sampled_m3 = 0.0;
+  for_each_inside(mesh, cell_centres(bounds, sample_m), [&](const Eigen::Vector3d& point_m) {
+    volumes_m3[particles.nearest(point_m)] += sample_m3;
+    sampled_m3 += sample_m3;
+  });
+  const double missed_m3 = volume_m3 - sampled_m3;
+  if (missed_m3 > 0.0) {
+    double area_m2 = 0.0;
+    std::vector<double> areas_m2(particles.size(), 0.0);
+    for (const auto& [a, b, c] : mesh.triangles) {
+      const Eigen::Vector3d &p = mesh.vertices_m[a], &q = mesh.vertices_m[b], &r = mesh.vertices_m[c];
+      const double triangle_m2 = 0.5 * (q - p).cross(r - p).norm();
+      areas_m2[particles.nearest((p + q + r) / 3.0)] += triangle_m2;
+      area_m2 += triangle_m2;
+    }
+    for (size_t i = 0; i < volumes_m3.size(); ++i) volumes_m3[i] += missed_m3 * areas_m2[i] / area_m2;
+  }
+  const double least_m3 = kLeastVolume * std::min(spacing_m * spacing_m * spacing_m, volume_m3 / particles.size());
+  double sum_m3 = 0.0;
+  for (double& share_m3 : volumes_m3) {
+    share_m3 = std::max(share_m3, least_m3);
+    sum_m3 += share_m3;
+  }
+  for (double& share_m3 : volumes_m3) share_m3 *= volume_m3 / sum_m3;
+  return volumes_m3;
+}
+
+}  // namespace
+
+ParticleSet sample_particles(const TriangleMesh& mesh, int density, double spacing_m) {
+  LIVEGS_ASSERT(!mesh.triangles.empty() && density > 0);
+  const Eigen::AlignedBox3d bounds = mesh_bounds_m(mesh);
+  if (!(spacing_m > 0.0)) spacing_m = bounds.sizes().maxCoeff() / density;
+  spacing_m = affordable_cell_m(spacing_m, bounds.sizes());
+
+  ParticleSet particles;
+  particles.spacing_m = spacing_m;
+  const double least_distance_m = 0.5 * std::sqrt(3.0) * spacing_m * (1.0 - kSlack);
+  PointGrid taken({bounds.min(), bounds.max().array() + spacing_m}, spacing_m);
+  const auto take = [&](const Eigen::Vector3d& point_m, bool on_surface) {
+    taken.insert(point_m);
+    particles.positions_m.push_back(point_m);
+    particles.on_surface.push_back(on_surface);
+  };
+  for_each_inside(mesh, cell_centres(bounds, spacing_m), [&](const Eigen::Vector3d& p) { take(p, false); });
+  std::vector<bool> used(mesh.vertices_m.size(), false);
+  for (const auto& triangle : mesh.triangles) {
+    for (uint32_t vertex : triangle) used[vertex] = true;
+  }
+  for (size_t v = 0; v < mesh.vertices_m.size(); ++v) {
+    if (used[v] && !taken.any_nearer(mesh.vertices_m[v], least_distance_m)) take(mesh.vertices_m[v], true);
+  }
+  particles.volumes_m3 =
+      share_volume(mesh, bounds, spacing_m, std::max(signed_volume_m3(mesh), 0.0), taken);
+  return particles;
+}
+
+}  // namespace livegs
