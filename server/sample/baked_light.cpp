@@ -17,8 +17,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr int kSkyDirections = 36;
-constexpr int kKeyDirections = 9;
+constexpr int kKeyDirections = 10;
 constexpr int kDirectionSets = 16;
 
 const Vector3d kKeyColour(0.92, 0.85, 0.76);
@@ -27,18 +26,18 @@ const Vector3d kHorizonColour(0.50, 0.49, 0.47);
 const Vector3d kFloorColour(0.25, 0.22, 0.19);   // light back from the floor, away from the object
 
 struct Directions {
-  std::array<Vector3d, kSkyDirections> sky;
+  std::vector<Vector3d> sky;
   std::array<Vector3d, kKeyDirections> key;
 };
 
 // A Fibonacci sphere for the sky; a small disc about the key direction for the window. Sets are turned against each
 // other, so that the edges of single directions become grain finer than the texture instead of steps.
-Directions make_directions(int set) {
+Directions make_directions(int set, int sky_count) {
   Directions d;
   const double turn = 2 * kPi * set / kDirectionSets;
-  for (int i = 0; i < kSkyDirections; ++i) {
-    const double y = 1 - (2 * i + 1.0) / kSkyDirections, r = std::sqrt(1 - y * y), a = 2.399963229728653 * i + turn;
-    d.sky[i] = Vector3d(r * std::cos(a), y, r * std::sin(a));
+  for (int i = 0; i < sky_count; ++i) {
+    const double y = 1 - (2 * i + 1.0) / sky_count, r = std::sqrt(1 - y * y), a = 2.399963229728653 * i + turn;
+    d.sky.emplace_back(r * std::cos(a), y, r * std::sin(a));
   }
   const Vector3d key = key_direction(), side = key.unitOrthogonal(), other = key.cross(side);
   for (int i = 0; i < kKeyDirections; ++i) {
@@ -59,7 +58,7 @@ class Illumination {
  public:
   Illumination(const SurfaceSamples& samples, const BakeOptions& options)
       : options_(options) {
-    for (int set = 0; set < kDirectionSets; ++set) directions_[set] = make_directions(set);
+    for (int set = 0; set < kDirectionSets; ++set) directions_[set] = make_directions(set, options.sky_directions);
     if (options.occlusion_cells > 0) grid_.emplace(samples, options.occlusion_cells);
   }
 
@@ -81,7 +80,7 @@ class Illumination {
     // Light that was blocked has bounced inside the object; a tenth of it comes back.
     if (weights > 0) {
       light.sky_visibility /= weights;
-      light.diffuse = light.diffuse / weights + (1 - light.sky_visibility) * Vector3d(0.055, 0.050, 0.045);
+      light.diffuse = light.diffuse / weights + (1 - light.sky_visibility) * Vector3d(0.10, 0.09, 0.08);
     }
     double key = 0.0;
     for (const Vector3d& d : directions.key)
@@ -156,7 +155,7 @@ GaussianAsset bake_kernels(const SurfaceSamples& samples, const Material& materi
     const Vector3d normal = (s.normal + a.bump).normalized();
     const Light front = illumination.at(s.position_m, s.normal, normal, i);
     Vector3d front_radiance = options.exposure * front.diffuse.cwiseProduct(a.albedo);
-    front_radiance += a.subsurface * front.sky_visibility * (1 - std::min(1.0, front.diffuse.mean()));
+    front_radiance += a.subsurface * (0.4 + 0.6 * front.sky_visibility) * (1 - std::min(1.0, front.diffuse.mean()));
 
     Vector3d dc = Vector3d::Zero();
     std::fill(rest.begin(), rest.end(), Vector3d::Zero());

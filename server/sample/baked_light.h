@@ -36,6 +36,7 @@ struct BakeOptions {
   int sh_degree = 2;
   double contact_height_m = 0.02;  // over which light from the floor fades in above the plane y = 0
   double exposure = 1.0;
+  int sky_directions = 36;  // more where a hollow would show their grain
   int occlusion_cells = 72;  // 0: nothing shades anything (the material brings its own)
 };
 

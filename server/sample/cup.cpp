@@ -8,6 +8,7 @@
 #include "sample/noise.h"
 #include "sample/sample_scene.h"
 #include "sample/shapes.h"
+#include "sample/sharp_edge.h"
 
 namespace livegs {
 namespace {
@@ -58,6 +59,15 @@ class CupGlaze {
     return a;
   }
 
+  // Signed distance to the nearest painted ring, negative under the paint. The brush wavers.
+  double ring_distance_m(const Vector3d& p) const {
+    const double angle = std::atan2(p.x(), p.z());
+    const Vector3d around(4.4 * std::cos(angle), 4.4 * std::sin(angle), 0.0);
+    const double height_m = p.y() + 0.0006 * fractal_noise(around, 2, seed_ + 41);
+    return std::min({std::abs(height_m - 0.0800) - 0.0037, std::abs(height_m - 0.0722) - 0.0008,
+                     std::abs(height_m - 0.0315) - 0.0009});
+  }
+
  private:
   // Iron specks, 0.3 to 1.3 mm, with a brown halo.
   void speckle(const Vector3d& p, Appearance& a) const {
@@ -71,15 +81,10 @@ class CupGlaze {
   void paint(const Vector3d& p, int part, Appearance& a) const {
     if (part == kHandle) return;
     const double angle = std::atan2(p.x(), p.z());
-    const Vector3d around(2.2 * std::cos(angle), 2.2 * std::sin(angle), 0.0);
-    const double waver_m = 0.0006 * fractal_noise(around * 2.0, 2, seed_ + 41);
-    const double height_m = p.y() + waver_m;
-    const double broad = smooth_step(0.0040, 0.0034, std::abs(height_m - 0.0800));
-    const double thin = smooth_step(0.0011, 0.0006, std::abs(height_m - 0.0722));
-    const double low = smooth_step(0.0012, 0.0007, std::abs(height_m - 0.0315));
+    const double cover = smooth_step(0.0002, -0.0002, ring_distance_m(p));
     const double streak = fractal_noise(Vector3d(angle * 5.0, p.y() / 0.0011, 0.0), 3, seed_ + 43);
     const Vector3d cobalt = blend(linear_from_hex(0x21408F), linear_from_hex(0x5C7FC4), 0.5 + 0.5 * streak);
-    a.albedo = blend(a.albedo, cobalt, std::min(1.0, 0.95 * broad + 0.85 * thin + 0.85 * low));
+    a.albedo = blend(a.albedo, cobalt, 0.94 * cover);
   }
 
   void bare_foot(const Vector3d& p, Appearance& a) const {
@@ -137,11 +142,20 @@ GaussianAsset make_cup(uint64_t seed) {
   };
   sample_surface(handle, random, samples);
 
+  const CupGlaze glaze(seed);
+  line_up_along_edge(
+      [&glaze](const SurfaceSample& s) {
+        const bool painted = s.part == kBody && s.v < kInsideStarts && s.position_m.y() > 0.025 && s.position_m.y() < 0.09;
+        return painted ? glaze.ring_distance_m(s.position_m) : 1.0;
+      },
+      0.00035, samples);
+
   BakeOptions options;
   options.sh_degree = 3;
   options.contact_height_m = 0.008;
+  options.sky_directions = 80;
   options.exposure = 0.96;
-  GaussianAsset asset = bake_kernels(samples, CupGlaze(seed), options, random);
+  GaussianAsset asset = bake_kernels(samples, glaze, options, random);
   stand_at_origin(asset);
   return asset;
 }

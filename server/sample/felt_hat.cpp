@@ -144,7 +144,7 @@ GaussianAsset make_felt_hat(uint64_t seed) {
   ribbon.cells_v = 24;
   ribbon.position_m = [=](double u, double v) {
     const double y = low_m + (high_m - low_m) * v;
-    const double off_m = 0.0013 * std::min(1.0, std::min(v, 1 - v) / 0.04);
+    const double off_m = 0.0018 * std::min(1.0, std::min(v, 1 - v) / 0.04);
     const double r = crown_radius_m(y) + off_m;
     return shaped({r * std::sin(u), y, r * std::cos(u)});
   };

@@ -8,6 +8,7 @@
 #include "sample/noise.h"
 #include "sample/sample_scene.h"
 #include "sample/shapes.h"
+#include "sample/sharp_edge.h"
 
 namespace livegs {
 namespace {
@@ -102,16 +103,15 @@ class PillowShape {
   uint64_t seed_;
 };
 
-// Distance to the nearest edge of a stripe.
-double stripe_edge_m(double x) {
+// Signed distance to the nearest stripe, negative inside, for a pillow whose middle is at x = 0.
+double stripe_distance_m(double x) {
   double nearest_m = 1.0;
-  for (const Band& b : kBands)
-    nearest_m = std::min(nearest_m, std::abs(std::abs(std::abs(x) - b.centre_m) - b.half_m));
+  for (const Band& b : kBands) nearest_m = std::min(nearest_m, std::abs(std::abs(x) - b.centre_m) - b.half_m);
   return nearest_m;
 }
 
 // Finer sampling where the colour changes.
-double near_stripe(double x) { return 0.72 + 0.28 * smooth_step(0.002, 0.004, stripe_edge_m(x)); }
+double near_stripe(double x) { return 0.72 + 0.28 * smooth_step(0.002, 0.004, std::abs(stripe_distance_m(x))); }
 
 class Linen {
  public:
@@ -131,7 +131,7 @@ class Linen {
     }
     // Every kernel is a piece of one thread, warp or weft; each thread has its own tone and swells (slubs). Along the
     // edge of a stripe only warp shows, which keeps it sharp.
-    const double edge_m = stripe_edge_m(p.x());
+    const double edge_m = std::abs(stripe_distance_m(p.x()));
     a.across = edge_m < 0.004 || lattice_random(static_cast<int64_t>(std::floor(p.x() / 0.0011)),
                                                 static_cast<int64_t>(std::floor(p.z() / 0.0011)), s.part, seed_ + 2) < 0.5;
     // dP/du is along z on the top sheet and along x below.
@@ -145,9 +145,7 @@ class Linen {
     const double shade = 1 + 0.16 * tone + 0.10 * std::max(0.0, slub) + 0.03 * fractal_noise(p / 0.05, 2, seed_ + 3);
     Vector3d cloth = linear_from_hex(0xD8CCB4);
     // Stripes are woven in, so the weft keeps a little of the ground.
-    const double x = p.x() + 0.0006 * value_noise(p / 0.02, seed_ + 13);
-    double stripe = 0.0;
-    for (const Band& b : kBands) stripe = std::max(stripe, smooth_step(b.half_m + 0.0004, b.half_m - 0.0004, std::abs(std::abs(x) - b.centre_m)));
+    const double stripe = smooth_step(0.0003, -0.0003, stripe_distance_m(p.x()));
     cloth = blend(cloth, linear_from_hex(0x465A86), stripe * (warp ? 0.96 : 0.82));
     a.albedo = cloth * shade;
     return a;
@@ -182,6 +180,9 @@ GaussianAsset make_pillow(uint64_t seed) {
                                    [](double) { return Eigen::Vector2d(0.0042, 0.0042); }, 0.0019, kPiping);
   piping.cells_u = 600;
   sample_surface(piping, random, samples);
+  line_up_along_edge(
+      [](const SurfaceSample& s) { return s.part == kPiping ? 1.0 : stripe_distance_m(s.position_m.x()); }, 0.0009,
+      samples);
   double floor_m = 0.0;
   for (const SurfaceSample& s : samples) floor_m = std::min(floor_m, s.position_m.y());
   for (SurfaceSample& s : samples) s.position_m.y() -= floor_m;

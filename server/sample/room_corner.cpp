@@ -81,16 +81,17 @@ class Decor {
       a.overlap = 1.0;
       return;
     }
-    // v holds the board's number: each has its own cut, tone and direction.
+    // v holds the board's number, u the way across it: each board has its own cut, tone and streaks.
     const auto board = static_cast<int64_t>(s.v);
-    const double tone = lattice_random(board, 1, 0, seed_ + 11) - 0.5, warm = lattice_random(board, 2, 0, seed_ + 11) - 0.5;
-    const Vector3d side = s.normal.cross(s.tangent);
-    const Vector3d grain(p.dot(s.tangent) + 3.1 * lattice_random(board, 3, 0, seed_),
-                         0.018 + 0.03 * lattice_random(board, 4, 0, seed_),
-                         p.dot(side) - std::floor(p.dot(side)) + 0.05 * lattice_random(board, 5, 0, seed_) - 0.5);
-    const WoodTone oak{linear_from_hex(0xC79B68), linear_from_hex(0xAC7B48), 0.020, 0.3};
-    a.albedo = wood_albedo(grain, oak, seed_ + 13 + static_cast<uint64_t>(board % 7)) * (1 + 0.24 * tone);
-    a.albedo = a.albedo.cwiseProduct(Vector3d(1 + 0.05 * warm, 1, 1 - 0.08 * warm));
+    const auto dice = [&](int64_t which) { return lattice_random(board, which, 0, seed_ + 11); };
+    const double along_m = p.dot(s.tangent) + 3.1 * dice(3);
+    const Vector3d grain(along_m, 0.030 + 0.04 * dice(4), s.u + 0.10 * (dice(5) - 0.5));
+    const WoodTone oak{linear_from_hex(0xC79B68), linear_from_hex(0xA8743F), 0.026, 0.0};
+    const double streak = value_noise(Vector3d(along_m / 0.22, s.u / 0.011, s.v), seed_ + 17);
+    a.albedo = wood_albedo(grain, oak, seed_ + 13 + static_cast<uint64_t>(board % 7)) *
+               (1 + 0.26 * (dice(1) - 0.5) + 0.09 * streak);
+    const double warm = dice(2) - 0.5;
+    a.albedo = a.albedo.cwiseProduct(Vector3d(1 + 0.05 * warm, 1, 1 - 0.10 * warm));
   }
 
   void wall(const Vector3d& p, Appearance& a) const {
@@ -176,16 +177,16 @@ void lay_parquet(Random& random, SurfaceSamples& samples) {
       const Eigen::Vector2d flat = turn * (low + l_m * along + w_m * across);
       if (!inside(flat, -0.002)) return;
       const Eigen::Vector2d direction = turn * (lengthwise ? along : across);
-      samples.push_back({{flat.x(), y_m, flat.y()}, Vector3d::UnitY(), {direction.x(), 0, direction.y()}, 0.0,
+      samples.push_back({{flat.x(), y_m, flat.y()}, Vector3d::UnitY(), {direction.x(), 0, direction.y()}, w_m,
                          static_cast<double>(number), spacing_m, stretch, part});
     };
     for (size_t row = 0; row < std::size(rows_m); ++row) {
       constexpr int kColumns = 17;
       for (int column = 0; column < kColumns; ++column) {
         const double pitch_m = (length - 0.006) / kColumns;
-        double l_m = 0.003 + pitch_m * (column + 0.5 + 0.3 * random.uniform(-1, 1));
-        l_m = std::clamp(l_m, 0.011, length - 0.011);
-        const double stretch = std::min(pitch_m, 0.028) / sizes_m[row] * 0.62;
+        double l_m = 0.003 + pitch_m * (column + 0.5 + (row % 2 ? 0.25 : -0.25) + 0.12 * random.uniform(-1, 1));
+        l_m = std::clamp(l_m, 0.013, length - 0.013);
+        const double stretch = std::min(pitch_m, 0.028) / sizes_m[row] * 0.85;
         put(l_m, rows_m[row] + 0.001 * random.uniform(-1, 1), sizes_m[row], std::max(1.0, stretch), kBoard, true, 0.0);
       }
     }

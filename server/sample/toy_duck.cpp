@@ -9,6 +9,7 @@
 #include "sample/noise.h"
 #include "sample/sample_scene.h"
 #include "sample/shapes.h"
+#include "sample/sharp_edge.h"
 
 namespace livegs {
 namespace {
@@ -35,6 +36,7 @@ struct Tip {
   double c, s;
 };
 
+constexpr double kEyeWhite_m = 0.0062, kPupil_m = 0.0049;  // radii
 const Vector3d kHeadCentre(0, 0.0845, 0.0225);
 constexpr double kHeadRadius = 0.0288;
 
@@ -87,10 +89,6 @@ class Vinyl {
     const double cloud = fractal_noise(p / 0.02, 3, seed_);
     if (beak_distance(p) < body_distance(p)) {
       a.albedo = linear_from_hex(0xF2721A) * (1 + 0.04 * cloud);
-      // The line of the mouth.
-      const double lift = 0.16 * p.x() * p.x() / 0.016;
-      const double mouth = std::abs(p.y() - lift - 0.0768 - 0.16 * (p.z() - 0.05));
-      a.albedo *= 0.60 + 0.40 * smooth_step(0.0001, 0.0010, mouth);
       a.subsurface = Vector3d(0.22, 0.05, 0.0);
       nostrils(p, a);
       return a;
@@ -100,12 +98,12 @@ class Vinyl {
     a.albedo *= 1 + 0.03 * cloud;
     a.subsurface = Vector3d(0.34, 0.17, 0.0);
     const double eye_m = eye_distance_m(p);
-    a.albedo = blend(a.albedo, linear_from_hex(0xF6F4EC), smooth_step(0.0064, 0.0059, eye_m));
-    const double pupil = smooth_step(0.0052, 0.0047, eye_m);
+    a.albedo = blend(a.albedo, linear_from_hex(0xF6F4EC), smooth_step(kEyeWhite_m + 0.0002, kEyeWhite_m - 0.0002, eye_m));
+    const double pupil = smooth_step(kPupil_m + 0.0002, kPupil_m - 0.0002, eye_m);
     a.albedo = blend(a.albedo, linear_from_hex(0x0C0A08), pupil);
     a.gloss *= 1 - 0.8 * pupil;
     a.sheen *= 1 - pupil;
-    if (eye_m < 0.0064) a.subsurface.setZero();
+    if (eye_m < kEyeWhite_m) a.subsurface.setZero();
     const double sign = p.x() > 0 ? 1 : -1;
     const Vector3d catchlight = eye_centre(sign) + Vector3d(0.0013, 0.0018, 0.0006);
     a.albedo = blend(a.albedo, linear_from_hex(0xFFFFFF), smooth_step(0.0017, 0.0011, (p - catchlight).norm()));
@@ -130,7 +128,7 @@ class Vinyl {
 GaussianAsset make_toy_duck(uint64_t seed) {
   Random random(seed * 8 + 5);
   ImplicitSurface duck;
-  duck.distance_m = [](const Vector3d& p) { return smooth_min(body_distance(p), beak_distance(p), 0.0008); };
+  duck.distance_m = [](const Vector3d& p) { return smooth_min(body_distance(p), beak_distance(p), 0.0022); };
   duck.min_m = Vector3d(-0.055, -0.004, -0.080);
   duck.max_m = Vector3d(0.055, 0.124, 0.076);
   duck.spacing_m = 0.00098;
@@ -138,13 +136,20 @@ GaussianAsset make_toy_duck(uint64_t seed) {
     if (p.y() < 0.0006) return 1.0;
     const double seam_m = std::abs(beak_distance(p) - body_distance(p));
     return std::min(0.50 + 0.50 * smooth_step(0.0066, 0.009, eye_distance_m(p)),
-                    beak_distance(p) < 0.01 ? 0.62 + 0.38 * smooth_step(0.002, 0.004, seam_m) : 1.0);
+                    beak_distance(p) < 0.01 ? 0.60 + 0.40 * smooth_step(0.002, 0.004, seam_m) : 1.0);
   };
   SurfaceSamples samples;
   sample_implicit(duck, random, samples);
+  line_up_along_edge(
+      [](const SurfaceSample& s) {
+        const double eye_m = eye_distance_m(s.position_m);
+        return eye_m - (eye_m > 0.5 * (kEyeWhite_m + kPupil_m) ? kEyeWhite_m : kPupil_m);
+      },
+      0.00030, samples);
   BakeOptions options;
   options.sh_degree = 3;
   options.contact_height_m = 0.010;
+  options.occlusion_cells = 112;
   options.exposure = 0.92;
   GaussianAsset asset = bake_kernels(samples, Vinyl(seed), options, random);
   stand_at_origin(asset);
