@@ -109,7 +109,7 @@ TEST(Ply, AnyOrderTypeAndEncodingTellTheSame) {
   }
 }
 
-TEST(Ply, OtherElementsAndListsAreStepedOver) {
+TEST(Ply, OtherElementsAndListsAreSteppedOver) {
   std::string properties;
   for (const char* name : kNames) properties += std::string("property float ") + name + "\n";
   const std::string elements =
