@@ -107,11 +107,11 @@ uint32_t runs_inside(int columns, int rows) {
 float* share_of(TileShares& shares, uint32_t slot) {
   // Neighbours in depth are mostly of one object, so the last one found is looked at first.
   for (size_t i = shares.slots.size(); i-- > 0;) {
-    if (shares.slots[i] == slot) return shares.shares[i].data();
+    if (shares.slots[i] == slot) return shares.shares[i].of_pixel;
   }
   shares.slots.push_back(slot);
-  shares.shares.emplace_back().fill(0.0f);
-  return shares.shares.back().data();
+  shares.shares.push_back({});
+  return shares.shares.back().of_pixel;
 }
 
 }  // namespace
@@ -173,7 +173,7 @@ void TileBlender::resolve(const Eigen::Vector3f& background, std::span<const uin
     const TileShares& shares = shares_[tile];
     size_t best = 0;
     for (size_t s = 1; s < shares.slots.size(); ++s) {
-      const float lead = shares.shares[s][i] - shares.shares[best][i];
+      const float lead = shares.shares[s].of_pixel[i] - shares.shares[best].of_pixel[i];
       if (lead > 0.0f || (lead == 0.0f && shares.slots[s] < shares.slots[best])) best = s;
     }
     return object_ids[shares.slots[best]];

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -26,8 +25,11 @@ struct alignas(32) TileState {
 
 // How much of each pixel's opacity came from which object, for the objects that have touched the tile.
 struct TileShares {
-  std::vector<uint32_t> slots;                         // in order of arrival
-  std::vector<std::array<float, kTilePixels>> shares;  // one a slot
+  struct alignas(32) Share {
+    float of_pixel[kTilePixels];
+  };
+  std::vector<uint32_t> slots;  // in order of arrival
+  std::vector<Share> shares;    // one a slot
 };
 
 // Blends front to back, in as many calls as it takes: the tiles keep their state in between.

@@ -19,8 +19,8 @@ inline constexpr float kLog2Of255 = 7.99435344f;
 // A kernel as an ellipse on the screen, one cache line. The quadratic form is kept as its triangular root, in
 // units that make alpha a power of two: with d = pixel - centre,
 //   u = across_x * d.x + across_y * d.y,   v = down_y * d.y,   alpha = 2^(log2_opacity - u² - v²).
-// A root costs less to evaluate than the form, and a needle of 1000 px keeps its width: the form would lose
-// it to cancellation in floats.
+// A root costs less to evaluate than the form, and a needle of hundreds of pixels keeps its width: in floats
+// the form would lose it to cancellation.
 struct alignas(64) ProjectedKernel {
   float centre_x_px, centre_y_px;
   float across_x, across_y, down_y;
