@@ -11,24 +11,27 @@
 namespace livegs {
 namespace {
 
-// Newton doubles the digits each time: a step of 3e-4 leaves an error of 5e-8, below float's.
-constexpr float kNewtonStepSquared = 1e-7f;
+using Lanes = Eigen::Array<float, kDeformationLanes, 1>;
 
-// From singular values within 0.25..4 the iteration converges in at most six steps.
-constexpr int kMaxNewtonSteps = 8;
+struct LaneVector {
+  Lanes x, y, z;
+};
 
-Eigen::Matrix3f cofactors(const Eigen::Matrix3f& m) {
-  Eigen::Matrix3f result;
-  result.col(0) = m.col(1).cross(m.col(2));
-  result.col(1) = m.col(2).cross(m.col(0));
-  result.col(2) = m.col(0).cross(m.col(1));
-  return result;
+LaneVector cross(const LaneVector& a, const LaneVector& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
+
+Lanes dot(const LaneVector& a, const LaneVector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+// Newton's iteration takes a singular value s to (s + 1/s) / 2. From the ends of the range, 4 and 0.25:
+// 2.1, 1.3, 1.03, 1.0006, 1 + 2e-7, and then float has no more digits.
+constexpr int kNewtonSteps = 6;
+static_assert(kMaxKernelStretch <= 4.0f && kMinKernelStretch >= 0.25f);
 
 // Any unit vector across `axis`, which is unit.
 Eigen::Vector3d across(const Eigen::Vector3d& axis) { return axis.unitOrthogonal(); }
 
-LimitedDeformation limit_by_singular_values(const Eigen::Matrix3f& gradient) {
+void limit_by_singular_values(Eigen::Matrix3f& gradient, Eigen::Quaternionf& rotation) {
   const Eigen::Matrix3d f = gradient.cast<double>();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(f.transpose() * f);
   Eigen::Matrix3d v;  // right singular vectors, largest first
@@ -58,35 +61,58 @@ LimitedDeformation limit_by_singular_values(const Eigen::Matrix3f& gradient) {
 
   const Eigen::Vector3d limited =
       sigma.cwiseMax(static_cast<double>(kMinKernelStretch)).cwiseMin(static_cast<double>(kMaxKernelStretch));
-  LimitedDeformation result;
-  result.gradient = (u * limited.asDiagonal() * v.transpose()).cast<float>();
-  result.rotation = Eigen::Quaterniond(Eigen::Matrix3d(u * v.transpose())).normalized().cast<float>();
-  return result;
+  gradient = (u * limited.asDiagonal() * v.transpose()).cast<float>();
+  rotation = Eigen::Quaterniond(Eigen::Matrix3d(u * v.transpose())).normalized().cast<float>();
 }
 
 }  // namespace
 
-LimitedDeformation limit_deformation(const Eigen::Matrix3f& gradient) {
-  const float norm_squared = gradient.squaredNorm();
-  if (!std::isfinite(norm_squared)) return {Eigen::Matrix3f::Identity(), Eigen::Quaternionf::Identity()};
-
-  // |F|² bounds the largest singular value from above; since s1 s2 <= (s1² + s2²) / 2, s3 >= 2 det F / |F|².
-  Eigen::Matrix3f cofactor = cofactors(gradient);
-  float determinant = gradient.col(0).dot(cofactor.col(0));
-  const bool surely_within = norm_squared <= kMaxKernelStretch * kMaxKernelStretch &&
-                             2.0f * determinant >= kMinKernelStretch * norm_squared && determinant > 0.0f;
-  if (!surely_within) return limit_by_singular_values(gradient);
-
-  Eigen::Matrix3f rotation = gradient;
-  for (int step = 0; step < kMaxNewtonSteps; ++step) {
-    const Eigen::Matrix3f next = 0.5f * (rotation + cofactor * (1.0f / determinant));
-    const float moved_squared = (next - rotation).squaredNorm();
-    rotation = next;
-    if (moved_squared < kNewtonStepSquared) break;
-    cofactor = cofactors(rotation);
-    determinant = rotation.col(0).dot(cofactor.col(0));
+void limit_deformations(LimitedDeformations& deformations) {
+  // Columns of the gradients, a lane each.
+  LaneVector column[3];
+  for (int lane = 0; lane < kDeformationLanes; ++lane) {
+    const float* entries = deformations.gradients[lane].data();
+    for (int c = 0; c < 3; ++c) {
+      column[c].x[lane] = entries[3 * c];
+      column[c].y[lane] = entries[3 * c + 1];
+      column[c].z[lane] = entries[3 * c + 2];
+    }
   }
-  return {gradient, Eigen::Quaternionf(rotation).normalized()};
+  LaneVector cofactor[3] = {cross(column[1], column[2]), cross(column[2], column[0]), cross(column[0], column[1])};
+  Lanes determinant = dot(column[0], cofactor[0]);
+
+  // |F|² bounds the largest singular value from above; since s1 s2 <= (s1² + s2²) / 2, s3 >= 2 det F / |F|². NaN and
+  // infinity fail the comparisons.
+  const Lanes norm_squared = dot(column[0], column[0]) + dot(column[1], column[1]) + dot(column[2], column[2]);
+  const Eigen::Array<bool, kDeformationLanes, 1> within =
+      norm_squared <= kMaxKernelStretch * kMaxKernelStretch && 2.0f * determinant >= kMinKernelStretch * norm_squared &&
+      determinant > 0.0f;
+
+  for (int step = 0; step < kNewtonSteps; ++step) {
+    const Lanes inverse = 0.5f / determinant;
+    for (int c = 0; c < 3; ++c) {
+      column[c] = {0.5f * column[c].x + cofactor[c].x * inverse, 0.5f * column[c].y + cofactor[c].y * inverse,
+                   0.5f * column[c].z + cofactor[c].z * inverse};
+    }
+    if (step + 1 == kNewtonSteps) break;
+    cofactor[0] = cross(column[1], column[2]);
+    cofactor[1] = cross(column[2], column[0]);
+    cofactor[2] = cross(column[0], column[1]);
+    determinant = dot(column[0], cofactor[0]);
+  }
+
+  for (int lane = 0; lane < kDeformationLanes; ++lane) {
+    if (within[lane]) {
+      Eigen::Matrix3f rotation;
+      for (int c = 0; c < 3; ++c) rotation.col(c) << column[c].x[lane], column[c].y[lane], column[c].z[lane];
+      deformations.rotations[lane] = Eigen::Quaternionf(rotation).normalized();
+    } else if (std::isfinite(norm_squared[lane])) {
+      limit_by_singular_values(deformations.gradients[lane], deformations.rotations[lane]);
+    } else {
+      deformations.gradients[lane].setIdentity();
+      deformations.rotations[lane].setIdentity();
+    }
+  }
 }
 
 }  // namespace livegs

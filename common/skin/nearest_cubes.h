@@ -9,8 +9,10 @@
 
 namespace livegs {
 
-// Finds the nearest of many equal, axis-aligned cubes (of points, when their half width is 0) by a uniform grid over
-// their centres. Built once; queries may come from any thread. Answers depend on the centres and their order only.
+// Finds the nearest of many equal, axis-aligned cubes (of points, when their half width is 0) by a k-d tree over
+// their centres. A uniform grid was no faster, and haze far outside made it visit most of its bins: 100k kernels, a
+// tenth of them haze, bound to 7200 cells in 275 ms where the tree takes 97. Built once; queries may come from any
+// thread.
 class NearestCubes {
  public:
   struct Neighbour {
@@ -26,18 +28,21 @@ class NearestCubes {
   size_t find(const Eigen::Vector3f& point, std::span<Neighbour> nearest) const;
 
  private:
-  Eigen::Vector3i bin_of(const Eigen::Vector3f& point_in_box) const;
-  void search_bin(int x, int y, int z, const Eigen::Vector3f& point, std::span<Neighbour> nearest,
-                  size_t& found) const;
+  // Bounds of the centres below. Node n has children 2n + 1 and 2n + 2, each with half of its centres.
+  struct Node {
+    Eigen::Vector3f low;
+    Eigen::Vector3f high;
+  };
+  struct Search;
+
+  void build(size_t node, size_t begin, size_t end, std::span<const Eigen::Vector3f> centres);
+  void descend(size_t node, size_t begin, size_t end, Search& search) const;
+  float distance_squared(size_t node, const Eigen::Vector3f& point) const;
 
   float half_width_;
-  float bin_width_;
-  Eigen::Vector3f min_;
-  Eigen::Vector3f max_;
-  Eigen::Vector3i bins_;
-  std::vector<uint32_t> bin_begin_;           // one more than there are bins
-  std::vector<Eigen::Vector3f> centres_;      // sorted by bin, by index within a bin
-  std::vector<uint32_t> indices_;             // of the caller, in that order
+  std::vector<Node> nodes_;
+  std::vector<uint32_t> indices_;         // of the caller, in the order of leaves
+  std::vector<Eigen::Vector3f> centres_;  // in that order
 };
 
 }  // namespace livegs

@@ -119,6 +119,25 @@ Eigen::Matrix3f mean_gradient(const RestBody& rest, const std::vector<NodeState>
   return (mean / (8.0 * static_cast<double>(rest.cells.size()))).cast<float>();
 }
 
+Eigen::Array3f local_of(const KernelBinding& binding) {
+  return {binding.weights[0], binding.weights[1], binding.weights[2]};
+}
+
+// The state at local coordinates `at` of a cell, trilinear. Precondition: 0 <= at <= 1.
+NodeState interpolate(const std::vector<NodeState>& states, const std::array<uint32_t, 8>& cell,
+                      const Eigen::Array3f& at) {
+  const float x[2] = {1.0f - at[0], at[0]};
+  const float yz[4] = {(1.0f - at[1]) * (1.0f - at[2]), at[1] * (1.0f - at[2]), (1.0f - at[1]) * at[2],
+                       at[1] * at[2]};
+  NodeState sum{Eigen::Array<float, 8, 1>::Zero(), Eigen::Array<float, 8, 1>::Zero()};
+  for (int corner = 0; corner < 8; ++corner) {
+    const float weight = x[corner & 1] * yz[corner >> 1];
+    sum.position_and_x += weight * states[cell[corner]].position_and_x;
+    sum.y_and_z += weight * states[cell[corner]].y_and_z;
+  }
+  return sum;
+}
+
 }  // namespace
 
 Result<void> bind_lattice(const RestKernels& kernels, const RestBody& rest, KernelBindings& bindings) {
@@ -158,7 +177,10 @@ void skin_lattice(const RestBody& rest, const KernelBindings& bindings, const Ob
   LIVEGS_ASSERT(drivers.positions_m.size() == rest.node_coordinates.size());
   LIVEGS_ASSERT(bindings.node_terms_begin.size() == rest.node_coordinates.size() + 1);
   const std::vector<NodeState> states = node_states(bindings, drivers.positions_m);
-  const Eigen::Matrix3f body_gradient = limit_deformation(mean_gradient(rest, states)).gradient;
+  LimitedDeformations whole_body;
+  whole_body.gradients.fill(mean_gradient(rest, states));
+  limit_deformations(whole_body);
+  const Eigen::Matrix3f& body_gradient = whole_body.gradients[0];
   const Eigen::Quaterniond lattice_from_object = rest.object_from_lattice.orientation.conjugate();
   const Eigen::Matrix3f lattice_from_object_matrix = lattice_from_object.toRotationMatrix().cast<float>();
   const Eigen::Quaternionf lattice_from_asset =
@@ -166,36 +188,33 @@ void skin_lattice(const RestBody& rest, const KernelBindings& bindings, const Ob
   const float width_m = static_cast<float>(rest.cell_width_m);
 
   parallel_for(bindings.kernels.size(), kSkinBlock, [&](size_t begin, size_t end) {
-    for (size_t k = begin; k < end; ++k) {
-      const KernelBinding& binding = bindings.kernels[k];
-      const std::array<uint32_t, 8>& cell = rest.cells[binding.drivers[0]];
-      const Eigen::Array3f local(binding.weights[0], binding.weights[1], binding.weights[2]);
-      const Eigen::Array3f in = local.max(0.0f).min(1.0f);
-      const float x[2] = {1.0f - in[0], in[0]};
-      const float yz[4] = {(1.0f - in[1]) * (1.0f - in[2]), in[1] * (1.0f - in[2]), (1.0f - in[1]) * in[2],
-                           in[1] * in[2]};
-      Eigen::Array<float, 8, 1> position_and_x = Eigen::Array<float, 8, 1>::Zero(), y_and_z = position_and_x;
-      for (int corner = 0; corner < 8; ++corner) {
-        const float weight = x[corner & 1] * yz[corner >> 1];
-        position_and_x += weight * states[cell[corner]].position_and_x;
-        y_and_z += weight * states[cell[corner]].y_and_z;
+    // Groups are counted from the block's start, so a kernel's lane does not depend on the threads.
+    for (size_t group = begin; group < end; group += kDeformationLanes) {
+      const size_t lanes = std::min<size_t>(kDeformationLanes, end - group);
+      LimitedDeformations deformations;
+      deformations.gradients.fill(Eigen::Matrix3f::Identity());
+      for (size_t lane = 0; lane < lanes; ++lane) {
+        const KernelBinding& binding = bindings.kernels[group + lane];
+        const NodeState here =
+            interpolate(states, rest.cells[binding.drivers[0]], local_of(binding).max(0.0f).min(1.0f));
+        const Eigen::Array<float, 8, 1>&x = here.position_and_x, &yz = here.y_and_z;
+        kernels.positions_m[group + lane] << x[0], x[1], x[2];
+        deformations.gradients[lane] << x[4], yz[0], yz[4], x[5], yz[1], yz[5], x[6], yz[2], yz[6];
       }
-      Eigen::Matrix3f gradient;
-      gradient << position_and_x[4], y_and_z[0], y_and_z[4], position_and_x[5], y_and_z[1], y_and_z[5],
-          position_and_x[6], y_and_z[2], y_and_z[6];
-      const LimitedDeformation deformation = limit_deformation(gradient);
-
-      Eigen::Vector3f position(position_and_x[0], position_and_x[1], position_and_x[2]);
-      if ((local != in).any()) {
-        const Eigen::Vector3f offset = ((local - in) * width_m).matrix();
-        const float near_share = std::min(1.0f, width_m / offset.norm());
-        position += deformation.gradient * (near_share * offset) + body_gradient * ((1.0f - near_share) * offset);
-      }
-      kernels.positions_m[k] = position;
-      kernels.covariances_m2[k] = transformed(deformation.gradient, bindings.rest_covariances_m2[k]);
-      kernels.world_from_asset[k] = deformation.rotation * lattice_from_asset;
-      if (deformation_gradients) {
-        (*deformation_gradients)[k] = deformation.gradient * lattice_from_object_matrix;
+      limit_deformations(deformations);
+      for (size_t lane = 0; lane < lanes; ++lane) {
+        const size_t k = group + lane;
+        const Eigen::Matrix3f& gradient = deformations.gradients[lane];
+        const Eigen::Array3f local = local_of(bindings.kernels[k]);
+        const Eigen::Array3f beyond = local - local.max(0.0f).min(1.0f);
+        if ((beyond != 0.0f).any()) {
+          const Eigen::Vector3f offset = (beyond * width_m).matrix();
+          const float near_share = std::min(1.0f, width_m / offset.norm());
+          kernels.positions_m[k] += gradient * (near_share * offset) + body_gradient * ((1.0f - near_share) * offset);
+        }
+        kernels.covariances_m2[k] = transformed(gradient, bindings.rest_covariances_m2[k]);
+        kernels.world_from_asset[k] = deformations.rotations[lane] * lattice_from_asset;
+        if (deformation_gradients) (*deformation_gradients)[k] = gradient * lattice_from_object_matrix;
       }
     }
   });

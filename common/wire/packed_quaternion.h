@@ -8,8 +8,8 @@
 
 namespace livegs {
 
-inline constexpr int kPoseComponentBits = 20;      // 62 bits, error at most 0.0002 degrees
-inline constexpr int kParticleComponentBits = 12;  // 38 bits, error at most 0.06 degrees
+inline constexpr int kPoseComponentBits = 20;      // 62 bits, error at most 0.0003 degrees
+inline constexpr int kParticleComponentBits = 12;  // 38 bits, error at most 0.07 degrees
 
 // Precondition: `rotation` is finite and not zero; it need not be exactly unit. 2 <= component_bits <= 20.
 uint64_t pack_quaternion(const Eigen::Quaterniond& rotation, int component_bits);

@@ -12,6 +12,24 @@ namespace {
 
 using namespace livegs::testing;
 
+struct LimitedDeformation {
+  Eigen::Matrix3f gradient;
+  Eigen::Quaternionf rotation;
+};
+
+// One gradient, in the lane after its predecessor's, among others that need every path.
+LimitedDeformation limit_deformation(const Eigen::Matrix3f& gradient) {
+  static size_t lane = 0;
+  lane = (lane + 1) % kDeformationLanes;
+  LimitedDeformations all;
+  for (Eigen::Matrix3f& other : all.gradients) other = Eigen::Matrix3f::Constant(NAN);
+  all.gradients[(lane + 1) % kDeformationLanes].setZero();
+  all.gradients[(lane + 2) % kDeformationLanes].setIdentity();
+  all.gradients[lane] = gradient;
+  limit_deformations(all);
+  return {all.gradients[lane], all.rotations[lane]};
+}
+
 TEST(LimitDeformation, WithinTheLimitsItIsThePolarDecomposition) {
   std::mt19937_64 random(1);
   for (int i = 0; i < 2000; ++i) {
