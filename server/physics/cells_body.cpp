@@ -35,11 +35,7 @@ CellsBody::CellsBody(const ElasticBodyDescription& description, double rate_hz, 
   for (const FixedRegion& region : description.fixed_regions) regions.push_back({region.min_m, region.max_m});
   lattice_ = build_lattice(extent_, choice_.cell_width_m, regions);
   for (const Vector3d& particle : particle_rest_m_) particle_points_.push_back(lattice_.embed(particle));
-  for (const SurfacePoint& point : surface_points(description.particles)) {
-    Sample sample = sample_at(particle_points_[point.particle]);
-    sample.radius_m = point.radius_m;
-    surface_.push_back(sample);
-  }
+  make_surface(description.particles);
 
   const size_t count = lattice_.node_coordinates.size();
   masses_kg_.resize(count);
@@ -65,6 +61,24 @@ CellsBody::CellsBody(const ElasticBodyDescription& description, double rate_hz, 
   nothing.value = all_lanes(0.0);
   predicted_.assign(count + 1, nothing);
   corrections_.assign(count + 1, nothing);
+}
+
+void CellsBody::make_surface(const ParticleSet& particles) {
+  std::vector<SurfacePoint> points = surface_points(particles);
+  const auto cell_of = [&](const SurfacePoint& point) { return particle_points_[point.particle].cell; };
+  std::stable_sort(points.begin(), points.end(),
+                   [&](const auto& a, const auto& b) { return cell_of(a) < cell_of(b); });
+  for (const SurfacePoint& point : points) {
+    const uint32_t index = static_cast<uint32_t>(surface_.size());
+    Sample sample = sample_at(particle_points_[point.particle]);
+    sample.radius_m = point.radius_m;
+    surface_.push_back(sample);
+    if (index == 0 || cell_of(point) != cell_of(points[index - 1])) {
+      surface_cells_.push_back({sample.nodes, index, index, 0.0});
+    }
+    surface_cells_.back().end = index + 1;
+    surface_cells_.back().radius_m = std::max(surface_cells_.back().radius_m, point.radius_m);
+  }
 }
 
 void CellsBody::choose_substeps(double cell_width_m) {

@@ -57,6 +57,16 @@ class CellsBody final : public ElasticBody {
     std::array<double, 8> weights;
     double radius_m = 0.0;
   };
+  // The surface samples of one cell, to pass over them together.
+  struct SurfaceCell {
+    std::array<uint32_t, 8> nodes;
+    uint32_t begin, end;  // surface_
+    double radius_m;      // the largest of theirs
+  };
+  struct Touch {
+    const Sample* sample;
+    Vector3d impulse_n_s;
+  };
   struct HeldSample {
     Sample sample;
     Vector3d target_m;  // world
@@ -66,21 +76,23 @@ class CellsBody final : public ElasticBody {
   void set_masses();
   void set_gains(double step_s);
   void start_motion(const ElasticBodyDescription& description);
+  void make_surface(const ParticleSet& particles);
   void hold_regions(const ElasticBodyDescription& description);
 
   void step(double h, const SubstepContext& context);
   void predict(double h, bool second_order, const SubstepContext& context);
   void hold_particles();
   void resolve_colliders(double step_s);
-  void resolve_balls(double h, double impulse_per_pull, std::span<MovingSphere> spheres);
+  void resolve_balls(double h, double step_s, std::span<MovingSphere> spheres);
   void advance(double step_s);
 
   Sample sample_at(const EmbeddedPoint& point) const;
   Vector3d at(const Sample& sample, const std::vector<Vector3d>& values) const;
   Vector3d corrected(const Sample& sample) const;  // where the sample is after the corrections so far
+  Vector3d at(uint32_t node) const;                // and a node
   double mobility(const Sample& sample) const;
   void pull(const Sample& sample, const Vector3d& pull_kg_m);
-  void take_impulse(const Vector3d& point_m, const Vector3d& impulse_n_s);
+  void take_contact(const Sample& sample, const Vector3d& point_m, const Vector3d& pull_kg_m, double step_s);
   bool free() const { return !held_; }
   double damping_rate() const;
 
@@ -90,7 +102,8 @@ class CellsBody final : public ElasticBody {
   std::vector<Vector3d> particle_rest_m_;
   std::vector<double> particle_volumes_m3_;
   std::vector<EmbeddedPoint> particle_points_;
-  std::vector<Sample> surface_;
+  std::vector<Sample> surface_;  // by cell
+  std::vector<SurfaceCell> surface_cells_;
   std::vector<HeldSample> held_particles_;
   bool held_ = false;  // some of it does not move
   double volume_m3_ = 0.0;
@@ -114,6 +127,8 @@ class CellsBody final : public ElasticBody {
   MassMotion motion_;
   Vector3d contact_impulse_ = Vector3d::Zero(), contact_moment_ = Vector3d::Zero();
   Vector3d ledger_momentum_ = Vector3d::Zero(), ledger_angular_ = Vector3d::Zero();
+
+  std::vector<Touch> touches_;  // of this substep
 
   std::vector<const Collider*> reachable_;
   double reach_m_ = 0.0;        // radius about the centre that holds every node

@@ -5,7 +5,8 @@
 //   v^ = (4 v - v_)/3 + h_e a,   y = x + (x - x_)/3 + h_e v^,   x' = y + d,   v' = v^ + d/h_e.
 // Momentum ledger: the momentum and the angular momentum of the body as a whole are integrated on their own, in
 // impulses: P' = P + h F + sum of contact impulses. So what a ball loses the body gains in the same substep, and
-// spin does not leak into the elastic modes.
+// spin does not leak into the elastic modes. Contact is an impulse to single nodes too: the velocity it gives is kept
+// out of the difference v - v_, which BDF2 would otherwise carry on by thirds (half as much again in the end).
 #include <algorithm>
 #include <cmath>
 
@@ -19,9 +20,12 @@ using Eigen::Vector3d;
 // A body strained so far that BDF2 would wind it up takes first-order steps, which lose energy.
 constexpr double kLargeStrainSquared = 0.25;  // |S - I|²
 constexpr double kSmallVolume = 0.2;          // det F
-// A body in contact whose shape moves slower than this takes first-order steps too: BDF2 keeps such ringing for
-// minutes. Metres a second, root mean square; a falling or bouncing body is well above.
-constexpr double kQuiet_m_s = 0.02;
+// A body in contact takes first-order steps too while its shape moves slower (root mean square) than this part of
+// sqrt(g L), L its smallest size: than after a fall of L/200. Contact point by point makes noise, and BDF2 keeps it
+// for minutes.
+constexpr double kQuiet = 0.1;
+// Points ride in a cell at most this many half-widths from its middle (Lattice::embed).
+constexpr double kFurthestEmbedding = 2.0;
 
 Vector3d vector_of(const NodeLanes& lanes) { return {lanes.value[0], lanes.value[1], lanes.value[2]}; }
 
@@ -49,7 +53,8 @@ void CellsBody::substep(const SubstepContext& context) {
 }
 
 void CellsBody::step(double h, const SubstepContext& context) {
-  const bool quiet = touching_ && deviation_m_s_ < kQuiet_m_s;
+  const double smallest_m = (extent_.max_m - extent_.min_m).minCoeff();
+  const bool quiet = touching_ && deviation_m_s_ < kQuiet * std::sqrt(context.gravity_m_s2.norm() * smallest_m);
   const bool second_order = !first_step_ && !strained_ && !quiet;
   const double step_s = second_order ? 2.0 * h / 3.0 : h;
   predict(h, second_order, context);
@@ -60,14 +65,12 @@ void CellsBody::step(double h, const SubstepContext& context) {
   hold_particles();
   contact_impulse_.setZero();
   contact_moment_.setZero();
+  touches_.clear();
   touching_ = false;
   const double reach = reach_m_ + h * motion_.velocity_m_s().norm() + extent_.box_edge_m;
   reachable_colliders(context.colliders, origin_m_ + motion_.centre_m, 1.1 * reach, reachable_);
   if (!reachable_.empty()) resolve_colliders(step_s);
-  // A free body takes impulses as the ledger does; a held one keeps BDF2's memory, in which a correction counts 3/2.
-  if (!context.spheres.empty()) {
-    resolve_balls(h, (held_ && second_order ? 1.5 : 1.0) / step_s, context.spheres);
-  }
+  if (!context.spheres.empty()) resolve_balls(h, step_s, context.spheres);
   advance(step_s);
   first_step_ = false;
 }
@@ -91,22 +94,21 @@ void CellsBody::predict(double h, bool second_order, const SubstepContext& conte
     }
   }
 
-  MassMotion predicted;  // of the predicted velocities, where the body is now
+  MassMotion predicted;  // of the velocities carried on without forces, where the body is now
   for (size_t i = 0; i < count; ++i) {
     Vector3d& v = predicted_velocities_m_s_[i];
     if (inverse_masses_[i] == 0.0) {
       v.setZero();
       continue;
     }
-    v = velocities_m_s_[i] + memory * (velocities_m_s_[i] - previous_velocities_m_s_[i]) +
-        step_s * context.gravity_m_s2;
-    if (forced) v += step_s * accelerations_m_s2_[i];
+    v = velocities_m_s_[i] + memory * (velocities_m_s_[i] - previous_velocities_m_s_[i]);
     const Vector3d momentum = masses_kg_[i] * v;
     predicted.momentum += momentum;
     predicted.angular_momentum += (positions_m_[i] - motion_.centre_m).cross(momentum);
   }
 
-  // The deviation from rigid motion is damped; the rigid motion itself follows the ledger.
+  // The deviation from rigid motion is damped, forces are not (or a load would weigh less); the rigid motion itself
+  // follows the ledger.
   const double kept = 1.0 / (1.0 + step_s * damping_rate());
   Vector3d old_velocity = Vector3d::Zero(), old_spin = Vector3d::Zero();
   Vector3d new_velocity = Vector3d::Zero(), new_spin = Vector3d::Zero();
@@ -115,13 +117,15 @@ void CellsBody::predict(double h, bool second_order, const SubstepContext& conte
     ledger_angular_ = motion_.angular_momentum + h * torque;
     old_velocity = predicted.momentum / motion_.mass_kg;
     old_spin = solve_inertia(motion_.inertia, predicted.angular_momentum);
-    new_velocity = ledger_momentum_ / motion_.mass_kg;
-    new_spin = solve_inertia(motion_.inertia, ledger_angular_);
+    new_velocity = (ledger_momentum_ - step_s * force) / motion_.mass_kg;
+    new_spin = solve_inertia(motion_.inertia, ledger_angular_ - step_s * torque);
   }
   for (size_t i = 0; i < count; ++i) {
     const Vector3d r = positions_m_[i] - motion_.centre_m;
     Vector3d& v = predicted_velocities_m_s_[i];
-    v = kept * (v - old_velocity - old_spin.cross(r)) + new_velocity + new_spin.cross(r);
+    v = kept * (v - old_velocity - old_spin.cross(r)) + new_velocity + new_spin.cross(r) +
+        step_s * context.gravity_m_s2;
+    if (forced) v += step_s * accelerations_m_s2_[i];
     Vector3d y = positions_m_[i];
     if (inverse_masses_[i] == 0.0) {
       v.setZero();
@@ -140,31 +144,39 @@ void CellsBody::hold_particles() {
 }
 
 void CellsBody::resolve_colliders(double step_s) {
-  for (const Sample& sample : surface_) {
+  for (const SurfaceCell& cell : surface_cells_) {
+    Vector3d centre = Vector3d::Zero();
+    for (const uint32_t node : cell.nodes) centre += 0.125 * at(node);
+    double radius = 0.0;
+    for (const uint32_t node : cell.nodes) radius = std::max(radius, (at(node) - centre).squaredNorm());
+    radius = kFurthestEmbedding * std::sqrt(radius) + cell.radius_m;
     for (const Collider* collider : reachable_) {
-      const Vector3d point = corrected(sample);
-      const SurfaceSample surface = sample_surface(*collider, origin_m_ + point);
-      const double depth = sample.radius_m - surface.distance_m;
-      if (depth <= 0.0) continue;
-      touching_ = true;
-      const double w = mobility(sample);
-      if (w <= 0.0) continue;
-      const Vector3d moved = point - at(sample, positions_m_);
-      const Vector3d correction = contact_correction(surface.normal, depth, moved,
-                                                     mixed_friction(material_.friction, collider->friction));
-      pull(sample, correction / w);
-      take_impulse(point, correction / (w * step_s));
+      if (!reaches(*collider, origin_m_ + centre, radius)) continue;
+      const double friction = mixed_friction(material_.friction, collider->friction);
+      for (uint32_t i = cell.begin; i < cell.end; ++i) {
+        const Sample& sample = surface_[i];
+        const Vector3d point = corrected(sample);
+        const SurfaceSample surface = sample_surface(*collider, origin_m_ + point);
+        const double depth = sample.radius_m - surface.distance_m;
+        if (depth <= 0.0) continue;
+        touching_ = true;
+        const double w = mobility(sample);
+        if (w <= 0.0) continue;
+        const Vector3d moved = point - at(sample, positions_m_);
+        const Vector3d correction = contact_correction(surface.normal, depth, moved, friction);
+        take_contact(sample, point, correction / w, step_s);
+      }
     }
   }
 }
 
-void CellsBody::resolve_balls(double h, double impulse_per_pull, std::span<MovingSphere> spheres) {
+void CellsBody::resolve_balls(double h, double step_s, std::span<MovingSphere> spheres) {
   for (MovingSphere& sphere : spheres) {
     const Vector3d start = sphere.position_m;
     Vector3d end = start + h * sphere.velocity_m_s;
     const double reach = 1.1 * (reach_m_ + h * motion_.velocity_m_s().norm()) + sphere.radius_m + extent_.box_edge_m;
     if ((end - origin_m_ - motion_.centre_m).norm() < reach) {
-      const double ball_mobility = h * impulse_per_pull / sphere.mass_kg;
+      const double ball_mobility = h / (step_s * sphere.mass_kg);
       const double friction = mixed_friction(material_.friction, sphere.friction);
       for (const Sample& sample : surface_) {
         const Vector3d point = corrected(sample);
@@ -172,9 +184,8 @@ void CellsBody::resolve_balls(double h, double impulse_per_pull, std::span<Movin
             ball_contact(origin_m_ + point, sample.radius_m, point - at(sample, positions_m_), mobility(sample), end,
                          end - start, sphere.radius_m, ball_mobility, friction);
         if (!contact) continue;
-        const Vector3d impulse = impulse_per_pull * contact->pull_kg_m;
-        pull(sample, contact->pull_kg_m);
-        take_impulse(point, impulse);
+        const Vector3d impulse = contact->pull_kg_m / step_s;
+        take_contact(sample, point, contact->pull_kg_m, step_s);
         sphere.impulse_n_s -= impulse;
         sphere.velocity_m_s -= impulse / sphere.mass_kg;
         end -= h / sphere.mass_kg * impulse;
@@ -197,6 +208,13 @@ void CellsBody::advance(double step_s) {
     const Vector3d d = vector_of(corrections_[i]);
     positions_m_[i] = vector_of(predicted_[i]) + d;
     velocities_m_s_[i] = predicted_velocities_m_s_[i] + d / step_s;
+  }
+  for (const Touch& touch : touches_) {
+    const Sample& sample = *touch.sample;
+    for (int c = 0; c < 8; ++c) {
+      const uint32_t node = sample.nodes[c];
+      previous_velocities_m_s_[node] += sample.weights[c] * inverse_masses_[node] * touch.impulse_n_s;
+    }
   }
   motion_ = mass_motion(positions_m_, velocities_m_s_, masses_kg_);
 
@@ -232,6 +250,11 @@ Vector3d CellsBody::corrected(const Sample& sample) const {
   return {sum[0], sum[1], sum[2]};
 }
 
+Vector3d CellsBody::at(uint32_t node) const {
+  const Lanes sum = predicted_[node].value + corrections_[node].value;
+  return {sum[0], sum[1], sum[2]};
+}
+
 double CellsBody::mobility(const Sample& sample) const {
   double sum = 0.0;
   for (int c = 0; c < 8; ++c) sum += sample.weights[c] * sample.weights[c] * inverse_masses_[sample.nodes[c]];
@@ -245,9 +268,12 @@ void CellsBody::pull(const Sample& sample, const Vector3d& pull_kg_m) {
   }
 }
 
-void CellsBody::take_impulse(const Vector3d& point_m, const Vector3d& impulse_n_s) {
-  contact_impulse_ += impulse_n_s;
-  contact_moment_ += point_m.cross(impulse_n_s);
+void CellsBody::take_contact(const Sample& sample, const Vector3d& point_m, const Vector3d& pull_kg_m, double step_s) {
+  const Vector3d impulse = pull_kg_m / step_s;
+  pull(sample, pull_kg_m);
+  contact_impulse_ += impulse;
+  contact_moment_ += point_m.cross(impulse);
+  touches_.push_back({&sample, impulse});
 }
 
 }  // namespace livegs

@@ -2,15 +2,23 @@
 #include "physics/point_contact.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <map>
-#include <tuple>
+#include <unordered_map>
 
 namespace livegs {
 namespace {
 
 using Eigen::Vector3d;
-using Key = std::tuple<int64_t, int64_t, int64_t>;
+using Key = std::array<int64_t, 3>;
+
+struct KeyHash {
+  size_t operator()(const Key& key) const {
+    uint64_t hash = 0x9e3779b97f4a7c15u;
+    for (const int64_t part : key) hash = (hash ^ static_cast<uint64_t>(part)) * 0xff51afd7ed558ccdu;
+    return hash ^ hash >> 32;
+  }
+};
 
 // Particles by voxel, to ask what lies near a point.
 class VoxelMap {
@@ -21,11 +29,10 @@ class VoxelMap {
 
   template <class Accept>
   bool any_within(const Vector3d& centre, double half, const Accept& accept) const {
-    const auto [x0, y0, z0] = key(centre - Vector3d::Constant(half));
-    const auto [x1, y1, z1] = key(centre + Vector3d::Constant(half));
-    for (int64_t x = x0; x <= x1; ++x) {
-      for (int64_t y = y0; y <= y1; ++y) {
-        for (int64_t z = z0; z <= z1; ++z) {
+    const Key low = key(centre - Vector3d::Constant(half)), high = key(centre + Vector3d::Constant(half));
+    for (int64_t x = low[0]; x <= high[0]; ++x) {
+      for (int64_t y = low[1]; y <= high[1]; ++y) {
+        for (int64_t z = low[2]; z <= high[2]; ++z) {
           const auto found = voxels_.find({x, y, z});
           if (found == voxels_.end()) continue;
           for (const size_t i : found->second) {
@@ -44,7 +51,7 @@ class VoxelMap {
   }
   const ParticleSet& particles_;
   double edge_;
-  std::map<Key, std::vector<size_t>> voxels_;
+  std::unordered_map<Key, std::vector<size_t>, KeyHash> voxels_;  // looked up only, never walked
 };
 
 }  // namespace
@@ -96,13 +103,17 @@ std::optional<BallContact> ball_contact(const Vector3d& point_m, double radius_m
   return BallContact{mobility * pull, pull};
 }
 
+bool reaches(const Collider& collider, const Vector3d& centre_m, double radius_m) {
+  const auto* field = std::get_if<FieldShape>(&collider.shape);
+  const double margin = field ? 2.0 * field->field->cell_m() : 0.0;
+  return sample_surface(collider, centre_m).distance_m <= radius_m + margin;
+}
+
 void reachable_colliders(std::span<const Collider> colliders, const Vector3d& centre_m, double reach_m,
                          std::vector<const Collider*>& reachable) {
   reachable.clear();
   for (const Collider& collider : colliders) {
-    const auto* field = std::get_if<FieldShape>(&collider.shape);
-    const double margin = field ? 2.0 * field->field->cell_m() : 0.0;
-    if (sample_surface(collider, centre_m).distance_m <= reach_m + margin) reachable.push_back(&collider);
+    if (reaches(collider, centre_m, reach_m)) reachable.push_back(&collider);
   }
 }
 

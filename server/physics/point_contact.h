@@ -41,7 +41,8 @@ std::optional<BallContact> ball_contact(const Eigen::Vector3d& point_m, double r
                                         const Eigen::Vector3d& centre_m, const Eigen::Vector3d& ball_moved_m,
                                         double ball_radius_m, double ball_mobility, double friction);
 
-// The colliders that a ball around the body reaches; distance fields are trusted to one cell.
+// Whether a ball may touch the collider; distance fields are trusted to two cells.
+bool reaches(const Collider& collider, const Eigen::Vector3d& centre_m, double radius_m);
 void reachable_colliders(std::span<const Collider> colliders, const Eigen::Vector3d& centre_m, double reach_m,
                          std::vector<const Collider*>& reachable);
 
