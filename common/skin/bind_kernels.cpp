@@ -13,7 +13,8 @@ namespace {
 constexpr double kMaxStandardDeviation_m = 1e6;
 
 Result<void> check_similarity(const Similarity& object_from_asset) {
-  const bool finite = std::isfinite(object_from_asset.scale) && object_from_asset.rotation.coeffs().allFinite() &&
+  const bool finite = std::isfinite(object_from_asset.scale) &&
+                      object_from_asset.rotation.coeffs().allFinite() &&
                       object_from_asset.translation_m.allFinite();
   if (!finite || object_from_asset.scale <= 0.0) {
     return invalid_argument("rest body: object_from_asset needs a positive scale and finite values");
@@ -30,15 +31,17 @@ Result<RestKernels> place_at_rest(const GaussianAsset& asset, const Similarity& 
       kernels.positions_m[k] = object_from_asset * asset.positions[k].cast<double>();
       const Eigen::Matrix3d axes =
           (object_from_asset.rotation * asset.rotations[k].cast<double>()).toRotationMatrix();
-      const Eigen::Array3d deviation_m = (asset.log_scales[k].cast<double>().array().exp() * object_from_asset.scale)
-                                             .min(kMaxStandardDeviation_m);
+      const Eigen::Array3d deviation_m =
+          (asset.log_scales[k].cast<double>().array().exp() * object_from_asset.scale)
+              .min(kMaxStandardDeviation_m);
       const Eigen::Matrix3d scaled = axes * deviation_m.matrix().asDiagonal();
       kernels.covariances_m2[k] = (scaled * scaled.transpose()).cast<float>();
     }
   });
   for (size_t k = 0; k < asset.size(); ++k) {
     if (!kernels.positions_m[k].cast<float>().allFinite() || !kernels.covariances_m2[k].allFinite()) {
-      return invalid_argument("kernel " + std::to_string(k) + ": position or covariance is not finite in metres");
+      return invalid_argument("kernel " + std::to_string(k) +
+                              ": position or covariance is not finite in metres");
     }
   }
   return kernels;
@@ -57,9 +60,12 @@ Result<KernelBindings> bind_kernels(const GaussianAsset& asset, const RestBody& 
   bindings.rest_covariances_m2.resize(asset.size());
   Result<void> bound = [&]() -> Result<void> {
     switch (rest.kind) {
-      case DriverKind::Rigid: return bind_rigid(*kernels, rest, bindings);
-      case DriverKind::Lattice: return bind_lattice(*kernels, rest, bindings);
-      case DriverKind::Particles: return bind_particles(*kernels, rest, bindings);
+      case DriverKind::Rigid:
+        return bind_rigid(*kernels, rest, bindings);
+      case DriverKind::Lattice:
+        return bind_lattice(*kernels, rest, bindings);
+      case DriverKind::Particles:
+        return bind_particles(*kernels, rest, bindings);
     }
     return invalid_argument("rest body: kind " + std::to_string(static_cast<int>(rest.kind)) + " is unknown");
   }();

@@ -8,25 +8,29 @@ namespace {
 
 const char* name_of(DriverKind kind) {
   switch (kind) {
-    case DriverKind::Rigid: return "rigid";
-    case DriverKind::Lattice: return "lattice";
-    case DriverKind::Particles: return "particles";
+    case DriverKind::Rigid:
+      return "rigid";
+    case DriverKind::Lattice:
+      return "lattice";
+    case DriverKind::Particles:
+      return "particles";
   }
   return "unknown";
 }
 
 Result<void> check_count(uint32_t object_id, const char* what, size_t have, size_t want) {
   if (have == want) return {};
-  return invalid_data("drivers of object " + std::to_string(object_id) + ": " + std::to_string(have) + " " + what +
-                      " where its rest body has " + std::to_string(want) + "; was the object re-bound?");
+  return invalid_data("drivers of object " + std::to_string(object_id) + ": " + std::to_string(have) + " " +
+                      what + " where its rest body has " + std::to_string(want) +
+                      "; was the object re-bound?");
 }
 
 template <class Values, class IsFinite>
 Result<void> check_finite(uint32_t object_id, const char* what, const Values& values, IsFinite is_finite) {
   for (size_t i = 0; i < values.size(); ++i) {
     if (!is_finite(values[i])) {
-      return invalid_data("drivers of object " + std::to_string(object_id) + ": " + what + " " + std::to_string(i) +
-                          " is not finite");
+      return invalid_data("drivers of object " + std::to_string(object_id) + ": " + what + " " +
+                          std::to_string(i) + " is not finite");
     }
   }
   return {};
@@ -36,8 +40,9 @@ Result<void> check_finite(uint32_t object_id, const char* what, const Values& va
 
 Result<void> check_drivers(const RestBody& rest, const ObjectDrivers& drivers) {
   if (rest.kind != drivers.kind) {
-    return invalid_data("drivers of object " + std::to_string(drivers.object_id) + " are " + name_of(drivers.kind) +
-                        " where its rest body is " + name_of(rest.kind) + "; was the object re-bound?");
+    return invalid_data("drivers of object " + std::to_string(drivers.object_id) + " are " +
+                        name_of(drivers.kind) + " where its rest body is " + name_of(rest.kind) +
+                        "; was the object re-bound?");
   }
   const bool rigid = rest.kind == DriverKind::Rigid, particles = rest.kind == DriverKind::Particles;
   const size_t positions = rigid ? 0 : particles ? rest.particles_m.size() : rest.node_coordinates.size();

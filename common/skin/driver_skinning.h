@@ -11,7 +11,8 @@
 
 namespace livegs {
 
-// Kernels a block of parallel_for takes: about 0.2 ms of work, so that threads stay busy and the overhead small.
+// Kernels a block of parallel_for takes: about 0.2 ms of work, so that threads stay busy and the overhead
+// small.
 inline constexpr size_t kSkinBlock = 2048;
 
 // Drivers in use at once: LIVE-GS sets m = 4.
@@ -40,7 +41,8 @@ Result<void> bind_lattice(const RestKernels& kernels, const RestBody& rest, Kern
 Result<void> bind_particles(const RestKernels& kernels, const RestBody& rest, KernelBindings& bindings);
 Result<void> bind_rigid(const RestKernels& kernels, const RestBody& rest, KernelBindings& bindings);
 
-// Preconditions as skin_kernels; `kernels` and `deformation_gradients`, if given, have the right length already.
+// Preconditions as skin_kernels; `kernels` and `deformation_gradients`, if given, have the right length
+// already.
 void skin_lattice(const RestBody& rest, const KernelBindings& bindings, const ObjectDrivers& drivers,
                   PosedKernels& kernels, std::vector<Eigen::Matrix3f>* deformation_gradients);
 void skin_particles(const RestBody& rest, const KernelBindings& bindings, const ObjectDrivers& drivers,

@@ -39,8 +39,8 @@ void limit_by_singular_values(Eigen::Matrix3f& gradient, Eigen::Quaternionf& rot
   v.col(1) = solver.eigenvectors().col(1);
   v.col(2) = v.col(0).cross(v.col(1));
 
-  // Left singular vectors. Where the gradient has lost a dimension the missing direction is the rest state's own,
-  // as near as it can be: a body crushed to a plane keeps its third axis along the plane's normal.
+  // Left singular vectors. Where the gradient has lost a dimension the missing direction is the rest state's
+  // own, as near as it can be: a body crushed to a plane keeps its third axis along the plane's normal.
   Eigen::Matrix3d u;
   Eigen::Vector3d sigma;
   const Eigen::Vector3d first = f * v.col(0);
@@ -78,15 +78,17 @@ void limit_deformations(LimitedDeformations& deformations) {
       column[c].z[lane] = entries[3 * c + 2];
     }
   }
-  LaneVector cofactor[3] = {cross(column[1], column[2]), cross(column[2], column[0]), cross(column[0], column[1])};
+  LaneVector cofactor[3] = {cross(column[1], column[2]), cross(column[2], column[0]),
+                            cross(column[0], column[1])};
   Lanes determinant = dot(column[0], cofactor[0]);
 
-  // |F|² bounds the largest singular value from above; since s1 s2 <= (s1² + s2²) / 2, s3 >= 2 det F / |F|². NaN and
-  // infinity fail the comparisons.
-  const Lanes norm_squared = dot(column[0], column[0]) + dot(column[1], column[1]) + dot(column[2], column[2]);
+  // |F|² bounds the largest singular value from above; since s1 s2 <= (s1² + s2²) / 2, s3 >= 2 det F / |F|².
+  // NaN and infinity fail the comparisons.
+  const Lanes norm_squared =
+      dot(column[0], column[0]) + dot(column[1], column[1]) + dot(column[2], column[2]);
   const Eigen::Array<bool, kDeformationLanes, 1> within =
-      norm_squared <= kMaxKernelStretch * kMaxKernelStretch && 2.0f * determinant >= kMinKernelStretch * norm_squared &&
-      determinant > 0.0f;
+      norm_squared <= kMaxKernelStretch * kMaxKernelStretch &&
+      2.0f * determinant >= kMinKernelStretch * norm_squared && determinant > 0.0f;
 
   for (int step = 0; step < kNewtonSteps; ++step) {
     const Lanes inverse = 0.5f / determinant;

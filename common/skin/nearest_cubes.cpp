@@ -15,7 +15,8 @@ constexpr size_t kLeafSize = 8;
 size_t middle_of(size_t begin, size_t end) { return begin + (end - begin) / 2; }
 
 bool closer(const NearestCubes::Neighbour& a, const NearestCubes::Neighbour& b) {
-  return a.distance_squared < b.distance_squared || (a.distance_squared == b.distance_squared && a.index < b.index);
+  return a.distance_squared < b.distance_squared ||
+         (a.distance_squared == b.distance_squared && a.index < b.index);
 }
 
 }  // namespace
@@ -42,10 +43,12 @@ struct NearestCubes::Search {
   }
 };
 
-NearestCubes::NearestCubes(std::span<const Eigen::Vector3f> centres, float half_width) : half_width_(half_width) {
+NearestCubes::NearestCubes(std::span<const Eigen::Vector3f> centres, float half_width)
+    : half_width_(half_width) {
   LIVEGS_ASSERT(!centres.empty());
   size_t deepest = 1;  // nodes of a tree whose largest leaf fits
-  for (size_t largest = centres.size(); largest > kLeafSize; largest -= largest / 2) deepest = 2 * deepest + 1;
+  for (size_t largest = centres.size(); largest > kLeafSize; largest -= largest / 2)
+    deepest = 2 * deepest + 1;
   nodes_.resize(deepest);
   indices_.resize(centres.size());
   std::iota(indices_.begin(), indices_.end(), 0u);
@@ -75,7 +78,8 @@ void NearestCubes::build(size_t node, size_t begin, size_t end, std::span<const 
 
 float NearestCubes::distance_squared(size_t node, const Eigen::Vector3f& point) const {
   // Rounds as the distance to a centre on the bound does, so it is never above that of a cube within.
-  const Eigen::Array3f below = nodes_[node].low.array() - point.array(), above = point.array() - nodes_[node].high.array();
+  const Eigen::Array3f below = nodes_[node].low.array() - point.array(),
+                       above = point.array() - nodes_[node].high.array();
   return (below.max(above) - half_width_).max(0.0f).matrix().squaredNorm();
 }
 
@@ -88,7 +92,8 @@ void NearestCubes::descend(size_t node, size_t begin, size_t end, Search& search
     return;
   }
   const size_t middle = middle_of(begin, end);
-  const float left = distance_squared(2 * node + 1, search.point), right = distance_squared(2 * node + 2, search.point);
+  const float left = distance_squared(2 * node + 1, search.point),
+              right = distance_squared(2 * node + 2, search.point);
   const bool left_first = left <= right;
   for (const bool go_left : {left_first, !left_first}) {
     if (!search.may_hold_nearer(go_left ? left : right)) continue;

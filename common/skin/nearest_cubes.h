@@ -9,10 +9,10 @@
 
 namespace livegs {
 
-// Finds the nearest of many equal, axis-aligned cubes (of points, when their half width is 0) by a k-d tree over
-// their centres. A uniform grid was no faster, and haze far outside made it visit most of its bins: 100k kernels, a
-// tenth of them haze, bound to 7200 cells in 275 ms where the tree takes 97. Built once; queries may come from any
-// thread.
+// Finds the nearest of many equal, axis-aligned cubes (of points, when their half width is 0) by a k-d tree
+// over their centres. A uniform grid was no faster, and haze far outside made it visit most of its bins: 100k
+// kernels, a tenth of them haze, bound to 7200 cells in 275 ms where the tree takes 97. Built once; queries
+// may come from any thread.
 class NearestCubes {
  public:
   struct Neighbour {
@@ -23,8 +23,8 @@ class NearestCubes {
   // Preconditions: at least one centre, all finite; half_width >= 0.
   NearestCubes(std::span<const Eigen::Vector3f> centres, float half_width);
 
-  // Fills `nearest`, nearest first, with as many as it holds or as there are, and returns how many. Of two at the
-  // same distance the lower index comes first.
+  // Fills `nearest`, nearest first, with as many as it holds or as there are, and returns how many. Of two at
+  // the same distance the lower index comes first.
   size_t find(const Eigen::Vector3f& point, std::span<Neighbour> nearest) const;
 
  private:

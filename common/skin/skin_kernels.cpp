@@ -14,9 +14,12 @@ void skin_kernels(const GaussianAsset& asset, const RestBody& rest, const Kernel
   kernels.resize(asset.size());
   if (deformation_gradients) deformation_gradients->resize(asset.size());
   switch (rest.kind) {
-    case DriverKind::Rigid: return skin_rigid(rest, bindings, drivers, kernels, deformation_gradients);
-    case DriverKind::Lattice: return skin_lattice(rest, bindings, drivers, kernels, deformation_gradients);
-    case DriverKind::Particles: return skin_particles(rest, bindings, drivers, kernels, deformation_gradients);
+    case DriverKind::Rigid:
+      return skin_rigid(rest, bindings, drivers, kernels, deformation_gradients);
+    case DriverKind::Lattice:
+      return skin_lattice(rest, bindings, drivers, kernels, deformation_gradients);
+    case DriverKind::Particles:
+      return skin_particles(rest, bindings, drivers, kernels, deformation_gradients);
   }
 }
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// A kernel rides in a trilinear cell. The gradient of a node along an axis is the mean, over the cells around the
-// node, of that cell's trilinear gradient at its corner, which is the edge that leaves the corner along the axis.
-// Cells of a lattice have one volume, so the volume-weighted mean is the plain one. Inside a body these are central
-// differences, on its surface one-sided ones, and in a body one cell thick the exact gradient of the trilinear map.
-// Nodal gradients interpolate over a face from the face's own nodes, which both its cells share: no seam.
+// A kernel rides in a trilinear cell. The gradient of a node along an axis is the mean, over the cells around
+// the node, of that cell's trilinear gradient at its corner, which is the edge that leaves the corner along
+// the axis. Cells of a lattice have one volume, so the volume-weighted mean is the plain one. Inside a body
+// these are central differences, on its surface one-sided ones, and in a body one cell thick the exact
+// gradient of the trilinear map. Nodal gradients interpolate over a face from the face's own nodes, which
+// both its cells share: no seam.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -34,21 +35,23 @@ Result<void> check_lattice(const RestBody& rest) {
   if (!std::isfinite(rest.cell_width_m) || rest.cell_width_m <= 0.0) {
     return invalid_argument("rest body: cell_width_m must be positive");
   }
-  if (!rest.object_from_lattice.position_m.allFinite() || !rest.object_from_lattice.orientation.coeffs().allFinite()) {
+  if (!rest.object_from_lattice.position_m.allFinite() ||
+      !rest.object_from_lattice.orientation.coeffs().allFinite()) {
     return invalid_argument("rest body: object_from_lattice is not finite");
   }
   for (size_t i = 0; i < rest.cells.size(); ++i) {
     for (int corner = 0; corner < 8; ++corner) {
       const uint32_t node = rest.cells[i][corner];
       if (node >= rest.node_coordinates.size()) {
-        return invalid_argument("rest body: cell " + std::to_string(i) + " names node " + std::to_string(node) +
-                                " of " + std::to_string(rest.node_coordinates.size()));
+        return invalid_argument("rest body: cell " + std::to_string(i) + " names node " +
+                                std::to_string(node) + " of " + std::to_string(rest.node_coordinates.size()));
       }
       for (int d = 0; d < 3; ++d) {
-        const int64_t step = int64_t{rest.node_coordinates[node][d]} - rest.node_coordinates[rest.cells[i][0]][d];
+        const int64_t step =
+            int64_t{rest.node_coordinates[node][d]} - rest.node_coordinates[rest.cells[i][0]][d];
         if (step != ((corner >> d) & 1)) {
-          return invalid_argument("rest body: corner " + std::to_string(corner) + " of cell " + std::to_string(i) +
-                                  " is not the node at its place");
+          return invalid_argument("rest body: corner " + std::to_string(corner) + " of cell " +
+                                  std::to_string(i) + " is not the node at its place");
         }
       }
     }
@@ -57,7 +60,8 @@ Result<void> check_lattice(const RestBody& rest) {
 }
 
 void bind_node_gradients(const RestBody& rest, KernelBindings& bindings) {
-  using Edge = std::tuple<uint32_t, uint32_t, uint32_t, bool>;  // node, axis, neighbour, neighbour is at -axis
+  using Edge =
+      std::tuple<uint32_t, uint32_t, uint32_t, bool>;  // node, axis, neighbour, neighbour is at -axis
   std::vector<Edge> edges;
   edges.reserve(rest.cells.size() * 24);
   std::vector<uint32_t> cells_around(rest.node_coordinates.size(), 0);
@@ -87,7 +91,8 @@ void bind_node_gradients(const RestBody& rest, KernelBindings& bindings) {
   }
 }
 
-std::vector<NodeState> node_states(const KernelBindings& bindings, const std::vector<Eigen::Vector3f>& positions_m) {
+std::vector<NodeState> node_states(const KernelBindings& bindings,
+                                   const std::vector<Eigen::Vector3f>& positions_m) {
   std::vector<NodeState> states(positions_m.size());
   parallel_for(states.size(), kNodeBlock, [&](size_t begin, size_t end) {
     for (size_t n = begin; n < end; ++n) {
@@ -210,7 +215,8 @@ void skin_lattice(const RestBody& rest, const KernelBindings& bindings, const Ob
         if ((beyond != 0.0f).any()) {
           const Eigen::Vector3f offset = (beyond * width_m).matrix();
           const float near_share = std::min(1.0f, width_m / offset.norm());
-          kernels.positions_m[k] += gradient * (near_share * offset) + body_gradient * ((1.0f - near_share) * offset);
+          kernels.positions_m[k] +=
+              gradient * (near_share * offset) + body_gradient * ((1.0f - near_share) * offset);
         }
         kernels.covariances_m2[k] = transformed(gradient, bindings.rest_covariances_m2[k]);
         kernels.world_from_asset[k] = deformations.rotations[lane] * lattice_from_asset;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mao et al., LIVE-GS: LLM Powers Interactive VR Experience with Physics-Aware Gaussian Splatting, eq. 3 to 6.
-// With rest offsets t_i = x0 - p_i and weights that sum to 1, their
+// Mao et al., LIVE-GS: LLM Powers Interactive VR Experience with Physics-Aware Gaussian Splatting, eq. 3
+// to 6. With rest offsets t_i = x0 - p_i and weights that sum to 1, their
 //   x = x0 + sum w_i dt_i + sum w_i (dq_i t_i dq_i^-1 - t_i)   is   x = sum w_i (p_i' + dq_i t_i dq_i^-1).
 #include <array>
 #include <cmath>
@@ -17,7 +17,8 @@ namespace {
 constexpr float kCoincident_m = 1e-7f;
 
 // sin(t a) / sin(a) for cos a = 1 + below, -0.1 <= below <= 0, 0 <= t <= 1: Eberly 2011, A fast and accurate
-// algorithm for computing slerp. Each term is at most 5 % of the one before, so six leave less than float resolves.
+// algorithm for computing slerp. Each term is at most 5 % of the one before, so six leave less than float
+// resolves.
 float sine_ratio(float t, float below) {
   const float tt = t * t;
   float sum = 1.0f;
@@ -28,7 +29,8 @@ float sine_ratio(float t, float below) {
   return t * sum;
 }
 
-// Spherical interpolation the short way. Neighbouring particles turn nearly alike: no trigonometry below 26 degrees.
+// Spherical interpolation the short way. Neighbouring particles turn nearly alike: no trigonometry below 26
+// degrees.
 Eigen::Quaternionf slerp(const Eigen::Quaternionf& from, const Eigen::Quaternionf& to, float t) {
   float cosine = from.dot(to);
   const float sign = cosine < 0.0f ? -1.0f : 1.0f;
@@ -36,7 +38,8 @@ Eigen::Quaternionf slerp(const Eigen::Quaternionf& from, const Eigen::Quaternion
   if (cosine >= 0.9f) {
     const float below = cosine - 1.0f;
     Eigen::Quaternionf result;
-    result.coeffs() = from.coeffs() * sine_ratio(1.0f - t, below) + to.coeffs() * (sign * sine_ratio(t, below));
+    result.coeffs() =
+        from.coeffs() * sine_ratio(1.0f - t, below) + to.coeffs() * (sign * sine_ratio(t, below));
     return result;
   }
   return from.slerp(t, to);

@@ -13,8 +13,10 @@ Result<void> bind_rigid(const RestKernels& kernels, const RestBody& rest, Kernel
   std::vector<Eigen::Vector3f> origins_m;
   std::vector<Pose> body_from_object;
   for (const Pose& object_from_body : rest.bodies) {
-    if (!object_from_body.position_m.cast<float>().allFinite() || !object_from_body.orientation.coeffs().allFinite()) {
-      return invalid_argument("rest body: the pose of body " + std::to_string(origins_m.size()) + " is not finite");
+    if (!object_from_body.position_m.cast<float>().allFinite() ||
+        !object_from_body.orientation.coeffs().allFinite()) {
+      return invalid_argument("rest body: the pose of body " + std::to_string(origins_m.size()) +
+                              " is not finite");
     }
     origins_m.push_back(object_from_body.position_m.cast<float>());
     body_from_object.push_back(object_from_body.inverse());
@@ -30,8 +32,8 @@ Result<void> bind_rigid(const RestKernels& kernels, const RestBody& rest, Kernel
       bindings.kernels[k].drivers[0] = nearest[0].index;
       bindings.kernels[k].weights[0] = 1.0f;
       bindings.rest_positions_m[k] = (into_body * kernels.positions_m[k]).cast<float>();
-      bindings.rest_covariances_m2[k] =
-          transformed(into_body.orientation.cast<float>().toRotationMatrix(), symmetric_of(kernels.covariances_m2[k]));
+      bindings.rest_covariances_m2[k] = transformed(into_body.orientation.cast<float>().toRotationMatrix(),
+                                                    symmetric_of(kernels.covariances_m2[k]));
     }
   });
   return {};
@@ -48,7 +50,8 @@ void skin_rigid(const RestBody& rest, const KernelBindings& bindings, const Obje
   };
   std::vector<TurnedBody> bodies(rest.bodies.size());
   for (size_t b = 0; b < bodies.size(); ++b) {
-    const Eigen::Quaterniond since_rest = drivers.poses[b].orientation * rest.bodies[b].orientation.conjugate();
+    const Eigen::Quaterniond since_rest =
+        drivers.poses[b].orientation * rest.bodies[b].orientation.conjugate();
     bodies[b].world_from_body = drivers.poses[b].orientation.toRotationMatrix().cast<float>();
     bodies[b].position_m = drivers.poses[b].position_m.cast<float>();
     bodies[b].world_from_object = since_rest.toRotationMatrix().cast<float>();

@@ -113,15 +113,16 @@ size_t encoded_size(const DriverFrame& frame) {
     if (object.kind == DriverKind::Rigid) {
       size += kPoseBytes * object.poses.size();
     } else if (positions > 0) {
-      size += kBoxBytes + positions * (kPositionBytes + (object.kind == DriverKind::Particles ? kRotationBytes : 0));
+      size += kBoxBytes +
+              positions * (kPositionBytes + (object.kind == DriverKind::Particles ? kRotationBytes : 0));
     }
   }
   return size;
 }
 
 Error bad_object(size_t index, uint32_t object_id, const std::string& what) {
-  return invalid_data("driver frame: object " + std::to_string(index) + " (id " + std::to_string(object_id) + ") " +
-                      what);
+  return invalid_data("driver frame: object " + std::to_string(index) + " (id " + std::to_string(object_id) +
+                      ") " + what);
 }
 
 Result<ObjectDrivers> read_object(ByteReader& in, size_t index, const QuantisedBox& frame_box) {
@@ -147,7 +148,8 @@ Result<ObjectDrivers> read_object(ByteReader& in, size_t index, const QuantisedB
   const bool rigid = object.kind == DriverKind::Rigid;
   const size_t driver_bytes =
       rigid ? kPoseBytes : kPositionBytes + (object.kind == DriverKind::Particles ? kRotationBytes : 0);
-  if (count > in.remaining() / driver_bytes || count * driver_bytes + (rigid ? 0 : kBoxBytes) > in.remaining()) {
+  if (count > in.remaining() / driver_bytes ||
+      count * driver_bytes + (rigid ? 0 : kBoxBytes) > in.remaining()) {
     return bad_object(index, id, "claims " + std::to_string(count) + " drivers but is cut short");
   }
   if (rigid) {
@@ -209,8 +211,8 @@ std::vector<std::byte> encode_frame(const DriverFrame& frame) {
 
 Result<DriverFrame> decode_frame(std::span<const std::byte> bytes) {
   if (bytes.size() > kMaxFrameBytes) {
-    return Error{ErrorCode::TooLarge, "driver frame: " + std::to_string(bytes.size()) + " bytes, over the limit of " +
-                                          std::to_string(kMaxFrameBytes)};
+    return Error{ErrorCode::TooLarge, "driver frame: " + std::to_string(bytes.size()) +
+                                          " bytes, over the limit of " + std::to_string(kMaxFrameBytes)};
   }
   ByteReader in(bytes);
   const uint32_t magic = in.read<uint32_t>();

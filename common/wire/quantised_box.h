@@ -19,7 +19,8 @@ struct QuantisedBox {
   Eigen::Vector3d position_m(const Eigen::Matrix<uint32_t, 3, 1>& steps, int bits) const;
 };
 
-// The smallest box of floats that holds what lies between `low` and `high`. Precondition: both are finite in float.
+// The smallest box of floats that holds what lies between `low` and `high`. Precondition: both are finite in
+// float.
 QuantisedBox box_around(const Eigen::Vector3d& low, const Eigen::Vector3d& high);
 
 }  // namespace livegs

@@ -56,7 +56,9 @@ bool is_unit(const Eigen::Quaterniond& quaternion) {
 
 bool is_valid(const Pose& pose) { return pose.position_m.allFinite() && is_unit(pose.orientation); }
 
-Error cut_short(const char* what) { return invalid_data(std::string("rest body: ") + what + " is cut short"); }
+Error cut_short(const char* what) {
+  return invalid_data(std::string("rest body: ") + what + " is cut short");
+}
 
 void write_lattice(ByteWriter& out, const RestBody& rest) {
   Eigen::Vector3i lowest = Eigen::Vector3i::Zero();
@@ -104,12 +106,14 @@ Result<void> read_lattice(ByteReader& in, RestBody& rest) {
   const size_t coordinate_bytes = in.read<uint8_t>();
   const size_t index_bytes = in.read<uint8_t>();
   if (in.failed()) return cut_short("lattice header");
-  if (!is_valid(rest.object_from_lattice)) return invalid_data("rest body: object_from_lattice is no rigid transform");
+  if (!is_valid(rest.object_from_lattice))
+    return invalid_data("rest body: object_from_lattice is no rigid transform");
   if (!std::isfinite(rest.cell_width_m) || rest.cell_width_m <= 0.0) {
     return invalid_data("rest body: cell width must be positive");
   }
   if (coordinate_bytes != 1 && coordinate_bytes != 2 && coordinate_bytes != 4) {
-    return invalid_data("rest body: " + std::to_string(coordinate_bytes) + " bytes a coordinate; 1, 2 and 4 are known");
+    return invalid_data("rest body: " + std::to_string(coordinate_bytes) +
+                        " bytes a coordinate; 1, 2 and 4 are known");
   }
   if (index_bytes != 2 && index_bytes != 4) {
     return invalid_data("rest body: " + std::to_string(index_bytes) + " bytes an index; 2 and 4 are known");
@@ -134,8 +138,8 @@ Result<void> read_lattice(ByteReader& in, RestBody& rest) {
     for (uint32_t& node : rest.cells[c]) {
       node = static_cast<uint32_t>(in.read_bits(index_bytes));
       if (node >= node_count) {
-        return invalid_data("rest body: cell " + std::to_string(c) + " names node " + std::to_string(node) + " of " +
-                            std::to_string(node_count));
+        return invalid_data("rest body: cell " + std::to_string(c) + " names node " + std::to_string(node) +
+                            " of " + std::to_string(node_count));
       }
     }
   }
@@ -185,7 +189,9 @@ std::vector<std::byte> encode_rest_body(const RestBody& rest) {
       out.write(static_cast<uint32_t>(rest.bodies.size()));
       for (const Pose& body : rest.bodies) write_pose(out, body);
       break;
-    case DriverKind::Lattice: write_lattice(out, rest); break;
+    case DriverKind::Lattice:
+      write_lattice(out, rest);
+      break;
     case DriverKind::Particles:
       out.write(static_cast<uint32_t>(rest.particles_m.size()));
       for (const Eigen::Vector3f& particle : rest.particles_m) write_vector(out, particle);
@@ -198,8 +204,8 @@ std::vector<std::byte> encode_rest_body(const RestBody& rest) {
 
 Result<RestBody> decode_rest_body(std::span<const std::byte> bytes) {
   if (bytes.size() > kMaxRestBodyBytes) {
-    return Error{ErrorCode::TooLarge, "rest body: " + std::to_string(bytes.size()) + " bytes, over the limit of " +
-                                          std::to_string(kMaxRestBodyBytes)};
+    return Error{ErrorCode::TooLarge, "rest body: " + std::to_string(bytes.size()) +
+                                          " bytes, over the limit of " + std::to_string(kMaxRestBodyBytes)};
   }
   ByteReader in(bytes);
   const uint32_t magic = in.read<uint32_t>();
@@ -224,15 +230,19 @@ Result<RestBody> decode_rest_body(std::span<const std::byte> bytes) {
   }
   Result<void> read = [&]() -> Result<void> {
     switch (kind) {
-      case static_cast<uint8_t>(DriverKind::Rigid): return read_rigid(in, rest);
-      case static_cast<uint8_t>(DriverKind::Lattice): return read_lattice(in, rest);
-      case static_cast<uint8_t>(DriverKind::Particles): return read_particles(in, rest);
+      case static_cast<uint8_t>(DriverKind::Rigid):
+        return read_rigid(in, rest);
+      case static_cast<uint8_t>(DriverKind::Lattice):
+        return read_lattice(in, rest);
+      case static_cast<uint8_t>(DriverKind::Particles):
+        return read_particles(in, rest);
     }
     return invalid_data("rest body: unknown kind " + std::to_string(kind));
   }();
   if (!read) return read.error();
   rest.kind = static_cast<DriverKind>(kind);
-  if (in.remaining() != 0) return invalid_data("rest body: " + std::to_string(in.remaining()) + " bytes left over");
+  if (in.remaining() != 0)
+    return invalid_data("rest body: " + std::to_string(in.remaining()) + " bytes left over");
   return rest;
 }
 

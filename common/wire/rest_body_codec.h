@@ -15,10 +15,12 @@ namespace livegs {
 // No rest body is larger; a decoder refuses more. A lattice of a million nodes has 38 MB.
 inline constexpr size_t kMaxRestBodyBytes = 64u << 20;
 
-// Preconditions: values are finite, quaternions unit, scale and cell width positive, and cells name nodes that exist.
+// Preconditions: values are finite, quaternions unit, scale and cell width positive, and cells name nodes
+// that exist.
 std::vector<std::byte> encode_rest_body(const RestBody& rest);
 
-// Accepts any bytes and answers with an error for those that are no rest body. Memory is bounded by the input's size.
+// Accepts any bytes and answers with an error for those that are no rest body. Memory is bounded by the
+// input's size.
 Result<RestBody> decode_rest_body(std::span<const std::byte> bytes);
 
 }  // namespace livegs

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Time to bind and to skin, by kind of driver. Prints CSV: `skin_bench > results/<machine>/skin.csv`.
-// The body is a ball of cells, twisted and bent; 10 % of the kernels are haze outside it. Five runs warm up, 50 count;
-// `stage` bind is timed over 1 + 3 runs. `crushed` is the lattice pressed flat, where every kernel needs its singular
-// values.
+// The body is a ball of cells, twisted and bent; 10 % of the kernels are haze outside it. Five runs warm up,
+// 50 count; `stage` bind is timed over 1 + 3 runs. `crushed` is the lattice pressed flat, where every kernel
+// needs its singular values.
 #include <cstdio>
 
 #include "bench/time_of.h"
@@ -32,8 +32,8 @@ Eigen::Vector3d flattened(const Eigen::Vector3d& x) { return {x[0], 0.0, x[2]}; 
 
 void report(size_t kernels, size_t drivers, const char* kind, const char* stage, int threads,
             const bench::Times& times) {
-  std::printf("%zu,%zu,%s,%s,%d,%.3f,%.3f,%.3f,%.1f\n", kernels, drivers, kind, stage, threads, times.median_ms,
-              times.p99_ms, times.cpu_ms, times.cpu_ms * 1e6 / static_cast<double>(kernels));
+  std::printf("%zu,%zu,%s,%s,%d,%.3f,%.3f,%.3f,%.1f\n", kernels, drivers, kind, stage, threads,
+              times.median_ms, times.p99_ms, times.cpu_ms, times.cpu_ms * 1e6 / static_cast<double>(kernels));
   std::fflush(stdout);
 }
 
@@ -60,8 +60,8 @@ int main() {
       turned.poses = {Pose{{0.1, 0.2, 0.3}, random_rotation(random)}};
       ObjectDrivers particle_drivers = moved_drivers(particles, twisted);
       for (size_t p = 0; p < particles.particles_m.size(); ++p) {
-        particle_drivers.rotations[p] =
-            Eigen::Quaternionf(Eigen::AngleAxisf(1.5f * particles.particles_m[p][1], Eigen::Vector3f::UnitY()));
+        particle_drivers.rotations[p] = Eigen::Quaternionf(
+            Eigen::AngleAxisf(1.5f * particles.particles_m[p][1], Eigen::Vector3f::UnitY()));
       }
 
       struct Case {

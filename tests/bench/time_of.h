@@ -13,7 +13,8 @@ namespace livegs::bench {
 struct Times {
   double median_ms = 0.0;
   double p99_ms = 0.0;
-  double cpu_ms = 0.0;  // median processor time of all threads: says what the work costs on a machine that is shared
+  double cpu_ms =
+      0.0;  // median processor time of all threads: says what the work costs on a machine that is shared
 };
 
 // Wall and processor time of `work` over `repeats` runs, after `warm_up` runs that do not count.
@@ -24,7 +25,8 @@ inline Times time_of(int warm_up, int repeats, const std::function<void()>& work
     const std::clock_t cpu_start = std::clock();
     const auto start = std::chrono::steady_clock::now();
     work();
-    times_ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    times_ms.push_back(
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
     cpu_times_ms.push_back(1e3 * static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC);
   }
   std::sort(times_ms.begin(), times_ms.end());

@@ -33,12 +33,15 @@ LimitedDeformation limit_deformation(const Eigen::Matrix3f& gradient) {
 TEST(LimitDeformation, WithinTheLimitsItIsThePolarDecomposition) {
   std::mt19937_64 random(1);
   for (int i = 0; i < 2000; ++i) {
-    const Eigen::Matrix3d u = random_rotation(random).toRotationMatrix(), v = random_rotation(random).toRotationMatrix();
+    const Eigen::Matrix3d u = random_rotation(random).toRotationMatrix(),
+                          v = random_rotation(random).toRotationMatrix();
     const Eigen::Vector3d sigma = uniform3(random, 0.26, 3.9);
     const Eigen::Matrix3f f = (u * sigma.asDiagonal() * v.transpose()).cast<float>();
     const LimitedDeformation limited = limit_deformation(f);
-    // The rotation's error is float's times the condition, at most 15, and a little more from Newton's rounding.
-    EXPECT_NEAR(angle_between(limited.rotation.cast<double>(), Eigen::Quaterniond(Eigen::Matrix3d(u * v.transpose()))),
+    // The rotation's error is float's times the condition, at most 15, and a little more from Newton's
+    // rounding.
+    EXPECT_NEAR(angle_between(limited.rotation.cast<double>(),
+                              Eigen::Quaterniond(Eigen::Matrix3d(u * v.transpose()))),
                 0.0, 2e-5);
     EXPECT_NEAR((limited.gradient - f).norm(), 0.0f, 2e-6f * f.norm());
   }
@@ -47,21 +50,27 @@ TEST(LimitDeformation, WithinTheLimitsItIsThePolarDecomposition) {
 TEST(LimitDeformation, SingularValuesAreClampedAndDirectionsKept) {
   std::mt19937_64 random(2);
   for (int i = 0; i < 500; ++i) {
-    const Eigen::Matrix3d u = random_rotation(random).toRotationMatrix(), v = random_rotation(random).toRotationMatrix();
-    const Eigen::Vector3d sigma(uniform(random, 5.0, 9.0), uniform(random, 0.5, 2.0), uniform(random, 0.01, 0.2));
-    const LimitedDeformation limited = limit_deformation((u * sigma.asDiagonal() * v.transpose()).cast<float>());
+    const Eigen::Matrix3d u = random_rotation(random).toRotationMatrix(),
+                          v = random_rotation(random).toRotationMatrix();
+    const Eigen::Vector3d sigma(uniform(random, 5.0, 9.0), uniform(random, 0.5, 2.0),
+                                uniform(random, 0.01, 0.2));
+    const LimitedDeformation limited =
+        limit_deformation((u * sigma.asDiagonal() * v.transpose()).cast<float>());
     const Eigen::Vector3d clamped(kMaxKernelStretch, sigma[1], kMinKernelStretch);
     // The input is rounded to 6e-7 (float at 9); the third direction, of length 0.01 and up, follows to 6e-5.
-    EXPECT_NEAR((limited.gradient.cast<double>() - u * clamped.asDiagonal() * v.transpose()).norm(), 0.0, 5e-4);
+    EXPECT_NEAR((limited.gradient.cast<double>() - u * clamped.asDiagonal() * v.transpose()).norm(), 0.0,
+                5e-4);
   }
 }
 
 TEST(LimitDeformation, AnInvertedGradientIsContinuousWithAFlatOne) {
   std::mt19937_64 random(3);
   for (int i = 0; i < 200; ++i) {
-    const Eigen::Matrix3d u = random_rotation(random).toRotationMatrix(), v = random_rotation(random).toRotationMatrix();
+    const Eigen::Matrix3d u = random_rotation(random).toRotationMatrix(),
+                          v = random_rotation(random).toRotationMatrix();
     const auto limited = [&](double smallest) {
-      return limit_deformation((u * Eigen::Vector3d(1.5, 1.0, smallest).asDiagonal() * v.transpose()).cast<float>());
+      return limit_deformation(
+          (u * Eigen::Vector3d(1.5, 1.0, smallest).asDiagonal() * v.transpose()).cast<float>());
     };
     const LimitedDeformation thin = limited(1e-3), flat = limited(0.0), inverted = limited(-0.5);
     EXPECT_NEAR((thin.gradient - flat.gradient).norm(), 0.0f, 1e-5f);
@@ -72,10 +81,14 @@ TEST(LimitDeformation, AnInvertedGradientIsContinuousWithAFlatOne) {
 
 TEST(LimitDeformation, NothingBreaksIt) {
   const float huge = 1e30f, infinite = INFINITY;
-  std::vector<Eigen::Matrix3f> gradients = {Eigen::Matrix3f::Zero(), Eigen::Matrix3f::Constant(1.0f),
-                                            -Eigen::Matrix3f::Identity(), Eigen::Matrix3f::Constant(huge),
-                                            Eigen::Matrix3f::Constant(infinite), Eigen::Matrix3f::Constant(NAN),
-                                            1e-20f * Eigen::Matrix3f::Identity(), 1e15f * Eigen::Matrix3f::Identity()};
+  std::vector<Eigen::Matrix3f> gradients = {Eigen::Matrix3f::Zero(),
+                                            Eigen::Matrix3f::Constant(1.0f),
+                                            -Eigen::Matrix3f::Identity(),
+                                            Eigen::Matrix3f::Constant(huge),
+                                            Eigen::Matrix3f::Constant(infinite),
+                                            Eigen::Matrix3f::Constant(NAN),
+                                            1e-20f * Eigen::Matrix3f::Identity(),
+                                            1e15f * Eigen::Matrix3f::Identity()};
   Eigen::Matrix3f line = Eigen::Matrix3f::Zero();
   line(2, 0) = 1.0f;
   gradients.push_back(line);

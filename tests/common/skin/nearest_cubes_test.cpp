@@ -35,7 +35,8 @@ void expect_same_as_all_pairs(const std::vector<Eigen::Vector3f>& centres, float
 std::vector<Eigen::Vector3f> random_points(size_t count, const Eigen::Vector3d& extent, uint64_t seed) {
   std::mt19937_64 random(seed);
   std::vector<Eigen::Vector3f> points;
-  for (size_t i = 0; i < count; ++i) points.push_back(uniform3(random, -1, 1).cwiseProduct(extent).cast<float>());
+  for (size_t i = 0; i < count; ++i)
+    points.push_back(uniform3(random, -1, 1).cwiseProduct(extent).cast<float>());
   return points;
 }
 
@@ -47,13 +48,15 @@ TEST(NearestCubes, AgreeWithAllPairsForEveryShapeOfSet) {
       std::vector<Eigen::Vector3f> points = random_points(100, {2, 2, 2}, 2);
       const std::vector<Eigen::Vector3f> far = random_points(20, {1e4, 1e4, 1e4}, 3);
       points.insert(points.end(), far.begin(), far.end());
-      for (const float half_width : {0.0f, 0.05f, 1.0f}) expect_same_as_all_pairs(centres, half_width, points);
+      for (const float half_width : {0.0f, 0.05f, 1.0f})
+        expect_same_as_all_pairs(centres, half_width, points);
     }
   }
 }
 
 TEST(NearestCubes, OfEqualDistancesTheLowerIndexComesFirst) {
-  const std::vector<Eigen::Vector3f> centres = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  const std::vector<Eigen::Vector3f> centres = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
+                                                {0, -1, 0}, {0, 0, 1},  {0, 0, -1}};
   const NearestCubes cubes(centres, 0.0f);
   std::array<NearestCubes::Neighbour, 3> nearest;
   ASSERT_EQ(cubes.find({0, 0, 0}, nearest), 3u);

@@ -47,8 +47,10 @@ inline RestBody lattice_body(int nx, int ny, int nz, double cell_width_m,
         if (keep && !keep(x, y, z)) continue;
         std::array<uint32_t, 8> cell;
         for (int c = 0; c < 8; ++c) {
-          const std::array<int, 3> at{first[0] + x + (c & 1), first[1] + y + ((c >> 1) & 1), first[2] + z + (c >> 2)};
-          const auto [place, added] = node_of.emplace(at, static_cast<uint32_t>(rest.node_coordinates.size()));
+          const std::array<int, 3> at{first[0] + x + (c & 1), first[1] + y + ((c >> 1) & 1),
+                                      first[2] + z + (c >> 2)};
+          const auto [place, added] =
+              node_of.emplace(at, static_cast<uint32_t>(rest.node_coordinates.size()));
           if (added) rest.node_coordinates.emplace_back(at[0], at[1], at[2]);
           cell[c] = place->second;
         }
@@ -95,7 +97,8 @@ inline ObjectDrivers rest_drivers(const RestBody& rest) {
 }
 
 // Kernels at the given points of the object frame, of random shape: 1 to 20 mm along each axis.
-inline GaussianAsset kernels_at(const RestBody& rest, const std::vector<Eigen::Vector3d>& points_m, uint64_t seed) {
+inline GaussianAsset kernels_at(const RestBody& rest, const std::vector<Eigen::Vector3d>& points_m,
+                                uint64_t seed) {
   std::mt19937_64 random(seed);
   GaussianAsset asset;
   asset.resize(points_m.size());
@@ -105,7 +108,8 @@ inline GaussianAsset kernels_at(const RestBody& rest, const std::vector<Eigen::V
         to_object.rotation.conjugate() * ((points_m[k] - to_object.translation_m) / to_object.scale);
     asset.positions[k] = in_asset.cast<float>();
     asset.log_scales[k] = (uniform3(random, std::log(0.001), std::log(0.02)) -
-                           Eigen::Vector3d::Constant(std::log(to_object.scale))).cast<float>();
+                           Eigen::Vector3d::Constant(std::log(to_object.scale)))
+                              .cast<float>();
     asset.rotations[k] = random_rotation(random).cast<float>();
   }
   return asset;
@@ -153,6 +157,8 @@ inline Eigen::Vector3d rest_position_m(const GaussianAsset& asset, const RestBod
 }
 
 // The angle between two rotations, in radians.
-inline double angle_between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) { return a.angularDistance(b); }
+inline double angle_between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
+  return a.angularDistance(b);
+}
 
 }  // namespace livegs::testing

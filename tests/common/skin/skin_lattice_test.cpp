@@ -23,8 +23,8 @@ Skinned skin(const GaussianAsset& asset, const RestBody& rest, const ObjectDrive
   return skinned;
 }
 
-// Inputs are float: positions near 1 m carry 6e-8 m each, an edge between two of them of width a thus 1.2e-7 / a of
-// relative error, 2e-6 for 50 mm. Five such edges leave room for 1e-5.
+// Inputs are float: positions near 1 m carry 6e-8 m each, an edge between two of them of width a thus 1.2e-7
+// / a of relative error, 2e-6 for 50 mm. Five such edges leave room for 1e-5.
 constexpr double kCellWidth_m = 0.05;
 constexpr double kGradientTolerance = 1e-5;
 constexpr double kPositionTolerance_m = 1e-6;
@@ -49,12 +49,13 @@ TEST(SkinLattice, DriversAtRestGiveTheAssetItself) {
     const Skinned skinned = skin(asset, rest, rest_drivers(rest));
     for (size_t k = 0; k < asset.size(); ++k) {
       const Eigen::Matrix3d covariance = rest_covariance_m2(asset, rest, k);
-      EXPECT_NEAR((skinned.kernels.positions_m[k].cast<double>() - rest_position_m(asset, rest, k)).norm(), 0.0,
-                  kPositionTolerance_m);
+      EXPECT_NEAR((skinned.kernels.positions_m[k].cast<double>() - rest_position_m(asset, rest, k)).norm(),
+                  0.0, kPositionTolerance_m);
       EXPECT_NEAR((matrix_of(skinned.kernels.covariances_m2[k]) - covariance).norm() / covariance.norm(), 0.0,
                   3 * kGradientTolerance);
-      EXPECT_NEAR(angle_between(skinned.kernels.world_from_asset[k].cast<double>(), rest.object_from_asset.rotation),
-                  0.0, kGradientTolerance);
+      EXPECT_NEAR(
+          angle_between(skinned.kernels.world_from_asset[k].cast<double>(), rest.object_from_asset.rotation),
+          0.0, kGradientTolerance);
     }
   }
 }
@@ -90,10 +91,12 @@ TEST(SkinLattice, RigidMotionKeepsTheSizesOfKernels) {
   for (const RestBody& rest : full_and_ragged()) {
     const GaussianAsset asset = kernels_at(rest, points_inside_and_around(rest), 6);
     const Pose pose{uniform3(random, -0.5, 0.5), random_rotation(random)};
-    const Skinned skinned = skin(asset, rest, moved_drivers(rest, [&](const Eigen::Vector3d& x) { return pose * x; }));
+    const Skinned skinned =
+        skin(asset, rest, moved_drivers(rest, [&](const Eigen::Vector3d& x) { return pose * x; }));
     for (size_t k = 0; k < asset.size(); ++k) {
       const Eigen::Vector3d sizes =
-          Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(matrix_of(skinned.kernels.covariances_m2[k])).eigenvalues();
+          Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(matrix_of(skinned.kernels.covariances_m2[k]))
+              .eigenvalues();
       const Eigen::Vector3d at_rest =
           Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(rest_covariance_m2(asset, rest, k)).eigenvalues();
       EXPECT_NEAR((sizes - at_rest).norm() / at_rest.norm(), 0.0, 3 * kGradientTolerance);
@@ -130,8 +133,8 @@ TEST(SkinLattice, NothingJumpsAtTheFaceBetweenTwoCells) {
     asset.rotations[k + 1] = asset.rotations[k];
   }
   const Eigen::Matrix3d waves = random_waves(random);
-  const Skinned skinned =
-      skin(asset, rest, moved_drivers(rest, [&](const Eigen::Vector3d& x) { return wobble(x, waves, 0.008); }));
+  const Skinned skinned = skin(
+      asset, rest, moved_drivers(rest, [&](const Eigen::Vector3d& x) { return wobble(x, waves, 0.008); }));
   const Result<KernelBindings> bindings = bind_kernels(asset, rest);
   ASSERT_TRUE(bindings);
   double largest_change = 0.0;
@@ -142,14 +145,15 @@ TEST(SkinLattice, NothingJumpsAtTheFaceBetweenTwoCells) {
     const Eigen::Matrix3d left = matrix_of(skinned.kernels.covariances_m2[k]);
     const Eigen::Matrix3d right = matrix_of(skinned.kernels.covariances_m2[k + 1]);
     EXPECT_NEAR((left - right).norm() / left.norm(), 0.0, 1e-4);
-    largest_change = std::max(largest_change, (skinned.gradients[k] - Eigen::Matrix3f::Identity()).norm() * 1.0);
+    largest_change =
+        std::max(largest_change, (skinned.gradients[k] - Eigen::Matrix3f::Identity()).norm() * 1.0);
   }
   EXPECT_GT(largest_change, 0.2);  // the motion did deform the body
 }
 
 TEST(SkinLattice, NeighboursNeverPart) {
-  // Between nodes moved by u, the trilinear map moves two points r apart by at most (1 + L) r, where L bounds the
-  // difference quotient of u along an edge, summed over the three axes.
+  // Between nodes moved by u, the trilinear map moves two points r apart by at most (1 + L) r, where L bounds
+  // the difference quotient of u along an edge, summed over the three axes.
   std::mt19937_64 random(10);
   for (int trial = 0; trial < 5; ++trial) {
     RestBody rest = lattice_body(4, 3, 3, kCellWidth_m);
@@ -190,12 +194,14 @@ TEST(SkinLattice, GradientFollowsTheMotionToSecondOrder) {
     std::mt19937_64 random(12);
     for (int i = 0; i < 200; ++i) points.push_back(uniform3(random, 0.07, 0.13));
     const GaussianAsset asset = kernels_at(rest, points, 13);
-    const Skinned skinned =
-        skin(asset, rest, moved_drivers(rest, [&](const Eigen::Vector3d& x) { return wobble(x, waves, 0.02); }));
+    const Skinned skinned = skin(
+        asset, rest, moved_drivers(rest, [&](const Eigen::Vector3d& x) { return wobble(x, waves, 0.02); }));
     double error = 0.0;
     for (size_t k = 0; k < points.size(); ++k) {
-      const Eigen::Vector3d slope = Eigen::Vector3d::Ones() + (0.16 * (8.0 * points[k]).array().cos()).matrix();
-      error += (skinned.gradients[k].cast<double>() - Eigen::Matrix3d(slope.asDiagonal())).norm() / points.size();
+      const Eigen::Vector3d slope =
+          Eigen::Vector3d::Ones() + (0.16 * (8.0 * points[k]).array().cos()).matrix();
+      error +=
+          (skinned.gradients[k].cast<double>() - Eigen::Matrix3d(slope.asDiagonal())).norm() / points.size();
     }
     return error;
   };
@@ -204,13 +210,15 @@ TEST(SkinLattice, GradientFollowsTheMotionToSecondOrder) {
 }
 
 TEST(SkinLattice, BendingOfABodyOneCellThickStretchesOneSideAndShrinksTheOther) {
-  // The exact gradient of the trilinear map: x-edges at the top are longer by 20 %, at the bottom shorter by 20 %.
+  // The exact gradient of the trilinear map: x-edges at the top are longer by 20 %, at the bottom shorter by
+  // 20 %.
   RestBody rest = lattice_body(1, 1, 1, kCellWidth_m);
   const auto bend = [](const Eigen::Vector3d& x) -> Eigen::Vector3d {
     return {x[0] * (1.0 + 0.4 * (x[1] / kCellWidth_m - 0.5)), x[1], x[2]};
   };
   const double half = 0.5 * kCellWidth_m;
-  const GaussianAsset asset = kernels_at(rest, {{half, 0.0, half}, {half, half, half}, {half, kCellWidth_m, half}}, 14);
+  const GaussianAsset asset =
+      kernels_at(rest, {{half, 0.0, half}, {half, half, half}, {half, kCellWidth_m, half}}, 14);
   const Skinned skinned = skin(asset, rest, moved_drivers(rest, bend));
   EXPECT_NEAR(skinned.gradients[0](0, 0), 0.8, kGradientTolerance);
   EXPECT_NEAR(skinned.gradients[1](0, 0), 1.0, kGradientTolerance);
@@ -218,39 +226,45 @@ TEST(SkinLattice, BendingOfABodyOneCellThickStretchesOneSideAndShrinksTheOther) 
 }
 
 TEST(SkinLattice, ColourSeenFromACameraThatTurnsWithTheBodyStays) {
-  // Drawing evaluates SH along world_from_asset⁻¹ * view direction: it must be the direction of the rest state.
+  // Drawing evaluates SH along world_from_asset⁻¹ * view direction: it must be the direction of the rest
+  // state.
   std::mt19937_64 random(15);
   RestBody rest = lattice_body(3, 3, 3, kCellWidth_m);
   place(rest, 16);
   const GaussianAsset asset = kernels_at(rest, points_inside(rest, 100, 17), 18);
   const Pose pose{uniform3(random, -0.5, 0.5), random_rotation(random)};
   const Skinned at_rest = skin(asset, rest, rest_drivers(rest));
-  const Skinned turned = skin(asset, rest, moved_drivers(rest, [&](const Eigen::Vector3d& x) { return pose * x; }));
+  const Skinned turned =
+      skin(asset, rest, moved_drivers(rest, [&](const Eigen::Vector3d& x) { return pose * x; }));
   const Eigen::Vector3d camera_m(0.3, 1.0, -2.0);
   for (size_t k = 0; k < asset.size(); ++k) {
-    const auto direction_in_asset = [k](const PosedKernels& kernels, const Eigen::Vector3d& eye_m) -> Eigen::Vector3d {
+    const auto direction_in_asset = [k](const PosedKernels& kernels,
+                                        const Eigen::Vector3d& eye_m) -> Eigen::Vector3d {
       const Eigen::Vector3d view = (kernels.positions_m[k].cast<double>() - eye_m).normalized();
       return kernels.world_from_asset[k].cast<double>().conjugate() * view;
     };
-    EXPECT_NEAR((direction_in_asset(at_rest.kernels, camera_m) - direction_in_asset(turned.kernels, pose * camera_m))
-                    .norm(),
-                0.0, 2 * kGradientTolerance);
+    EXPECT_NEAR(
+        (direction_in_asset(at_rest.kernels, camera_m) - direction_in_asset(turned.kernels, pose * camera_m))
+            .norm(),
+        0.0, 2 * kGradientTolerance);
   }
 }
 
 TEST(SkinLattice, CrushedAndInvertedCellsGiveFiniteKernelsOfBoundedSize) {
   RestBody rest = lattice_body(3, 3, 3, kCellWidth_m);
   const GaussianAsset asset = kernels_at(rest, points_inside_and_around(rest), 19);
-  const std::vector<Eigen::Vector3d> stretches = {{1, 0, 1},  {0, 0, 1},   {0, 0, 0},      {1, -1, 1},
+  const std::vector<Eigen::Vector3d> stretches = {{1, 0, 1},    {0, 0, 1},   {0, 0, 0},      {1, -1, 1},
                                                   {-1, -1, -1}, {100, 1, 1}, {1e-3, 50, -2}, {1e25, 1, 1}};
   for (const Eigen::Vector3d& stretch : stretches) {
-    const Skinned skinned = skin(asset, rest, moved_drivers(rest, [&](const Eigen::Vector3d& x) -> Eigen::Vector3d {
-                                   return stretch.cwiseProduct(x);
-                                 }));
+    const Skinned skinned =
+        skin(asset, rest, moved_drivers(rest, [&](const Eigen::Vector3d& x) -> Eigen::Vector3d {
+               return stretch.cwiseProduct(x);
+             }));
     for (size_t k = 0; k < asset.size(); ++k) {
       ASSERT_TRUE(skinned.kernels.positions_m[k].allFinite()) << stretch.transpose();
       ASSERT_NEAR(skinned.kernels.world_from_asset[k].norm(), 1.0f, 1e-5);
-      const Eigen::Vector3d sigma = Eigen::JacobiSVD<Eigen::Matrix3d>(skinned.gradients[k].cast<double>()).singularValues();
+      const Eigen::Vector3d sigma =
+          Eigen::JacobiSVD<Eigen::Matrix3d>(skinned.gradients[k].cast<double>()).singularValues();
       EXPECT_LE(sigma[0], kMaxKernelStretch * (1.0 + 1e-5)) << stretch.transpose();
       EXPECT_GE(sigma[2], kMinKernelStretch * (1.0 - 1e-4)) << stretch.transpose();
       EXPECT_GT(skinned.gradients[k].determinant(), 0.0f) << stretch.transpose();
@@ -260,7 +274,8 @@ TEST(SkinLattice, CrushedAndInvertedCellsGiveFiniteKernelsOfBoundedSize) {
 }
 
 TEST(SkinLattice, HazeMovesWithTheBodyAndIsNotFlungByAnEdge) {
-  // The last layer of cells of a long bar turns by 90 degrees; haze half a metre beyond it moves as the bar's mean.
+  // The last layer of cells of a long bar turns by 90 degrees; haze half a metre beyond it moves as the bar's
+  // mean.
   RestBody rest = lattice_body(20, 1, 1, kCellWidth_m);
   const double end_m = 20 * kCellWidth_m;
   const GaussianAsset asset = kernels_at(rest, {{end_m + 0.5, 0.025, 0.025}}, 20);
@@ -269,9 +284,10 @@ TEST(SkinLattice, HazeMovesWithTheBodyAndIsNotFlungByAnEdge) {
     if (rest.node_coordinates[n][0] == 20) drivers.positions_m[n] += Eigen::Vector3f(-0.05f, 0.05f, 0.0f);
   }
   const Skinned skinned = skin(asset, rest, drivers);
-  const double moved_m = (skinned.kernels.positions_m[0].cast<double>() - rest_position_m(asset, rest, 0)).norm();
-  // The face moved by 71 mm; turning the whole offset with the face would add 700 mm. One cell width of it adds up
-  // to 71 mm, and the bar's mean gradient, 1/20 of whose cells turned, 0.45 m * 1.41 / 20 = 32 mm.
+  const double moved_m =
+      (skinned.kernels.positions_m[0].cast<double>() - rest_position_m(asset, rest, 0)).norm();
+  // The face moved by 71 mm; turning the whole offset with the face would add 700 mm. One cell width of it
+  // adds up to 71 mm, and the bar's mean gradient, 1/20 of whose cells turned, 0.45 m * 1.41 / 20 = 32 mm.
   EXPECT_LE(moved_m, 0.071 + 0.071 + 0.033);
 }
 
@@ -284,12 +300,14 @@ TEST(BindLattice, AKernelRidesInTheCellThatHoldsItOrTheNearest) {
   const Result<KernelBindings> bindings = bind_kernels(asset, rest);
   ASSERT_TRUE(bindings);
   const auto distance_m = [&](size_t cell, const Eigen::Vector3d& point) {
-    const Eigen::Vector3d low = node_rest_m(rest, rest.cells[cell][0]), high = node_rest_m(rest, rest.cells[cell][7]);
+    const Eigen::Vector3d low = node_rest_m(rest, rest.cells[cell][0]),
+                          high = node_rest_m(rest, rest.cells[cell][7]);
     return (point - point.cwiseMax(low).cwiseMin(high)).norm();
   };
   for (size_t k = 0; k < points.size(); ++k) {
     double nearest_m = 1e9;
-    for (size_t cell = 0; cell < rest.cells.size(); ++cell) nearest_m = std::min(nearest_m, distance_m(cell, points[k]));
+    for (size_t cell = 0; cell < rest.cells.size(); ++cell)
+      nearest_m = std::min(nearest_m, distance_m(cell, points[k]));
     EXPECT_NEAR(distance_m(bindings->kernels[k].drivers[0], points[k]), nearest_m, 1e-6);
   }
 }
@@ -305,13 +323,16 @@ TEST(BindLattice, ALyingRestBodyIsAnErrorThatNamesTheField) {
   };
   EXPECT_NE(message([](RestBody& r) { r.cells.clear(); }).find("cell"), std::string::npos);
   EXPECT_NE(message([](RestBody& r) { r.cells[1][3] = 12; }).find("names node 12 of 12"), std::string::npos);
-  EXPECT_NE(message([](RestBody& r) { std::swap(r.cells[0][1], r.cells[0][2]); }).find("corner 1"), std::string::npos);
+  EXPECT_NE(message([](RestBody& r) { std::swap(r.cells[0][1], r.cells[0][2]); }).find("corner 1"),
+            std::string::npos);
   EXPECT_NE(message([](RestBody& r) { r.cell_width_m = 0.0; }).find("cell_width_m"), std::string::npos);
   EXPECT_NE(message([](RestBody& r) { r.cell_width_m = NAN; }).find("cell_width_m"), std::string::npos);
-  EXPECT_NE(message([](RestBody& r) { r.object_from_lattice.position_m[0] = NAN; }).find("object_from_lattice"),
-            std::string::npos);
+  EXPECT_NE(
+      message([](RestBody& r) { r.object_from_lattice.position_m[0] = NAN; }).find("object_from_lattice"),
+      std::string::npos);
   EXPECT_NE(message([](RestBody& r) { r.object_from_asset.scale = -1.0; }).find("scale"), std::string::npos);
-  EXPECT_NE(message([](RestBody& r) { r.node_coordinates[11][0] = INT32_MIN; }).find("corner"), std::string::npos);
+  EXPECT_NE(message([](RestBody& r) { r.node_coordinates[11][0] = INT32_MIN; }).find("corner"),
+            std::string::npos);
 }
 
 }  // namespace

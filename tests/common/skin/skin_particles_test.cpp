@@ -34,14 +34,16 @@ TEST(SkinParticles, WeightsSumToOneAndFavourTheNearest) {
   for (size_t k = 0; k < asset.size(); ++k) {
     const KernelBinding& binding = bindings->kernels[k];
     // Four float divisions by one sum: each within 6e-8.
-    EXPECT_NEAR(binding.weights[0] + binding.weights[1] + binding.weights[2] + binding.weights[3], 1.0f, 3e-7f);
+    EXPECT_NEAR(binding.weights[0] + binding.weights[1] + binding.weights[2] + binding.weights[3], 1.0f,
+                3e-7f);
     const Eigen::Vector3f x = rest_position_m(asset, rest, k).cast<float>();
     std::vector<float> distances_m;
     for (const Eigen::Vector3f& particle : rest.particles_m) distances_m.push_back((particle - x).norm());
     const float nearest_m = (rest.particles_m[binding.drivers[0]] - x).norm();
     for (int i = 0; i < 4; ++i) {
       const float distance_m = (rest.particles_m[binding.drivers[i]] - x).norm();
-      EXPECT_NEAR(binding.weights[i] * distance_m, binding.weights[0] * nearest_m, 1e-6f);  // inverse distance
+      EXPECT_NEAR(binding.weights[i] * distance_m, binding.weights[0] * nearest_m,
+                  1e-6f);  // inverse distance
     }
     std::nth_element(distances_m.begin(), distances_m.begin() + 3, distances_m.end());
     EXPECT_NEAR((rest.particles_m[binding.drivers[3]] - x).norm(), distances_m[3], 1e-6f);
@@ -55,15 +57,17 @@ TEST(SkinParticles, RigidMotionIsExact) {
   const Result<KernelBindings> bindings = bind_kernels(asset, rest);
   ASSERT_TRUE(bindings);
   for (const Pose& pose : {Pose{}, Pose{uniform3(random, -0.5, 0.5), random_rotation(random)}}) {
-    ObjectDrivers drivers =
-        moved_drivers(rest, [&](const Eigen::Vector3d& x) { return pose * x; }, pose.orientation);
-    for (size_t p = 0; p < drivers.rotations.size(); p += 2) drivers.rotations[p].coeffs() *= -1.0f;  // the same turn
+    ObjectDrivers drivers = moved_drivers(
+        rest, [&](const Eigen::Vector3d& x) { return pose * x; }, pose.orientation);
+    for (size_t p = 0; p < drivers.rotations.size(); p += 2)
+      drivers.rotations[p].coeffs() *= -1.0f;  // the same turn
     PosedKernels kernels;
     std::vector<Eigen::Matrix3f> gradients;
     skin_kernels(asset, rest, *bindings, drivers, kernels, &gradients);
     const Eigen::Matrix3d turn = pose.orientation.toRotationMatrix();
     for (size_t k = 0; k < asset.size(); ++k) {
-      EXPECT_NEAR((kernels.positions_m[k].cast<double>() - pose * rest_position_m(asset, rest, k)).norm(), 0.0, 1e-6);
+      EXPECT_NEAR((kernels.positions_m[k].cast<double>() - pose * rest_position_m(asset, rest, k)).norm(),
+                  0.0, 1e-6);
       const Eigen::Matrix3d covariance = turn * rest_covariance_m2(asset, rest, k) * turn.transpose();
       EXPECT_NEAR((matrix_of(kernels.covariances_m2[k]) - covariance).norm() / covariance.norm(), 0.0, 3e-6);
       EXPECT_NEAR((gradients[k].cast<double>() - turn).norm(), 0.0, 2e-6);
@@ -83,10 +87,13 @@ TEST(SkinParticles, ABodyOfOneParticleIsRigid) {
   const Pose pose{uniform3(random, -0.5, 0.5), random_rotation(random)};
   PosedKernels kernels;
   skin_kernels(asset, rest, *bindings,
-               moved_drivers(rest, [&](const Eigen::Vector3d& x) { return pose * x; }, pose.orientation), kernels);
+               moved_drivers(
+                   rest, [&](const Eigen::Vector3d& x) { return pose * x; }, pose.orientation),
+               kernels);
   for (size_t k = 0; k < asset.size(); ++k) {
     EXPECT_EQ(bindings->kernels[k].weights[0], 1.0f);
-    EXPECT_NEAR((kernels.positions_m[k].cast<double>() - pose * rest_position_m(asset, rest, k)).norm(), 0.0, 1e-6);
+    EXPECT_NEAR((kernels.positions_m[k].cast<double>() - pose * rest_position_m(asset, rest, k)).norm(), 0.0,
+                1e-6);
   }
 }
 
@@ -101,8 +108,9 @@ TEST(SkinParticles, FollowsThePapersFormulaWithRecursiveSlerp) {
     ObjectDrivers drivers = rest_drivers(rest);
     for (size_t p = 0; p < rest.particles_m.size(); ++p) {
       drivers.positions_m[p] += uniform3(random, -0.05, 0.05).cast<float>();
-      drivers.rotations[p] = Eigen::Quaternionf(Eigen::AngleAxisf(
-          static_cast<float>(uniform(random, 0.0, largest_rad)), uniform3(random, -1, 1).normalized().cast<float>()));
+      drivers.rotations[p] =
+          Eigen::Quaternionf(Eigen::AngleAxisf(static_cast<float>(uniform(random, 0.0, largest_rad)),
+                                               uniform3(random, -1, 1).normalized().cast<float>()));
     }
     PosedKernels kernels;
     skin_kernels(asset, rest, *bindings, drivers, kernels);
@@ -125,8 +133,9 @@ TEST(SkinParticles, FollowsThePapersFormulaWithRecursiveSlerp) {
       }
       EXPECT_NEAR((kernels.positions_m[k].cast<double>() - x).norm(), 0.0, 1e-6);
       // Three slerps in float, each good to a few 1e-7.
-      EXPECT_NEAR(angle_between(kernels.world_from_asset[k].cast<double>(), r * rest.object_from_asset.rotation), 0.0,
-                  5e-6);
+      EXPECT_NEAR(
+          angle_between(kernels.world_from_asset[k].cast<double>(), r * rest.object_from_asset.rotation), 0.0,
+          5e-6);
     }
   }
 }

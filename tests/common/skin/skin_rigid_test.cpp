@@ -33,8 +33,9 @@ TEST(SkinRigid, ATurnedBodyCarriesItsKernels) {
   const Eigen::Matrix3d turn = world_from_object.orientation.toRotationMatrix();
   for (size_t k = 0; k < asset.size(); ++k) {
     // Float arithmetic on values below 1: a few units of 6e-8.
-    EXPECT_NEAR((kernels.positions_m[k].cast<double>() - world_from_object * rest_position_m(asset, rest, k)).norm(),
-                0.0, 1e-6);
+    EXPECT_NEAR(
+        (kernels.positions_m[k].cast<double>() - world_from_object * rest_position_m(asset, rest, k)).norm(),
+        0.0, 1e-6);
     const Eigen::Matrix3d covariance = turn * rest_covariance_m2(asset, rest, k) * turn.transpose();
     EXPECT_NEAR((matrix_of(kernels.covariances_m2[k]) - covariance).norm() / covariance.norm(), 0.0, 2e-6);
     EXPECT_NEAR((gradients[k].cast<double>() - turn).norm(), 0.0, 1e-6);

@@ -38,7 +38,8 @@ TEST(SkinKernels, TheSameBitsForAnyNumberOfThreads) {
   rigid.kind = DriverKind::Rigid;
   for (int b = 0; b < 5; ++b) rigid.bodies.push_back({uniform3(random, 0.0, 0.22), random_rotation(random)});
   const auto motion = [](const Eigen::Vector3d& x) -> Eigen::Vector3d {
-    return x + Eigen::Vector3d(0.03 * std::sin(20 * x[1]), 0.02 * std::sin(25 * x[2]), 0.01 * std::cos(30 * x[0]));
+    return x + Eigen::Vector3d(0.03 * std::sin(20 * x[1]), 0.02 * std::sin(25 * x[2]),
+                               0.01 * std::cos(30 * x[0]));
   };
   for (const RestBody& rest : {lattice, particles, rigid}) {
     ObjectDrivers drivers;

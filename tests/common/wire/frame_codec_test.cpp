@@ -31,7 +31,8 @@ DriverFrame busy_frame(uint64_t seed) {
         object.poses.push_back({at, random_rotation(random)});
       } else {
         object.positions_m.push_back(at.cast<float>());
-        if (object.kind == DriverKind::Particles) object.rotations.push_back(random_rotation(random).cast<float>());
+        if (object.kind == DriverKind::Particles)
+          object.rotations.push_back(random_rotation(random).cast<float>());
       }
     }
     frame.objects.push_back(object);
@@ -60,7 +61,8 @@ TEST(FrameCodec, ARoundTripKeepsEverythingWithinTheQuantisersBounds) {
     ASSERT_EQ(decoded->objects.size(), frame.objects.size());
     Eigen::Vector3d low = Eigen::Vector3d::Constant(1e9), high = -low;
     for (const ObjectDrivers& object : frame.objects) {
-      for (const Pose& pose : object.poses) low = low.cwiseMin(pose.position_m), high = high.cwiseMax(pose.position_m);
+      for (const Pose& pose : object.poses)
+        low = low.cwiseMin(pose.position_m), high = high.cwiseMax(pose.position_m);
     }
     for (size_t i = 0; i < frame.objects.size(); ++i) {
       const ObjectDrivers &was = frame.objects[i], &is = decoded->objects[i];
@@ -77,10 +79,12 @@ TEST(FrameCodec, ARoundTripKeepsEverythingWithinTheQuantisersBounds) {
         EXPECT_LE(angle_between(is.poses[d].orientation, was.poses[d].orientation), 0.0003 * M_PI / 180.0);
       }
       Eigen::Vector3f box_low = Eigen::Vector3f::Constant(1e9f), box_high = -box_low;
-      for (const Eigen::Vector3f& x : was.positions_m) box_low = box_low.cwiseMin(x), box_high = box_high.cwiseMax(x);
+      for (const Eigen::Vector3f& x : was.positions_m)
+        box_low = box_low.cwiseMin(x), box_high = box_high.cwiseMax(x);
       for (size_t d = 0; d < was.positions_m.size(); ++d) {
         // Half a step, and the rounding of the result to float (3 m: 1.2e-7).
-        const Eigen::Array3f bound = (box_high - box_low).array() * (1.0f + 2e-7f) / 65535.0f / 2.0f + 1.3e-7f;
+        const Eigen::Array3f bound =
+            (box_high - box_low).array() * (1.0f + 2e-7f) / 65535.0f / 2.0f + 1.3e-7f;
         EXPECT_TRUE(((is.positions_m[d] - was.positions_m[d]).array().abs() <= bound).all());
       }
       for (size_t d = 0; d < was.rotations.size(); ++d) {
@@ -185,7 +189,8 @@ TEST(FrameCodec, BytesPerDriverAreThoseOfThePage) {
     frame.objects[0].kind = kind;
     if (kind == DriverKind::Rigid) frame.objects[0].poses.resize(count);
     if (kind != DriverKind::Rigid) frame.objects[0].positions_m.resize(count, Eigen::Vector3f::Zero());
-    if (kind == DriverKind::Particles) frame.objects[0].rotations.resize(count, Eigen::Quaternionf::Identity());
+    if (kind == DriverKind::Particles)
+      frame.objects[0].rotations.resize(count, Eigen::Quaternionf::Identity());
     return encode_frame(frame).size();
   };
   EXPECT_EQ(encode_frame(DriverFrame{}).size(), 52u);

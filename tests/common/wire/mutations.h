@@ -9,8 +9,8 @@
 
 namespace livegs::testing {
 
-// Calls `look` with `count` spoilt copies of `bytes`: one to four of overwritten bytes, flipped bits, a stretch cut
-// out, a stretch doubled or the tail cut off. The same for the same seed.
+// Calls `look` with `count` spoilt copies of `bytes`: one to four of overwritten bytes, flipped bits, a
+// stretch cut out, a stretch doubled or the tail cut off. The same for the same seed.
 inline void for_each_mutation(const std::vector<std::byte>& bytes, int count, uint64_t seed,
                               const std::function<void(std::span<const std::byte>)>& look) {
   std::mt19937_64 random(seed);
@@ -22,16 +22,26 @@ inline void for_each_mutation(const std::vector<std::byte>& bytes, int count, ui
       const auto place = spoilt.begin() + static_cast<std::ptrdiff_t>(at);
       const auto stretch = static_cast<std::ptrdiff_t>(random() % std::min<size_t>(16, spoilt.size() - at));
       switch (random() % 6) {
-        case 0: spoilt[at] = static_cast<std::byte>(random()); break;
-        case 1: spoilt[at] ^= static_cast<std::byte>(1u << (random() % 8)); break;
-        case 2: spoilt[at] = std::byte{0xFF}; break;
-        case 3: spoilt.erase(place, place + stretch); break;
+        case 0:
+          spoilt[at] = static_cast<std::byte>(random());
+          break;
+        case 1:
+          spoilt[at] ^= static_cast<std::byte>(1u << (random() % 8));
+          break;
+        case 2:
+          spoilt[at] = std::byte{0xFF};
+          break;
+        case 3:
+          spoilt.erase(place, place + stretch);
+          break;
         case 4: {
           const std::vector<std::byte> again(place, place + stretch);
           spoilt.insert(place, again.begin(), again.end());
           break;
         }
-        case 5: spoilt.resize(at); break;
+        case 5:
+          spoilt.resize(at);
+          break;
       }
     }
     look(spoilt);

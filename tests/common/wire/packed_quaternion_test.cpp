@@ -11,9 +11,9 @@ namespace {
 using namespace livegs::testing;
 
 TEST(PackedQuaternion, TheErrorStaysWithinTheStatedBound) {
-  // Each written component is off by at most half a step, 1 / (√2 (2^(b-1) - 1)) / 2. The error vector of the three
-  // is at most √3 of that; the missing one is at least 1/2, and where it is, it amplifies the error of the unit
-  // vector to at most twice; an angle is twice that of the quaternion.
+  // Each written component is off by at most half a step, 1 / (√2 (2^(b-1) - 1)) / 2. The error vector of the
+  // three is at most √3 of that; the missing one is at least 1/2, and where it is, it amplifies the error of
+  // the unit vector to at most twice; an angle is twice that of the quaternion.
   std::mt19937_64 random(1);
   for (const int bits : {kParticleComponentBits, kPoseComponentBits}) {
     const double half_step = 0.5 / (std::sqrt(2.0) * ((1 << (bits - 1)) - 1));
@@ -37,7 +37,8 @@ TEST(PackedQuaternion, QuarterTurnsAndTheIdentityHaveNoTilt) {
       for (const double sign : {1.0, -1.0}) {
         Eigen::Quaterniond q(0, 0, 0, 0);
         q.coeffs()[axis] = sign;
-        EXPECT_EQ(unpack_quaternion(pack_quaternion(q, bits), bits).coeffs(), Eigen::Vector4d(sign * q.coeffs()));
+        EXPECT_EQ(unpack_quaternion(pack_quaternion(q, bits), bits).coeffs(),
+                  Eigen::Vector4d(sign * q.coeffs()));
       }
     }
     const Eigen::Quaterniond quarter(std::sqrt(0.5), 0, std::sqrt(0.5), 0);

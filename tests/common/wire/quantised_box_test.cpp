@@ -13,13 +13,16 @@ using namespace livegs::testing;
 TEST(QuantisedBox, ABoxHoldsItsPointsAndIsWithinHalfAStep) {
   std::mt19937_64 random(1);
   for (int trial = 0; trial < 2000; ++trial) {
-    const double size = std::pow(10.0, uniform(random, -6.0, 4.0)), where = std::pow(10.0, uniform(random, -3.0, 4.0));
+    const double size = std::pow(10.0, uniform(random, -6.0, 4.0)),
+                 where = std::pow(10.0, uniform(random, -3.0, 4.0));
     const Eigen::Vector3d centre = uniform3(random, -where, where);
-    const Eigen::Vector3d a = centre + uniform3(random, -size, size), b = centre + uniform3(random, -size, size);
+    const Eigen::Vector3d a = centre + uniform3(random, -size, size),
+                          b = centre + uniform3(random, -size, size);
     const QuantisedBox box = box_around(a.cwiseMin(b), a.cwiseMax(b));
     ASSERT_TRUE(box.is_valid());
     const Eigen::Vector3d low = box.min_m.cast<double>(), high = low + box.edge_m.cast<double>();
-    EXPECT_TRUE((low.array() <= a.cwiseMin(b).array()).all() && (high.array() >= a.cwiseMax(b).array()).all());
+    EXPECT_TRUE((low.array() <= a.cwiseMin(b).array()).all() &&
+                (high.array() >= a.cwiseMax(b).array()).all());
     for (const int bits : {16, 21}) {
       for (const Eigen::Vector3d& point : {a, b, Eigen::Vector3d(0.5 * (a + b))}) {
         const Eigen::Array3d half_step = box.edge_m.cast<double>().array() / ((1 << bits) - 1) / 2.0;

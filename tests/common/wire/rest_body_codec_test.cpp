@@ -131,7 +131,7 @@ TEST(RestBodyCodec, EachLieIsNamed) {
   EXPECT_NE(message(set(4, 9), 0).find("version 9"), std::string::npos);
   EXPECT_NE(message(set(6, 0), 0).find("unknown kind 0"), std::string::npos);
   EXPECT_NE(message(set(7, 1), 0).find("unknown encoding 1"), std::string::npos);
-  EXPECT_NE(message(set(15, 0xBF), 0).find("similarity"), std::string::npos);       // scale is negative
+  EXPECT_NE(message(set(15, 0xBF), 0).find("similarity"), std::string::npos);  // scale is negative
   EXPECT_NE(message(set(72 + 56 + 7, 0xBF), 0).find("cell width"), std::string::npos);
   EXPECT_NE(message(set(72 + 56 + 8 + 8 + 12, 3), 0).find("3 bytes a coordinate"), std::string::npos);
   EXPECT_NE(message(set(72 + 56 + 8 + 8 + 13, 1), 0).find("1 bytes an index"), std::string::npos);
