@@ -64,20 +64,13 @@ CellsBody::CellsBody(const ElasticBodyDescription& description, double rate_hz, 
 }
 
 void CellsBody::make_surface(const ParticleSet& particles) {
-  std::vector<SurfacePoint> points = surface_points(particles);
-  const auto cell_of = [&](const SurfacePoint& point) { return particle_points_[point.particle].cell; };
-  std::stable_sort(points.begin(), points.end(),
-                   [&](const auto& a, const auto& b) { return cell_of(a) < cell_of(b); });
-  for (const SurfacePoint& point : points) {
-    const uint32_t index = static_cast<uint32_t>(surface_.size());
-    Sample sample = sample_at(particle_points_[point.particle]);
-    sample.radius_m = point.radius_m;
-    surface_.push_back(sample);
-    if (index == 0 || cell_of(point) != cell_of(points[index - 1])) {
-      surface_cells_.push_back({sample.nodes, index, index, 0.0});
-    }
-    surface_cells_.back().end = index + 1;
-    surface_cells_.back().radius_m = std::max(surface_cells_.back().radius_m, point.radius_m);
+  std::vector<EmbeddedPoint> points;
+  for (const SurfacePoint& point : surface_points(particles)) points.push_back(lattice_.embed(point.rest_m));
+  std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.cell < b.cell; });
+  for (uint32_t i = 0; i < points.size(); ++i) {
+    surface_.push_back(sample_at(points[i]));
+    if (i == 0 || points[i].cell != points[i - 1].cell) surface_cells_.push_back({surface_.back().nodes, i, i});
+    surface_cells_.back().end = i + 1;
   }
 }
 
@@ -354,7 +347,7 @@ std::optional<ElasticBody::RayHit> CellsBody::ray_cast(const Vector3d& origin_m,
 }
 
 CellsBody::Sample CellsBody::sample_at(const EmbeddedPoint& point) const {
-  return {lattice_.cells[point.cell].nodes, trilinear_weights(point.local), 0.0};
+  return {lattice_.cells[point.cell].nodes, trilinear_weights(point.local)};
 }
 
 Vector3d CellsBody::at(const Sample& sample, const std::vector<Vector3d>& values) const {

@@ -55,13 +55,11 @@ class CellsBody final : public ElasticBody {
   struct Sample {
     std::array<uint32_t, 8> nodes;
     std::array<double, 8> weights;
-    double radius_m = 0.0;
   };
   // The surface samples of one cell, to pass over them together.
   struct SurfaceCell {
     std::array<uint32_t, 8> nodes;
     uint32_t begin, end;  // surface_
-    double radius_m;      // the largest of theirs
   };
   struct Touch {
     const Sample* sample;

@@ -149,7 +149,7 @@ void CellsBody::resolve_colliders(double step_s) {
     for (const uint32_t node : cell.nodes) centre += 0.125 * at(node);
     double radius = 0.0;
     for (const uint32_t node : cell.nodes) radius = std::max(radius, (at(node) - centre).squaredNorm());
-    radius = kFurthestEmbedding * std::sqrt(radius) + cell.radius_m;
+    radius = kFurthestEmbedding * std::sqrt(radius);
     for (const Collider* collider : reachable_) {
       if (!reaches(*collider, origin_m_ + centre, radius)) continue;
       const double friction = mixed_friction(material_.friction, collider->friction);
@@ -157,7 +157,7 @@ void CellsBody::resolve_colliders(double step_s) {
         const Sample& sample = surface_[i];
         const Vector3d point = corrected(sample);
         const SurfaceSample surface = sample_surface(*collider, origin_m_ + point);
-        const double depth = sample.radius_m - surface.distance_m;
+        const double depth = -surface.distance_m;
         if (depth <= 0.0) continue;
         touching_ = true;
         const double w = mobility(sample);
@@ -181,7 +181,7 @@ void CellsBody::resolve_balls(double h, double step_s, std::span<MovingSphere> s
       for (const Sample& sample : surface_) {
         const Vector3d point = corrected(sample);
         const auto contact =
-            ball_contact(origin_m_ + point, sample.radius_m, point - at(sample, positions_m_), mobility(sample), end,
+            ball_contact(origin_m_ + point, 0.0, point - at(sample, positions_m_), mobility(sample), end,
                          end - start, sphere.radius_m, ball_mobility, friction);
         if (!contact) continue;
         const Vector3d impulse = contact->pull_kg_m / step_s;

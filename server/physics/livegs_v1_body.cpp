@@ -42,10 +42,12 @@ LivegsV1Body::LivegsV1Body(const ElasticBodyDescription& description, double rat
       resistance_(deformation_resistance(description.material.effective_youngs_modulus_pa())),
       rest_m_(description.particles.positions_m),
       volumes_m3_(description.particles.volumes_m3),
-      surface_(surface_points(description.particles)),
       orientation_(description.world_from_object.orientation.normalized()),
       rest_clock_(may_sleep) {
   const size_t count = rest_m_.size();
+  for (const SurfacePoint& point : surface_points(description.particles)) {
+    if (surface_.empty() || surface_.back().particle != point.particle) surface_.push_back(point);  // a ball each
+  }
   double volume = 0.0;
   for (const double v : volumes_m3_) volume += v;
   spacing_m_ = description.particles.spacing_m > 0.0 ? description.particles.spacing_m

@@ -68,18 +68,33 @@ std::vector<SurfacePoint> surface_points(const ParticleSet& particles) {
   for (size_t i = 0; i < count; ++i) {
     const Vector3d& p = particles.positions_m[i];
     if (on_surface(i)) {
-      points.push_back({static_cast<uint32_t>(i), 0.0});
+      points.push_back({static_cast<uint32_t>(i), p, 0.0});
       continue;
     }
-    bool inner = true;  // something lies on all six sides
-    for (int d = 0; d < 3 && inner; ++d) {
-      for (const double side : {-1.0, 1.0}) {
-        inner = inner && map.any_within(p + side * edge * Vector3d::Unit(d), 0.6 * edge,
-                                        [&](size_t j) { return j != i && side * (particles.positions_m[j] - p)[d] > 0.0; });
+    std::array<std::array<bool, 2>, 3> open{};  // whether nothing lies on each side
+    bool inner = true;
+    for (int d = 0; d < 3; ++d) {
+      for (const int side : {0, 1}) {
+        const double sign = side ? 1.0 : -1.0;
+        open[d][side] = !map.any_within(p + sign * edge * Vector3d::Unit(d), 0.6 * edge, [&](size_t j) {
+          return j != i && sign * (particles.positions_m[j] - p)[d] > 0.0;
+        });
+        inner = inner && !open[d][side];
       }
     }
     if (inner || map.any_within(p, edge, on_surface)) continue;
-    points.push_back({static_cast<uint32_t>(i), 0.5 * edge});
+    for (int x = -1; x <= 1; ++x) {
+      for (int y = -1; y <= 1; ++y) {
+        for (int z = -1; z <= 1; ++z) {
+          const std::array<int, 3> side{x, y, z};
+          bool outermost = true;
+          for (int d = 0; d < 3; ++d) {
+            outermost = outermost && (side[d] ? open[d][side[d] > 0] : !open[d][0] && !open[d][1]);
+          }
+          if (outermost) points.push_back({static_cast<uint32_t>(i), p + 0.5 * edge * Vector3d(x, y, z), 0.5 * edge});
+        }
+      }
+    }
   }
   return points;
 }

@@ -14,13 +14,15 @@
 
 namespace livegs {
 
-// A point of the body's surface, or the centre of a voxel whose outer half is the surface.
+// A material point of the body's surface and the particle it belongs to.
 struct SurfacePoint {
   uint32_t particle;
-  double radius_m;
+  Eigen::Vector3d rest_m;  // object frame
+  double radius_m;         // from the particle, when it is taken for a ball around its centre
 };
-// Mesh vertices stand on the surface. Voxel centres count where they are at the edge of the body and no vertex is
-// near, with half a voxel around them: a coarse mesh has few vertices, a cloud of points none.
+// Mesh vertices stand on the surface. Voxels count where they are at the edge of the body and no vertex is near, since
+// a coarse mesh has few vertices and a cloud of points none: by the middle of their outer face, edge or corner, two to
+// eight of them where both sides are open.
 std::vector<SurfacePoint> surface_points(const ParticleSet& particles);
 
 // Takes the point out of the solid along the normal; friction holds it to where it was at the start of the substep,
