@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// livegs-client: sees and touches a scene that livegs-server streams. Exit codes: 0 done, 1 could not do it, 2 bad
-// usage or input.
+// livegs-client: sees and touches a scene that livegs-server streams. Exit codes: 0 done, 1 could not do it,
+// 2 bad usage or input.
 #include <signal.h>
 
 #include <CLI/CLI.hpp>
@@ -28,8 +28,8 @@ int report(const livegs::Error& error) {
 bool parse_size(const std::string& text, livegs::PictureSize& size) {
   int used = 0;
   return std::sscanf(text.c_str(), "%dx%d%n", &size.width, &size.height, &used) == 2 &&
-         used == static_cast<int>(text.size()) && size.width >= 1 && size.width <= 16384 && size.height >= 1 &&
-         size.height <= 16384;
+         used == static_cast<int>(text.size()) && size.width >= 1 && size.width <= 16384 &&
+         size.height >= 1 && size.height <= 16384;
 }
 
 }  // namespace
@@ -42,22 +42,32 @@ int main(int argc, char** argv) {
   CLI::App app("Sees and touches a scene that livegs-server streams", "livegs-client");
   app.add_option("HOST:PORT", options.address, "Where the server listens")->required();
   app.add_option("--display", display, "offscreen: pictures become files")
-      ->check(CLI::IsMember({"offscreen"}))->capture_default_str();
+      ->check(CLI::IsMember({"offscreen"}))
+      ->capture_default_str();
   app.add_option("--seconds", options.seconds, "Of stream; 0: until the server ends")
-      ->check(CLI::NonNegativeNumber)->capture_default_str();
-  app.add_option("--output,-o", options.output, "The folder for pictures, video and timings")->capture_default_str();
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--output,-o", options.output, "The folder for pictures, video and timings")
+      ->capture_default_str();
   app.add_option("--size", size, "WxH in pixels; 640x480, or the camera file's, when left out");
-  app.add_option("--camera", options.camera_file, "A camera file; all objects from a little above when left out");
-  auto* script = app.add_option("--script", options.script_file, "What the hands do: a file of InputScript's JSON form");
-  app.add_option("--poke", options.poke, "Poke the object of this name: a pull by the ray, then two balls")->excludes(script);
+  app.add_option("--camera", options.camera_file,
+                 "A camera file; all objects from a little above when left out");
+  auto* script =
+      app.add_option("--script", options.script_file, "What the hands do: a file of InputScript's JSON form");
+  app.add_option("--poke", options.poke, "Poke the object of this name: a pull by the ray, then two balls")
+      ->excludes(script);
   app.add_option("--video-rate", options.video_rate_hz, "Pictures a second of video")
-      ->check(CLI::Range(1.0, 240.0))->capture_default_str();
+      ->check(CLI::Range(1.0, 240.0))
+      ->capture_default_str();
   app.add_option("--every", options.png_every, "Keep every so many pictures as a PNG; 0: none")
-      ->check(CLI::Range(0, 1000000))->capture_default_str();
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
   app.add_flag("--no-video", no_video, "PNGs only");
-  app.add_option("--cache", options.cache, "Where fetched assets are kept; $XDG_CACHE_HOME/livegs when left out");
+  app.add_option("--cache", options.cache,
+                 "Where fetched assets are kept; $XDG_CACHE_HOME/livegs when left out");
   app.add_option("--connect-timeout", options.connect_timeout_s, "Seconds to wait for a server to be ready")
-      ->check(CLI::Range(0.1, 3600.0))->capture_default_str();
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
   app.add_option("--threads", threads, "Threads that draw; 0: one a core")->check(CLI::Range(0, 1024));
   app.add_flag("--verbose", verbose, "Log more");
   app.set_version_flag("--version", LIVEGS_VERSION);
@@ -68,7 +78,8 @@ int main(int argc, char** argv) {
   }
   livegs::PictureSize parsed;
   if (!size.empty()) {
-    if (!parse_size(size, parsed)) return report(livegs::invalid_argument("--size " + size + ": is not WxH, each 1 to 16384"));
+    if (!parse_size(size, parsed))
+      return report(livegs::invalid_argument("--size " + size + ": is not WxH, each 1 to 16384"));
     options.size = parsed;
   }
   options.video = !no_video;

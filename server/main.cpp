@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// livegs-server: simulates a scene and streams it. Exit codes: 0 done, 1 could not do it, 2 bad usage or input.
+// livegs-server: simulates a scene and streams it. Exit codes: 0 done, 1 could not do it, 2 bad usage or
+// input.
 #include <signal.h>
 #include <time.h>
 
@@ -95,7 +96,8 @@ int run(const Options& options) {
   log_info("%s", reason.c_str());
   (*server)->shut_down(reason);
   loop.stop();
-  std::fputs(run_summary(loop.scene(), loop.summary(), (*server)->published(), (*server)->sessions()).c_str(), stdout);
+  std::fputs(run_summary(loop.scene(), loop.summary(), (*server)->published(), (*server)->sessions()).c_str(),
+             stdout);
   return 0;
 }
 
@@ -105,12 +107,17 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app("Simulates a scene of Gaussian splats and streams it to livegs-client", "livegs-server");
   app.add_option("SCENE", options.scene, "A *.scene.json file, or a folder of assets")->required();
-  app.add_option("--listen", options.listen, "HOST:PORT; port 0 lets the system choose. This machine only, for now")
+  app.add_option("--listen", options.listen,
+                 "HOST:PORT; port 0 lets the system choose. This machine only, for now")
       ->capture_default_str();
-  app.add_option("--rate", options.rate_hz, "Ticks a second, instead of the scene's")->check(CLI::Range(1.0, 1000.0));
-  app.add_option("--substeps", options.substeps, "Substeps a tick, instead of the scene's")->check(CLI::Range(1, 1024));
-  app.add_option("--threads", options.threads, "Threads that simulate; 0: one a core")->check(CLI::Range(0, 1024));
-  app.add_option("--seconds", options.seconds, "Stop after so long; 0: when it is told to")->check(CLI::NonNegativeNumber);
+  app.add_option("--rate", options.rate_hz, "Ticks a second, instead of the scene's")
+      ->check(CLI::Range(1.0, 1000.0));
+  app.add_option("--substeps", options.substeps, "Substeps a tick, instead of the scene's")
+      ->check(CLI::Range(1, 1024));
+  app.add_option("--threads", options.threads, "Threads that simulate; 0: one a core")
+      ->check(CLI::Range(0, 1024));
+  app.add_option("--seconds", options.seconds, "Stop after so long; 0: when it is told to")
+      ->check(CLI::NonNegativeNumber);
   app.add_flag("--print-port", options.print_port, "Print the port on standard output once clients may join");
   app.add_flag("--verbose", options.verbose, "Log what the simulation does every second");
   app.set_version_flag("--version", LIVEGS_VERSION);

@@ -8,7 +8,8 @@
 namespace livegs {
 namespace {
 
-// An environment whose middle is nearer than this to the objects' middle, in units of their size, is around them.
+// An environment whose middle is nearer than this to the objects' middle, in units of their size, is around
+// them.
 constexpr double kAround = 0.15;
 
 }  // namespace
@@ -19,7 +20,8 @@ Camera choose_camera(const SceneView& view, int width, int height) {
   double azimuth_rad = 0.0;
   if (const auto environment = view.environment_middle()) {
     const Eigen::Vector3d away = bounds.center() - *environment;
-    if (std::hypot(away.x(), away.z()) > kAround * bounds.sizes().maxCoeff()) azimuth_rad = std::atan2(away.x(), away.z());
+    if (std::hypot(away.x(), away.z()) > kAround * bounds.sizes().maxCoeff())
+      azimuth_rad = std::atan2(away.x(), away.z());
   }
   return frame_bounds(bounds, width, height, azimuth_rad);
 }

@@ -6,9 +6,9 @@
 
 namespace livegs {
 
-// The view when nobody says otherwise, for a view that was posed: all objects in the picture, from a little above.
-// With an environment that lies to one side (two walls of a room), from the other side, so that it is behind the
-// objects; else from in front, +z.
+// The view when nobody says otherwise, for a view that was posed: all objects in the picture, from a little
+// above. With an environment that lies to one side (two walls of a room), from the other side, so that it is
+// behind the objects; else from in front, +z.
 Camera choose_camera(const SceneView& view, int width, int height);
 
 }  // namespace livegs

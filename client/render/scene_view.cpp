@@ -12,10 +12,13 @@ bool same_drivers(const ObjectDrivers& a, const ObjectDrivers& b) {
   const auto same_pose = [](const Pose& p, const Pose& q) {
     return p.position_m == q.position_m && p.orientation.coeffs() == q.orientation.coeffs();
   };
-  const auto same_turn = [](const Eigen::Quaternionf& p, const Eigen::Quaternionf& q) { return p.coeffs() == q.coeffs(); };
+  const auto same_turn = [](const Eigen::Quaternionf& p, const Eigen::Quaternionf& q) {
+    return p.coeffs() == q.coeffs();
+  };
   return a.kind == b.kind && a.positions_m == b.positions_m &&
          std::equal(a.poses.begin(), a.poses.end(), b.poses.begin(), b.poses.end(), same_pose) &&
-         std::equal(a.rotations.begin(), a.rotations.end(), b.rotations.begin(), b.rotations.end(), same_turn);
+         std::equal(a.rotations.begin(), a.rotations.end(), b.rotations.begin(), b.rotations.end(),
+                    same_turn);
 }
 
 // 1st to 99th percentile along each axis.
@@ -27,7 +30,8 @@ Eigen::AlignedBox3d robust_bounds(const std::vector<Eigen::Vector3f>& positions)
   for (int axis = 0; axis < 3; ++axis) {
     for (size_t i = 0; i < positions.size(); ++i) along[i] = positions[i][axis];
     const auto at = [&](double share) {
-      const auto rank = along.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(along.size() - 1));
+      const auto rank =
+          along.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(along.size() - 1));
       std::nth_element(along.begin(), rank, along.end());
       return static_cast<double>(*rank);
     };

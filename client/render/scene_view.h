@@ -17,15 +17,17 @@ namespace livegs {
 // Behind a scene without walls, as `livegs render` has it.
 inline const Eigen::Vector3f kBackground{0.08f, 0.08f, 0.1f};
 
-// The objects of a scene as a client holds them, and how they look for a given frame of drivers. Kernels of an object
-// whose drivers are bit for bit those of the last picture are not skinned again. Not locked.
+// The objects of a scene as a client holds them, and how they look for a given frame of drivers. Kernels of
+// an object whose drivers are bit for bit those of the last picture are not skinned again. Not locked.
 class SceneView {
  public:
   // Ties the kernels to their drivers: about 0.2 s for 300k kernels. An id that is there already is replaced.
-  Result<void> add(uint32_t object_id, std::shared_ptr<const GaussianAsset> asset, RestBody rest, bool environment);
+  Result<void> add(uint32_t object_id, std::shared_ptr<const GaussianAsset> asset, RestBody rest,
+                   bool environment);
   void remove(uint32_t object_id);
 
-  // Objects of the frame that were never added are left out; drivers that do not fit their object are an error.
+  // Objects of the frame that were never added are left out; drivers that do not fit their object are an
+  // error.
   Result<void> draw(const DriverFrame& frame, const Camera& camera, RasterisedView& view);
 
   struct Times {
@@ -34,8 +36,9 @@ class SceneView {
   };
   const Times& last_times() const { return times_; }
 
-  // World bounds of the objects (never the environment) as they stand in the last picture, or after pose(): from the
-  // 1st to the 99th percentile of their kernels along each axis, so that haze and floaters do not count.
+  // World bounds of the objects (never the environment) as they stand in the last picture, or after pose():
+  // from the 1st to the 99th percentile of their kernels along each axis, so that haze and floaters do not
+  // count.
   Eigen::AlignedBox3d object_bounds() const;
   Eigen::AlignedBox3d bounds(uint32_t object_id) const;  // empty if unknown
   // The mean of the environment's kernels; nothing when there is none.

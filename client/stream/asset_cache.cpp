@@ -18,12 +18,12 @@ namespace livegs {
 namespace {
 
 Error system_error(const std::filesystem::path& path, const char* what) {
-  return {ErrorCode::Internal,
-          path.string() + ": " + what + ": " + std::strerror(errno) + "; choose another folder with --cache DIR"};
+  return {ErrorCode::Internal, path.string() + ": " + what + ": " + std::strerror(errno) +
+                                   "; choose another folder with --cache DIR"};
 }
 
-// HASH.part, held against other clients for as long as this lives: whoever comes second waits and then finds the
-// asset there. The system lets go of it if a client dies.
+// HASH.part, held against other clients for as long as this lives: whoever comes second waits and then finds
+// the asset there. The system lets go of it if a client dies.
 class PartFile {
  public:
   static Result<PartFile> open(const std::filesystem::path& path) {
@@ -33,7 +33,8 @@ class PartFile {
       while (::flock(file.descriptor_, LOCK_EX) != 0) {
         if (errno != EINTR) return system_error(path, "cannot be locked");
       }
-      struct stat held {}, named {};
+      struct stat held {
+      }, named{};
       ::fstat(file.descriptor_, &held);
       // The client that was waited for has renamed it: start again with a new one.
       if (::stat(path.c_str(), &named) != 0 || named.st_ino != held.st_ino) continue;
@@ -102,7 +103,8 @@ Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_
   uint64_t fetched = 0;
   const auto take = [&](uint64_t offset, uint64_t, std::span<const std::byte> bytes) -> Result<void> {
     if (offset != part->size() || bytes.size() > asset_bytes - part->size()) {
-      return invalid_data("asset " + hash.substr(0, 12) + ": its pieces do not come in order or are too many");
+      return invalid_data("asset " + hash.substr(0, 12) +
+                          ": its pieces do not come in order or are too many");
     }
     if (!part->append(bytes)) return system_error(part_path, "cannot be written");
     fetched += bytes.size();
@@ -118,7 +120,8 @@ Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_
     if (!bytes) return bytes.error();
     if (content_hash(*bytes) == hash) {
       std::filesystem::rename(part_path, whole, error);
-      if (error) return Error{ErrorCode::Internal, whole.string() + ": cannot be written: " + error.message()};
+      if (error)
+        return Error{ErrorCode::Internal, whole.string() + ": cannot be written: " + error.message()};
       return Obtained{std::move(*bytes), fetched};
     }
     if (!part->truncate()) return system_error(part_path, "cannot be truncated");

@@ -14,10 +14,11 @@
 namespace livegs {
 
 // Takes a piece of an asset, in order.
-using TakeChunk = std::function<Result<void>(uint64_t offset, uint64_t total_bytes, std::span<const std::byte>)>;
+using TakeChunk =
+    std::function<Result<void>(uint64_t offset, uint64_t total_bytes, std::span<const std::byte>)>;
 
-// A folder of assets named by the SHA-256 of their bytes. What is in it never changes, so any number of clients may
-// share it; what was cut off stays as HASH.part and is taken up again. Any thread.
+// A folder of assets named by the SHA-256 of their bytes. What is in it never changes, so any number of
+// clients may share it; what was cut off stays as HASH.part and is taken up again. Any thread.
 class AssetCache {
  public:
   explicit AssetCache(std::filesystem::path folder) : folder_(std::move(folder)) {}
@@ -26,8 +27,9 @@ class AssetCache {
     std::vector<std::byte> bytes;
     uint64_t fetched_bytes = 0;  // 0: it was here
   };
-  // The asset of this name: from the folder if it is there and its bytes still have that hash, else by `fetch`, from
-  // the given offset on. Fails when the bytes that came, from zero at the second attempt, are not those asked for.
+  // The asset of this name: from the folder if it is there and its bytes still have that hash, else by
+  // `fetch`, from the given offset on. Fails when the bytes that came, from zero at the second attempt, are
+  // not those asked for.
   using Fetch = std::function<Result<void>(uint64_t offset, const TakeChunk& take)>;
   Result<Obtained> obtain(const std::string& hash, uint64_t asset_bytes, const Fetch& fetch) const;
 

@@ -13,8 +13,8 @@ Quaternion nlerp(const Quaternion& a, const Quaternion& b, typename Quaternion::
 }
 
 bool same_drivers(const ObjectDrivers& a, const ObjectDrivers& b) {
-  return a.kind == b.kind && a.poses.size() == b.poses.size() && a.positions_m.size() == b.positions_m.size() &&
-         a.rotations.size() == b.rotations.size();
+  return a.kind == b.kind && a.poses.size() == b.poses.size() &&
+         a.positions_m.size() == b.positions_m.size() && a.rotations.size() == b.rotations.size();
 }
 
 void interpolate(ObjectDrivers& a, const ObjectDrivers& b, double share) {
@@ -27,7 +27,8 @@ void interpolate(ObjectDrivers& a, const ObjectDrivers& b, double share) {
   for (size_t i = 0; i < a.positions_m.size(); ++i) {
     a.positions_m[i] += share_f * (b.positions_m[i] - a.positions_m[i]);
   }
-  for (size_t i = 0; i < a.rotations.size(); ++i) a.rotations[i] = nlerp(a.rotations[i], b.rotations[i], share_f);
+  for (size_t i = 0; i < a.rotations.size(); ++i)
+    a.rotations[i] = nlerp(a.rotations[i], b.rotations[i], share_f);
 }
 
 }  // namespace
@@ -53,8 +54,9 @@ void FrameHistory::add(DriverFrame frame) {
 
 std::optional<DriverFrame> FrameHistory::at(int64_t simulated_ns) const {
   if (frames_.empty()) return std::nullopt;
-  const auto later = std::upper_bound(frames_.begin(), frames_.end(), simulated_ns,
-                                      [](int64_t moment, const DriverFrame& frame) { return moment < frame.simulated_ns; });
+  const auto later =
+      std::upper_bound(frames_.begin(), frames_.end(), simulated_ns,
+                       [](int64_t moment, const DriverFrame& frame) { return moment < frame.simulated_ns; });
   if (later == frames_.begin()) return frames_.front();
   const DriverFrame& before = *(later - 1);
   if (later == frames_.end() || before.simulated_ns == simulated_ns) return before;

@@ -9,8 +9,8 @@
 
 namespace livegs {
 
-// The driver frames of the recent past, and the drivers of any moment between them. Moments are simulated time
-// (DriverFrame::simulated_ns), which runs evenly however the network delivers. Not locked.
+// The driver frames of the recent past, and the drivers of any moment between them. Moments are simulated
+// time (DriverFrame::simulated_ns), which runs evenly however the network delivers. Not locked.
 class FrameHistory {
  public:
   explicit FrameHistory(size_t most_frames) : most_frames_(most_frames) {}
@@ -23,9 +23,10 @@ class FrameHistory {
   const DriverFrame& oldest() const { return frames_.front(); }
   const DriverFrame& newest() const { return frames_.back(); }
 
-  // Positions are interpolated linearly, rotations by normalised lerp along the shorter way, between the two frames
-  // around the moment; before the oldest and after the newest those stand still. An object that is in the later
-  // frame only has not come yet; one in the earlier only is there until the later. Nothing while empty.
+  // Positions are interpolated linearly, rotations by normalised lerp along the shorter way, between the two
+  // frames around the moment; before the oldest and after the newest those stand still. An object that is in
+  // the later frame only has not come yet; one in the earlier only is there until the later. Nothing while
+  // empty.
   std::optional<DriverFrame> at(int64_t simulated_ns) const;
   // Drops frames that at(t) for t >= simulated_ns does not need.
   void forget_before(int64_t simulated_ns);

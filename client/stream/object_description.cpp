@@ -16,8 +16,11 @@ Result<StreamedObject> read_description(const v1::ObjectDescription& description
   object.kernel_count = description.kernel_count();
   object.mass_kg = description.mass_kg();
   object.physics = description.physics();
-  const auto fail = [&](const std::string& what) { return invalid_data("object \"" + object.name + "\": " + what); };
-  if (object.asset_hash.size() != 64 || object.asset_hash.find_first_not_of("0123456789abcdef") != std::string::npos) {
+  const auto fail = [&](const std::string& what) {
+    return invalid_data("object \"" + object.name + "\": " + what);
+  };
+  if (object.asset_hash.size() != 64 ||
+      object.asset_hash.find_first_not_of("0123456789abcdef") != std::string::npos) {
     return fail("its asset_hash is no SHA-256");
   }
   if (object.asset_bytes > kMaxFileBytes) return fail("its asset is over 4 GiB");

@@ -12,12 +12,17 @@
 
 namespace livegs {
 
-struct ObjectAdded { StreamedObject object; };
-struct ObjectRemoved { uint32_t object_id = 0; };
+struct ObjectAdded {
+  StreamedObject object;
+};
+struct ObjectRemoved {
+  uint32_t object_id = 0;
+};
 using StreamItem = std::variant<ReceivedFrame, ObjectAdded, ObjectRemoved>;
 
-// Between the stream's reader and a drawer that may be slower: everything in the order it came, frames still encoded.
-// Bounded: when more than `most_bytes` of frames wait, the oldest are dropped and counted, events never. Any thread.
+// Between the stream's reader and a drawer that may be slower: everything in the order it came, frames still
+// encoded. Bounded: when more than `most_bytes` of frames wait, the oldest are dropped and counted, events
+// never. Any thread.
 class PlaybackQueue {
  public:
   explicit PlaybackQueue(size_t most_bytes) : most_bytes_(most_bytes) {}

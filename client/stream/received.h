@@ -40,21 +40,23 @@ struct HeldByHand {
   Eigen::Vector3f point_m, force_n;
 };
 
-// A driver frame as it came, still encoded: it takes a fifth of the memory, and who draws later decodes it then.
+// A driver frame as it came, still encoded: it takes a fifth of the memory, and who draws later decodes it
+// then.
 struct ReceivedFrame {
   uint64_t tick = 0;
   std::string encoded;
-  int64_t received_ns = 0;  // this machine's clock, like all below but stepped_ns and sent_ns, which are the server's
+  int64_t received_ns =
+      0;  // this machine's clock, like all below but stepped_ns and sent_ns, which are the server's
   int64_t stepped_ns = 0;
   int64_t sent_ns = 0;
-  int64_t echoed_ns = 0;    // sent_ns of the newest message of ours the server had taken; 0 when none
+  int64_t echoed_ns = 0;  // sent_ns of the newest message of ours the server had taken; 0 when none
   double step_ms = 0;
   uint64_t input_sequence = 0;
   std::vector<HeldByHand> hands;
 };
 
-// What a stream brings, on the reader's thread, in order: an object is added before the first frame it moves in.
-// Frames are acknowledged when on_frame returns, so it should be quick.
+// What a stream brings, on the reader's thread, in order: an object is added before the first frame it moves
+// in. Frames are acknowledged when on_frame returns, so it should be quick.
 class StreamSink {
  public:
   virtual ~StreamSink() = default;

@@ -70,16 +70,18 @@ Eigen::Vector3d vector_or(const Numbers& numbers, const Eigen::Vector3d& otherwi
 }
 
 Pose aimed(const Eigen::Vector3d& from_m, const Eigen::Vector3d& direction) {
-  return {from_m, Eigen::Quaterniond::FromTwoVectors(-Eigen::Vector3d::UnitZ(), direction.normalized()).normalized()};
+  return {from_m,
+          Eigen::Quaterniond::FromTwoVectors(-Eigen::Vector3d::UnitZ(), direction.normalized()).normalized()};
 }
 
-// The flatter of the two directions in which a ball thrown at `speed` falls onto the mark; straight at it when that
-// is out of reach or overhead. With h up and d across: tan = (v² - sqrt(v⁴ - g (g d² + 2 h v²))) / (g d).
+// The flatter of the two directions in which a ball thrown at `speed` falls onto the mark; straight at it
+// when that is out of reach or overhead. With h up and d across: tan = (v² - sqrt(v⁴ - g (g d² + 2 h v²))) /
+// (g d).
 Eigen::Vector3d throw_direction(const Eigen::Vector3d& to_mark, double speed) {
   const double across = std::hypot(to_mark.x(), to_mark.z());
   const double squared = speed * speed;
-  const double root = squared * squared -
-                      kGravity_m_s2 * (kGravity_m_s2 * across * across + 2 * to_mark.y() * squared);
+  const double root =
+      squared * squared - kGravity_m_s2 * (kGravity_m_s2 * across * across + 2 * to_mark.y() * squared);
   if (across < 1e-3 || root < 0) return to_mark.normalized();
   const double slope = (squared - std::sqrt(root)) / (kGravity_m_s2 * across);
   return Eigen::Vector3d(to_mark.x() / across, slope, to_mark.z() / across).normalized();
@@ -97,7 +99,8 @@ Result<v1::InputScript> read_script_file(const std::filesystem::path& path) {
     return invalid_data(name + ": " + std::string(status.message()) +
                         " (field names are those of InputScript in proto/livegs/v1/session.proto)");
   }
-  if (auto checked = check_script(script); !checked) return invalid_data(name + ": " + checked.error().message);
+  if (auto checked = check_script(script); !checked)
+    return invalid_data(name + ": " + checked.error().message);
   return script;
 }
 
@@ -165,7 +168,8 @@ void ScriptedHands::apply(Poke& poke, double time_s, const Locate& locate, HandS
 
 void ScriptedHands::apply(Ball& ball, double time_s, const Locate& locate, HandSample& hand) {
   if (ball.shot || time_s < ball.script.time_s()) return;
-  if (hand.shoot) return;  // another one in this very sample: it takes the next but one, after the button was let go
+  if (hand.shoot)
+    return;  // another one in this very sample: it takes the next but one, after the button was let go
   if (last_shot_sequence_ != 0 && sample_.sequence == last_shot_sequence_ + 1) return;
   ball.shot = true;
   Eigen::Vector3d mark = vector_or(ball.script.point().position_m(), Eigen::Vector3d::Zero());

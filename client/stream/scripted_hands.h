@@ -17,8 +17,8 @@ namespace livegs {
 // An InputScript from a JSON file. Errors name the file and the field.
 Result<v1::InputScript> read_script_file(const std::filesystem::path& path);
 
-// What `--poke NAME` does: the ray takes the object at 1 s, draws the point it met up and lets go; balls follow at
-// 3.5 s and 4.5 s.
+// What `--poke NAME` does: the ray takes the object at 1 s, draws the point it met up and lets go; balls
+// follow at 3.5 s and 4.5 s.
 v1::InputScript poke_script(const std::string& object);
 
 // Where a named object is now and how long its longest side is.
@@ -36,8 +36,8 @@ class ScriptedHands {
   };
   ScriptedHands(v1::InputScript script, const Settings& settings);
 
-  // The hands at `time_s`, which never goes back. `locate` is asked once an action, when it starts; an object that is
-  // not there then is left alone.
+  // The hands at `time_s`, which never goes back. `locate` is asked once an action, when it starts; an object
+  // that is not there then is left alone.
   using Locate = std::function<std::optional<ObjectExtent>(const std::string& object)>;
   InputSample at(double time_s, const Locate& locate);
 

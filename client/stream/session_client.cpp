@@ -28,7 +28,8 @@ using Clock = std::chrono::system_clock;  // gRPC's deadlines
 constexpr std::chrono::milliseconds kSignOfLife{50};
 constexpr std::chrono::seconds kCallDeadline{10};
 constexpr std::chrono::milliseconds kRetryAfter{100};
-// A server that trickles an asset slower than this is given up; what has arrived is kept for the next attempt.
+// A server that trickles an asset slower than this is given up; what has arrived is kept for the next
+// attempt.
 constexpr std::chrono::seconds kFetchPatience{10};
 constexpr uint64_t kSlowestFetch_bytes_s = 1 << 20;
 constexpr size_t kSamplesPerMessage = 3;
@@ -59,16 +60,22 @@ std::shared_ptr<grpc::Channel> make_channel(const std::string& address) {
 Error from_status(const grpc::Status& status, const std::string& prefix) {
   const auto code = [&] {
     switch (status.error_code()) {
-      case grpc::StatusCode::NOT_FOUND: return ErrorCode::NotFound;
+      case grpc::StatusCode::NOT_FOUND:
+        return ErrorCode::NotFound;
       case grpc::StatusCode::FAILED_PRECONDITION:
-      case grpc::StatusCode::UNIMPLEMENTED: return ErrorCode::Unsupported;
+      case grpc::StatusCode::UNIMPLEMENTED:
+        return ErrorCode::Unsupported;
       case grpc::StatusCode::INVALID_ARGUMENT:
-      case grpc::StatusCode::OUT_OF_RANGE: return ErrorCode::InvalidArgument;
-      case grpc::StatusCode::RESOURCE_EXHAUSTED: return ErrorCode::TooLarge;
+      case grpc::StatusCode::OUT_OF_RANGE:
+        return ErrorCode::InvalidArgument;
+      case grpc::StatusCode::RESOURCE_EXHAUSTED:
+        return ErrorCode::TooLarge;
       case grpc::StatusCode::UNAVAILABLE:
       case grpc::StatusCode::CANCELLED:
-      case grpc::StatusCode::DEADLINE_EXCEEDED: return ErrorCode::Unavailable;
-      default: return ErrorCode::Internal;
+      case grpc::StatusCode::DEADLINE_EXCEEDED:
+        return ErrorCode::Unavailable;
+      default:
+        return ErrorCode::Internal;
     }
   }();
   return {code, prefix + ": " + status.error_message()};
@@ -113,7 +120,8 @@ SessionClient::SessionClient(std::unique_ptr<Connection> connection) : connectio
 
 SessionClient::~SessionClient() { (void)stop(); }
 
-Result<std::unique_ptr<SessionClient>> SessionClient::join(const std::string& address, const ConnectOptions& options) {
+Result<std::unique_ptr<SessionClient>> SessionClient::join(const std::string& address,
+                                                           const ConnectOptions& options) {
   quieten_grpc();
   auto connection = std::make_unique<Connection>();
   connection->address = address;
@@ -123,7 +131,8 @@ Result<std::unique_ptr<SessionClient>> SessionClient::join(const std::string& ad
   connection->stub = v1::LiveGs::NewStub(connection->channel);
   connection->asset_stub = v1::LiveGs::NewStub(connection->asset_channel);
 
-  const Clock::time_point give_up = Clock::now() + std::chrono::microseconds(static_cast<int64_t>(options.timeout_s * 1e6));
+  const Clock::time_point give_up =
+      Clock::now() + std::chrono::microseconds(static_cast<int64_t>(options.timeout_s * 1e6));
   if (!connection->channel->WaitForConnected(give_up)) {
     char text[64];
     std::snprintf(text, sizeof text, " within %.1f s; start one with livegs-server SCENE", options.timeout_s);
@@ -164,11 +173,13 @@ Result<void> SessionClient::fetch_asset(const std::string& hash, uint64_t asset_
   request.set_asset_hash(hash);
   request.set_offset(offset);
   grpc::ClientContext context;
-  context.set_deadline(Clock::now() + kFetchPatience + std::chrono::seconds(asset_bytes / kSlowestFetch_bytes_s));
+  context.set_deadline(Clock::now() + kFetchPatience +
+                       std::chrono::seconds(asset_bytes / kSlowestFetch_bytes_s));
   const auto reader = connection_->asset_stub->FetchAsset(&context, request);
   v1::AssetChunk chunk;
   while (reader->Read(&chunk)) {
-    if (auto taken = take(chunk.offset(), chunk.total_bytes(), std::as_bytes(std::span(chunk.data()))); !taken) {
+    if (auto taken = take(chunk.offset(), chunk.total_bytes(), std::as_bytes(std::span(chunk.data())));
+        !taken) {
       context.TryCancel();
       (void)reader->Finish();
       return taken;
@@ -221,7 +232,8 @@ void SessionClient::Connection::write() {
   for (bool first = true;; first = false) {
     {
       std::unique_lock lock(mutex);
-      if (!first) changed.wait_for(lock, kSignOfLife, [&] { return stopping || samples_new || acknowledgement_new; });
+      if (!first)
+        changed.wait_for(lock, kSignOfLife, [&] { return stopping || samples_new || acknowledgement_new; });
       if (stopping) break;
       samples_new = acknowledgement_new = false;
       message.set_acknowledged_tick(acknowledged_tick);
@@ -246,8 +258,10 @@ void SessionClient::Connection::read() {
   }
   const grpc::Status status = stream->Finish();
   std::lock_guard lock(mutex);
-  if (!result) outcome = result.error();
-  else if (!status.ok() && !stopping && !drained) outcome = from_status(status, "the server at " + address + " went away");
+  if (!result)
+    outcome = result.error();
+  else if (!status.ok() && !stopping && !drained)
+    outcome = from_status(status, "the server at " + address + " went away");
   stopping = true;
   ended = true;
   changed.notify_all();
@@ -262,12 +276,15 @@ Result<void> SessionClient::Connection::take(v1::ServerMessage& message, int64_t
         sink->on_object_added(std::move(*object));
         break;
       }
-      case v1::SessionEvent::kObjectRemoved: sink->on_object_removed(event.object_removed().object_id()); break;
+      case v1::SessionEvent::kObjectRemoved:
+        sink->on_object_removed(event.object_removed().object_id());
+        break;
       case v1::SessionEvent::kDraining:
         drained = true;
         sink->on_draining(event.draining());
         break;
-      case v1::SessionEvent::KIND_NOT_SET: break;  // an event of a later version, which this one can do without
+      case v1::SessionEvent::KIND_NOT_SET:
+        break;  // an event of a later version, which this one can do without
     }
   }
   if (message.frame().empty()) return {};
@@ -280,7 +297,8 @@ Result<void> SessionClient::Connection::take(v1::ServerMessage& message, int64_t
   frame.step_ms = message.step_ms();
   frame.input_sequence = message.input_sequence();
   for (const v1::HandState& hand : message.hands()) {
-    frame.hands.push_back({hand.hand(), hand.object_id(), vector_of(hand.point_m()), vector_of(hand.force_n())});
+    frame.hands.push_back(
+        {hand.hand(), hand.object_id(), vector_of(hand.point_m()), vector_of(hand.force_n())});
   }
   frame.encoded = std::move(*message.mutable_frame());
   const uint64_t tick = frame.tick;
@@ -302,7 +320,8 @@ Result<void> SessionClient::stop() {
     connection.stopping = true;
     connection.changed.notify_all();
     // The server answers a half close by ending the stream; one that does not is left.
-    if (!connection.changed.wait_for(lock, std::chrono::seconds(1), [&] { return connection.ended.load(); })) {
+    if (!connection.changed.wait_for(lock, std::chrono::seconds(1),
+                                     [&] { return connection.ended.load(); })) {
       connection.context.TryCancel();
     }
   }

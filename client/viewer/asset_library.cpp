@@ -9,17 +9,17 @@ namespace livegs {
 void AssetLibrary::ask_for(const StreamedObject& object) {
   std::lock_guard lock(mutex_);
   if (assets_.contains(object.asset_hash)) return;
-  assets_.emplace(object.asset_hash,
-                  std::async(std::launch::async, [this, hash = object.asset_hash, bytes = object.asset_bytes] {
-                    auto loaded = load(hash, bytes);
-                    if (loaded) {
-                      std::lock_guard totals_lock(mutex_);
-                      ++totals_.assets;
-                      totals_.fetched += loaded->fetched_bytes > 0 ? 1 : 0;
-                      totals_.fetched_bytes += loaded->fetched_bytes;
-                    }
-                    return loaded;
-                  }).share());
+  assets_.emplace(object.asset_hash, std::async(std::launch::async, [this, hash = object.asset_hash,
+                                                                     bytes = object.asset_bytes] {
+                                       auto loaded = load(hash, bytes);
+                                       if (loaded) {
+                                         std::lock_guard totals_lock(mutex_);
+                                         ++totals_.assets;
+                                         totals_.fetched += loaded->fetched_bytes > 0 ? 1 : 0;
+                                         totals_.fetched_bytes += loaded->fetched_bytes;
+                                       }
+                                       return loaded;
+                                     }).share());
 }
 
 Result<AssetLibrary::Loaded> AssetLibrary::load(const std::string& hash, uint64_t bytes) {

@@ -13,8 +13,8 @@
 
 namespace livegs {
 
-// The assets of a session, decoded, each once however many objects share it. Asking for one starts its fetch on a
-// thread of its own, so that a stream's reader never waits for a file. Any thread.
+// The assets of a session, decoded, each once however many objects share it. Asking for one starts its fetch
+// on a thread of its own, so that a stream's reader never waits for a file. Any thread.
 class AssetLibrary {
  public:
   // Both outlive the library.

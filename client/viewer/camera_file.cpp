@@ -51,7 +51,8 @@ Result<Camera> read_camera_file(const std::filesystem::path& path, std::optional
     return invalid_data(name + ": up is along the view direction, or look_at_m is position_m");
   }
   const double fov_deg = file.has_vertical_fov_deg() ? file.vertical_fov_deg() : 45.0;
-  if (!(fov_deg >= 1 && fov_deg <= 170)) return invalid_data(name + ": vertical_fov_deg: is not within 1 to 170");
+  if (!(fov_deg >= 1 && fov_deg <= 170))
+    return invalid_data(name + ": vertical_fov_deg: is not within 1 to 170");
   const PictureSize own{file.has_width() ? file.width() : 640, file.has_height() ? file.height() : 480};
   const PictureSize used = size.value_or(own);
   if (used.width < 1 || used.width > 16384 || used.height < 1 || used.height > 16384) {
@@ -66,7 +67,8 @@ Result<void> write_camera_file(const std::filesystem::path& path, const Camera& 
   write_vector(pose.position_m, *file.mutable_position_m());
   write_vector(pose * Eigen::Vector3d(0, 0, -1), *file.mutable_look_at_m());
   write_vector(pose.orientation * Eigen::Vector3d::UnitY(), *file.mutable_up());
-  file.set_vertical_fov_deg(2 * std::atan(0.5 * camera.height / camera.focal_y_px) * 180.0 / std::numbers::pi);
+  file.set_vertical_fov_deg(2 * std::atan(0.5 * camera.height / camera.focal_y_px) * 180.0 /
+                            std::numbers::pi);
   file.set_width(camera.width);
   file.set_height(camera.height);
   google::protobuf::util::JsonPrintOptions print;

@@ -9,7 +9,8 @@
 
 namespace livegs {
 
-// The JSON form of livegs.v1.CameraFile. Its width and height, where it has them, give way to `size`, if there is one.
+// The JSON form of livegs.v1.CameraFile. Its width and height, where it has them, give way to `size`, if
+// there is one.
 struct PictureSize {
   int width = 640, height = 480;
 };

@@ -24,23 +24,26 @@ Error cannot_write(const std::filesystem::path& path) {
 
 double percentile(std::vector<double> numbers, double share) {
   if (numbers.empty()) return 0;
-  const auto rank = numbers.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(numbers.size() - 1));
+  const auto rank =
+      numbers.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(numbers.size() - 1));
   std::nth_element(numbers.begin(), rank, numbers.end());
   return *rank;
 }
 
 Result<ReceivedLog> ReceivedLog::create(const std::filesystem::path& path) {
-  auto file = open(path, "tick,stepped_ns,sent_ns,received_ns,age_ms,bytes,server_step_ms,input_sequence,held_hands");
+  auto file =
+      open(path, "tick,stepped_ns,sent_ns,received_ns,age_ms,bytes,server_step_ms,input_sequence,held_hands");
   if (!file) return cannot_write(path);
   return ReceivedLog(std::move(file));
 }
 
 void ReceivedLog::add(const ReceivedFrame& frame) {
   const double age_ms = milliseconds_from_ns(frame.received_ns - frame.stepped_ns);
-  std::fprintf(file_.get(), "%llu,%lld,%lld,%lld,%.3f,%zu,%.3f,%llu,%zu\n", static_cast<unsigned long long>(frame.tick),
-               static_cast<long long>(frame.stepped_ns), static_cast<long long>(frame.sent_ns),
-               static_cast<long long>(frame.received_ns), age_ms, frame.encoded.size(), frame.step_ms,
-               static_cast<unsigned long long>(frame.input_sequence), frame.hands.size());
+  std::fprintf(file_.get(), "%llu,%lld,%lld,%lld,%.3f,%zu,%.3f,%llu,%zu\n",
+               static_cast<unsigned long long>(frame.tick), static_cast<long long>(frame.stepped_ns),
+               static_cast<long long>(frame.sent_ns), static_cast<long long>(frame.received_ns), age_ms,
+               frame.encoded.size(), frame.step_ms, static_cast<unsigned long long>(frame.input_sequence),
+               frame.hands.size());
   if (age_ms_.empty()) {
     first_tick_ = frame.tick;
     first_ns_ = frame.received_ns;
@@ -69,23 +72,24 @@ ReceivedLog::Summary ReceivedLog::summary() const {
 }
 
 Result<DrawnLog> DrawnLog::create(const std::filesystem::path& path) {
-  auto file = open(path, "picture,simulated_s,tick,received_ns,age_ms,lag_ms,skin_ms,raster_ms,bytes,server_step_ms");
+  auto file =
+      open(path, "picture,simulated_s,tick,received_ns,age_ms,lag_ms,skin_ms,raster_ms,bytes,server_step_ms");
   if (!file) return cannot_write(path);
   return DrawnLog(std::move(file));
 }
 
 void DrawnLog::add(const Row& row) {
   std::fprintf(file_.get(), "%llu,%.6f,%llu,%lld,%.3f,%.3f,%.3f,%.3f,%zu,%.3f\n",
-               static_cast<unsigned long long>(row.index), row.simulated_s, static_cast<unsigned long long>(row.tick),
-               static_cast<long long>(row.received_ns), row.age_ms, row.lag_ms, row.skin_ms, row.raster_ms, row.bytes,
-               row.server_step_ms);
+               static_cast<unsigned long long>(row.index), row.simulated_s,
+               static_cast<unsigned long long>(row.tick), static_cast<long long>(row.received_ns), row.age_ms,
+               row.lag_ms, row.skin_ms, row.raster_ms, row.bytes, row.server_step_ms);
   skin_ms_.push_back(row.skin_ms);
   raster_ms_.push_back(row.raster_ms);
 }
 
 DrawnLog::Summary DrawnLog::summary() const {
-  return {skin_ms_.size(), percentile(skin_ms_, 0.50), percentile(skin_ms_, 0.99), percentile(raster_ms_, 0.50),
-          percentile(raster_ms_, 0.99)};
+  return {skin_ms_.size(), percentile(skin_ms_, 0.50), percentile(skin_ms_, 0.99),
+          percentile(raster_ms_, 0.50), percentile(raster_ms_, 0.99)};
 }
 
 }  // namespace livegs

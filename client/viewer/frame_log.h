@@ -16,8 +16,8 @@ namespace livegs {
 // The value below which `share` of the numbers lie; 0 for none.
 double percentile(std::vector<double> numbers, double share);
 
-// frames.csv, a row a received frame, and what the rows come to. Ages compare the server's clock with ours, so they
-// mean something on one machine only. One thread.
+// frames.csv, a row a received frame, and what the rows come to. Ages compare the server's clock with ours,
+// so they mean something on one machine only. One thread.
 class ReceivedLog {
  public:
   static Result<ReceivedLog> create(const std::filesystem::path& path);
@@ -25,10 +25,10 @@ class ReceivedLog {
 
   struct Summary {
     uint64_t frames = 0;
-    uint64_t missed_ticks = 0;       // between the first and the last: skipped by the server's window
+    uint64_t missed_ticks = 0;  // between the first and the last: skipped by the server's window
     double seconds = 0;
-    double rate_hz = 0;              // frames a second
-    double age_ms_p50 = 0, age_ms_p99 = 0;    // end of the server's step to received
+    double rate_hz = 0;                     // frames a second
+    double age_ms_p50 = 0, age_ms_p99 = 0;  // end of the server's step to received
     double bytes_p50 = 0, bytes_p99 = 0;
     double step_ms_p50 = 0, step_ms_p99 = 0;  // of the server
   };
@@ -50,11 +50,11 @@ class DrawnLog {
 
   struct Row {
     uint64_t index = 0;
-    double simulated_s = 0;     // the moment that is shown
-    uint64_t tick = 0;          // of the newest frame in it
+    double simulated_s = 0;  // the moment that is shown
+    uint64_t tick = 0;       // of the newest frame in it
     int64_t received_ns = 0;
-    double age_ms = 0;          // of that frame when it came
-    double lag_ms = 0;          // from its coming to the end of drawing: a slow drawer's backlog
+    double age_ms = 0;  // of that frame when it came
+    double lag_ms = 0;  // from its coming to the end of drawing: a slow drawer's backlog
     double skin_ms = 0, raster_ms = 0;
     size_t bytes = 0;
     double server_step_ms = 0;

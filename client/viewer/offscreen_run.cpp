@@ -63,7 +63,9 @@ Result<void> check_names(const v1::InputScript& script, const JoinedScene& scene
       found = found || object.name == name;
       known += (known.empty() ? "" : ", ") + object.name;
     }
-    if (!found) return not_found("the script's object \"" + name + "\": the scene has none of that name; it has: " + known);
+    if (!found)
+      return not_found("the script's object \"" + name +
+                       "\": the scene has none of that name; it has: " + known);
   }
   return {};
 }
@@ -103,7 +105,8 @@ Result<void> write_pictures(const Player& player, const std::filesystem::path& f
 
 }  // namespace
 
-Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options, const std::atomic<bool>& interrupted) {
+Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
+                                          const std::atomic<bool>& interrupted) {
   auto prepared = prepare(options);
   if (!prepared) return prepared.error();
   ConnectOptions connect;
@@ -137,8 +140,9 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options, co
         prepared->camera.value_or(choose_camera(posed, prepared->size.width, prepared->size.height));
     (*display)->set_camera(camera);
     if (prepared->script.actions_size() > 0) {
-      recorder.begin_script(ScriptedHands(prepared->script, {camera.world_from_camera.position_m, scene.ball_speed_m_s}),
-                            script_targets(scene, posed));
+      recorder.begin_script(
+          ScriptedHands(prepared->script, {camera.world_from_camera.position_m, scene.ball_speed_m_s}),
+          script_targets(scene, posed));
     }
     return write_camera_file(options.output / "camera.json", camera);
   };
@@ -170,8 +174,10 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options, co
   summary.received = recorder.summary();
   summary.drawn = player.summary();
   summary.dropped_frames = queue.dropped_frames();
-  if (!played) summary.stream_error = played.error();
-  else if (!streamed) summary.stream_error = streamed.error();
+  if (!played)
+    summary.stream_error = played.error();
+  else if (!streamed)
+    summary.stream_error = streamed.error();
   return summary;
 }
 
@@ -183,20 +189,25 @@ std::string summary_text(const OffscreenRunSummary& summary) {
     text += line;
   };
   const auto count = [](uint64_t value) { return static_cast<unsigned long long>(value); };
-  append("client of %s: %zu objects, %zu kernels; %zu of %zu assets fetched, %.1f MB\n", summary.scene_address.c_str(),
-         summary.objects, summary.kernels, summary.assets.fetched, summary.assets.assets,
-         static_cast<double>(summary.assets.fetched_bytes) * 1e-6);
+  append("client of %s: %zu objects, %zu kernels; %zu of %zu assets fetched, %.1f MB\n",
+         summary.scene_address.c_str(), summary.objects, summary.kernels, summary.assets.fetched,
+         summary.assets.assets, static_cast<double>(summary.assets.fetched_bytes) * 1e-6);
   const ReceivedLog::Summary& received = summary.received;
-  append("received: %llu frames in %.1f s, %.1f a second of %.1f; %llu ticks not sent\n", count(received.frames),
-         received.seconds, received.rate_hz, summary.server_rate_hz, count(received.missed_ticks));
-  append("  staleness p50 %.2f ms, p99 %.2f ms; %.0f bytes a frame p50, %.0f p99; server tick p50 %.2f ms, p99 %.2f ms\n",
-         received.age_ms_p50, received.age_ms_p99, received.bytes_p50, received.bytes_p99, received.step_ms_p50,
-         received.step_ms_p99);
+  append("received: %llu frames in %.1f s, %.1f a second of %.1f; %llu ticks not sent\n",
+         count(received.frames), received.seconds, received.rate_hz, summary.server_rate_hz,
+         count(received.missed_ticks));
+  append(
+      "  staleness p50 %.2f ms, p99 %.2f ms; %.0f bytes a frame p50, %.0f p99; server tick p50 %.2f ms, p99 "
+      "%.2f ms\n",
+      received.age_ms_p50, received.age_ms_p99, received.bytes_p50, received.bytes_p99, received.step_ms_p50,
+      received.step_ms_p99);
   const DrawnLog::Summary& drawn = summary.drawn;
   append("drawn: %llu pictures; skinning p50 %.2f ms, p99 %.2f ms; render p50 %.2f ms, p99 %.2f ms\n",
-         count(drawn.pictures), drawn.skin_ms_p50, drawn.skin_ms_p99, drawn.raster_ms_p50, drawn.raster_ms_p99);
+         count(drawn.pictures), drawn.skin_ms_p50, drawn.skin_ms_p99, drawn.raster_ms_p50,
+         drawn.raster_ms_p99);
   if (summary.dropped_frames > 0) {
-    append("  %llu frames were dropped from a full backlog: the video skips\n", count(summary.dropped_frames));
+    append("  %llu frames were dropped from a full backlog: the video skips\n",
+           count(summary.dropped_frames));
   }
   return text;
 }

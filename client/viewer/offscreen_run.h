@@ -34,7 +34,7 @@ struct OffscreenRunSummary {
   AssetLibrary::Totals assets;
   ReceivedLog::Summary received;
   DrawnLog::Summary drawn;
-  uint64_t dropped_frames = 0;       // received, but never drawn: the backlog was full
+  uint64_t dropped_frames = 0;        // received, but never drawn: the backlog was full
   std::optional<Error> stream_error;  // how the stream broke, if it did; the outputs are complete up to there
 };
 
@@ -44,12 +44,13 @@ inline constexpr size_t kMostBacklogBytes = 512u << 20;
 // Joins, fetches, records the stream for its time and draws it, into `output`:
 //   out.mp4, frame_NNNNN.png    the video, and some of its pictures
 //   first.png, last.png         the first picture, and one of the very last frame
-//   last_frame.bin, camera.json that frame's bytes and the camera: `livegs render SCENE --frame --camera` draws it again
-//   frames.csv, timings.csv     a row a received frame; a row a drawn picture
-// The stream is taken at its full rate while drawing follows as fast as it can, from a bounded backlog of encoded
-// frames; after the time is up the session ends and the rest is drawn.
-// Fails when it could not start; a stream that breaks later is in the summary.
-Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options, const std::atomic<bool>& interrupted);
+//   last_frame.bin, camera.json that frame's bytes and the camera: `livegs render SCENE --frame --camera`
+//   draws it again frames.csv, timings.csv     a row a received frame; a row a drawn picture
+// The stream is taken at its full rate while drawing follows as fast as it can, from a bounded backlog of
+// encoded frames; after the time is up the session ends and the rest is drawn. Fails when it could not start;
+// a stream that breaks later is in the summary.
+Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
+                                          const std::atomic<bool>& interrupted);
 
 std::string summary_text(const OffscreenRunSummary& summary);
 

@@ -9,9 +9,12 @@ namespace livegs {
 Result<void> Player::play() {
   while (auto item = queue_.take()) {
     Result<void> taken;
-    if (const auto* frame = std::get_if<ReceivedFrame>(&*item)) taken = take(*frame);
-    else if (const auto* added = std::get_if<ObjectAdded>(&*item)) taken = take(*added);
-    else view_.remove(std::get<ObjectRemoved>(*item).object_id);
+    if (const auto* frame = std::get_if<ReceivedFrame>(&*item))
+      taken = take(*frame);
+    else if (const auto* added = std::get_if<ObjectAdded>(&*item))
+      taken = take(*added);
+    else
+      view_.remove(std::get<ObjectRemoved>(*item).object_id);
     if (!taken) return taken;
   }
   if (history_.empty()) return {};
@@ -31,7 +34,9 @@ Result<void> Player::take(const ObjectAdded& added) {
 
 Result<void> Player::take(const ReceivedFrame& frame) {
   auto drivers = decode_frame(std::as_bytes(std::span(frame.encoded)));
-  if (!drivers) return Error{drivers.error().code, "frame " + std::to_string(frame.tick) + ": " + drivers.error().message};
+  if (!drivers)
+    return Error{drivers.error().code,
+                 "frame " + std::to_string(frame.tick) + ": " + drivers.error().message};
   if (!first_simulated_ns_) {
     first_simulated_ns_ = drivers->simulated_ns;
     if (auto posed = view_.pose(*drivers); !posed) return posed;

@@ -14,16 +14,20 @@
 
 namespace livegs {
 
-// Takes what the recorder queued and draws it at the display's times, on one thread. A display time is shown as the
-// moment of the simulation that lies as long after the first frame; the video is even, whatever the network and the
-// drawing did, because simulated time is.
+// Takes what the recorder queued and draws it at the display's times, on one thread. A display time is shown
+// as the moment of the simulation that lies as long after the first frame; the video is even, whatever the
+// network and the drawing did, because simulated time is.
 class Player {
  public:
   // Called with the view posed by the first frame, before the first picture.
   using OnFirstFrame = std::function<Result<void>(const SceneView& view)>;
   Player(SceneView& view, AssetLibrary& assets, PlaybackQueue& queue, Display& display, DrawnLog log,
          OnFirstFrame on_first_frame)
-      : view_(view), assets_(assets), queue_(queue), display_(display), log_(std::move(log)),
+      : view_(view),
+        assets_(assets),
+        queue_(queue),
+        display_(display),
+        log_(std::move(log)),
         on_first_frame_(std::move(on_first_frame)) {}
 
   // Until the queue is closed and empty; then draws the very last frame by itself.

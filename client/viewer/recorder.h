@@ -15,8 +15,8 @@
 
 namespace livegs {
 
-// What an offscreen client does with its stream, on the reader's thread: logs every frame, plays the script against
-// it, and puts it into the queue of the thread that draws.
+// What an offscreen client does with its stream, on the reader's thread: logs every frame, plays the script
+// against it, and puts it into the queue of the thread that draws.
 class Recorder final : public StreamSink {
  public:
   // All outlive the recorder's last call. `seconds` after the first frame the recording is done; 0: never.

@@ -15,7 +15,8 @@ Result<std::unique_ptr<OffscreenDisplay>> OffscreenDisplay::open(const Offscreen
   if (error) return invalid_argument(options.folder.string() + ": cannot be made: " + error.message());
   std::unique_ptr<OffscreenDisplay> display(new OffscreenDisplay(options));
   if (options.video) {
-    auto video = VideoFile::create(options.folder / "out.mp4", options.width, options.height, options.rate_hz);
+    auto video =
+        VideoFile::create(options.folder / "out.mp4", options.width, options.height, options.rate_hz);
     if (video) {
       display->video_.emplace(std::move(*video));
     } else {
@@ -29,7 +30,8 @@ Result<std::unique_ptr<OffscreenDisplay>> OffscreenDisplay::open(const Offscreen
 std::optional<PlannedFrame> OffscreenDisplay::wait_frame() {
   PlannedFrame frame;
   frame.index = planned_++;
-  frame.display_time_ns = static_cast<int64_t>(std::llround(static_cast<double>(frame.index) * 1e9 / options_.rate_hz));
+  frame.display_time_ns =
+      static_cast<int64_t>(std::llround(static_cast<double>(frame.index) * 1e9 / options_.rate_hz));
   frame.views = {camera_};
   return frame;
 }

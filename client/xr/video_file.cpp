@@ -16,7 +16,8 @@ extern char** environ;
 
 namespace livegs {
 
-Result<VideoFile> VideoFile::create(const std::filesystem::path& path, int width, int height, double rate_hz) {
+Result<VideoFile> VideoFile::create(const std::filesystem::path& path, int width, int height,
+                                    double rate_hz) {
   // An ffmpeg that dies shows as a failed write, not as a signal.
   signal(SIGPIPE, SIG_IGN);
   int ends[2];
@@ -24,10 +25,21 @@ Result<VideoFile> VideoFile::create(const std::filesystem::path& path, int width
   const std::string size = std::to_string(width) + "x" + std::to_string(height);
   char rate[32];
   std::snprintf(rate, sizeof rate, "%.6f", rate_hz);
-  std::vector<std::string> words = {"ffmpeg", "-y", "-nostdin", "-loglevel", "error", "-f", "rawvideo", "-pixel_format", "rgb24",
-                                    "-video_size", size, "-framerate", rate, "-i", "pipe:0", "-an", "-vf",
-                                    "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-preset", "fast", "-crf", "18",
-                                    "-pix_fmt", "yuv420p", "-movflags", "+faststart", path.string()};
+  std::vector<std::string> words = {"ffmpeg",     "-y",
+                                    "-nostdin",   "-loglevel",
+                                    "error",      "-f",
+                                    "rawvideo",   "-pixel_format",
+                                    "rgb24",      "-video_size",
+                                    size,         "-framerate",
+                                    rate,         "-i",
+                                    "pipe:0",     "-an",
+                                    "-vf",        "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+                                    "-c:v",       "libx264",
+                                    "-preset",    "fast",
+                                    "-crf",       "18",
+                                    "-pix_fmt",   "yuv420p",
+                                    "-movflags",  "+faststart",
+                                    path.string()};
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
@@ -51,7 +63,9 @@ Result<VideoFile> VideoFile::create(const std::filesystem::path& path, int width
 }
 
 VideoFile::VideoFile(VideoFile&& other) noexcept
-    : path_(std::move(other.path_)), pipe_(std::exchange(other.pipe_, -1)), process_(std::exchange(other.process_, -1)) {}
+    : path_(std::move(other.path_)),
+      pipe_(std::exchange(other.pipe_, -1)),
+      process_(std::exchange(other.process_, -1)) {}
 
 VideoFile::~VideoFile() { (void)finish(); }
 

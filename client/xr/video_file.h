@@ -10,7 +10,8 @@
 
 namespace livegs {
 
-// An H.264 video, 4:2:0, written through the `ffmpeg` command: any player takes it. Odd sizes are padded by a pixel.
+// An H.264 video, 4:2:0, written through the `ffmpeg` command: any player takes it. Odd sizes are padded by a
+// pixel.
 class VideoFile {
  public:
   // Unsupported when there is no ffmpeg to be found.
@@ -23,7 +24,8 @@ class VideoFile {
   Result<void> finish();                 // waits for the file; more than once is fine
 
  private:
-  VideoFile(std::filesystem::path path, int pipe, pid_t process) : path_(std::move(path)), pipe_(pipe), process_(process) {}
+  VideoFile(std::filesystem::path path, int pipe, pid_t process)
+      : path_(std::move(path)), pipe_(pipe), process_(process) {}
   std::filesystem::path path_;
   int pipe_ = -1;
   pid_t process_ = -1;

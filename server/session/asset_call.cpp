@@ -32,8 +32,10 @@ void AssetCall::write_next() {
 }
 
 void AssetCall::OnWriteDone(bool ok) {
-  if (ok) write_next();
-  else Finish(grpc::Status::CANCELLED);
+  if (ok)
+    write_next();
+  else
+    Finish(grpc::Status::CANCELLED);
 }
 
 }  // namespace livegs

@@ -19,7 +19,8 @@ struct AssetBytes {
   std::vector<std::byte> bytes;
 };
 
-// Every asset of the scene, encoded and hashed once, whoever asks and however many objects share it. Any thread.
+// Every asset of the scene, encoded and hashed once, whoever asks and however many objects share it. Any
+// thread.
 class AssetStore {
  public:
   // Encodes on the calling thread the first time: about 0.2 s for 300k kernels.

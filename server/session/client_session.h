@@ -22,7 +22,8 @@ class SessionWriter {
   virtual void abort() = 0;
 };
 
-// One client from Join on. Its events are collected from that moment, so that none is lost before its stream opens.
+// One client from Join on. Its events are collected from that moment, so that none is lost before its stream
+// opens.
 class ClientSession {
  public:
   ClientSession(std::string session_id, SessionNumber session_number, int64_t joined_ns)
@@ -30,7 +31,7 @@ class ClientSession {
 
   const std::string id;
   const SessionNumber number;
-  std::atomic<int64_t> heard_ns;       // of the last message, or of Join
+  std::atomic<int64_t> heard_ns;  // of the last message, or of Join
   std::atomic<bool> streaming{false};
 
   // False if another stream has it already.

@@ -8,9 +8,12 @@ namespace {
 
 size_t driver_count(const RestBody& rest) {
   switch (rest.kind) {
-    case DriverKind::Rigid: return rest.bodies.size();
-    case DriverKind::Lattice: return rest.node_coordinates.size();
-    case DriverKind::Particles: return rest.particles_m.size();
+    case DriverKind::Rigid:
+      return rest.bodies.size();
+    case DriverKind::Lattice:
+      return rest.node_coordinates.size();
+    case DriverKind::Particles:
+      return rest.particles_m.size();
   }
   return 0;
 }

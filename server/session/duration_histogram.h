@@ -8,8 +8,8 @@
 
 namespace livegs {
 
-// Percentiles of positive numbers over days in 12 kB: bins 2 % wide from 1e-4 to 1e9, the middle (in the logarithm)
-// of a bin being its answer, so an answer is within 1 % of a value that was added. Not locked.
+// Percentiles of positive numbers over days in 12 kB: bins 2 % wide from 1e-4 to 1e9, the middle (in the
+// logarithm) of a bin being its answer, so an answer is within 1 % of a value that was added. Not locked.
 class DurationHistogram {
  public:
   void add(double value) {

@@ -9,9 +9,10 @@
 
 namespace livegs {
 
-// The tail of a v1::ServerMessage: its field 15, `frame`, as it stands on the wire. Concatenated protobuf fields are
-// one message, so every client's own header and this tail, which all share, make one. Reference-counted by gRPC
-// where it is sent; what that is, only frame_publisher.cpp and stream_call.cpp know.
+// The tail of a v1::ServerMessage: its field 15, `frame`, as it stands on the wire. Concatenated protobuf
+// fields are one message, so every client's own header and this tail, which all share, make one.
+// Reference-counted by gRPC where it is sent; what that is, only frame_publisher.cpp and stream_call.cpp
+// know.
 struct FrameTail;
 
 // A tick, encoded once and sent to many. Immutable.

@@ -19,9 +19,9 @@ struct PublisherSummary {
   double encode_ms_p50 = 0, encode_ms_p99 = 0;
 };
 
-// Between the simulation and the sessions, on a thread of its own: encodes each tick once and hands it to every
-// session, so that neither encoding nor a hundred socket writes lengthen a tick. When it falls behind, the newest
-// tick wins. It also sweeps out sessions that went silent.
+// Between the simulation and the sessions, on a thread of its own: encodes each tick once and hands it to
+// every session, so that neither encoding nor a hundred socket writes lengthen a tick. When it falls behind,
+// the newest tick wins. It also sweeps out sessions that went silent.
 class FramePublisher final : public TickSink {
  public:
   FramePublisher(SessionTable& table, AssetStore& assets);

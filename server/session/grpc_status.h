@@ -12,13 +12,20 @@ inline grpc::Status to_status(const Error& error) {
   const auto code = [&] {
     switch (error.code) {
       case ErrorCode::InvalidArgument:
-      case ErrorCode::InvalidData: return grpc::StatusCode::INVALID_ARGUMENT;
-      case ErrorCode::NotFound: return grpc::StatusCode::NOT_FOUND;
-      case ErrorCode::Unsupported: return grpc::StatusCode::UNIMPLEMENTED;
-      case ErrorCode::TooLarge: return grpc::StatusCode::RESOURCE_EXHAUSTED;
-      case ErrorCode::Unavailable: return grpc::StatusCode::UNAVAILABLE;
-      case ErrorCode::PermissionDenied: return grpc::StatusCode::PERMISSION_DENIED;
-      case ErrorCode::Internal: break;
+      case ErrorCode::InvalidData:
+        return grpc::StatusCode::INVALID_ARGUMENT;
+      case ErrorCode::NotFound:
+        return grpc::StatusCode::NOT_FOUND;
+      case ErrorCode::Unsupported:
+        return grpc::StatusCode::UNIMPLEMENTED;
+      case ErrorCode::TooLarge:
+        return grpc::StatusCode::RESOURCE_EXHAUSTED;
+      case ErrorCode::Unavailable:
+        return grpc::StatusCode::UNAVAILABLE;
+      case ErrorCode::PermissionDenied:
+        return grpc::StatusCode::PERMISSION_DENIED;
+      case ErrorCode::Internal:
+        break;
     }
     return grpc::StatusCode::INTERNAL;
   }();

@@ -86,8 +86,8 @@ void HandControls::drop_object(Scene& scene, uint32_t object_id) {
 
 bool HandControls::holding(SessionNumber session) const {
   const auto found = sessions_.find(session);
-  return found != sessions_.end() &&
-         std::any_of(found->second.begin(), found->second.end(), [](const Hand& hand) { return hand.holding; });
+  return found != sessions_.end() && std::any_of(found->second.begin(), found->second.end(),
+                                                 [](const Hand& hand) { return hand.holding; });
 }
 
 std::array<HeldPoint, 2> HandControls::held_points(const Scene& scene, SessionNumber session) const {

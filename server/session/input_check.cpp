@@ -36,7 +36,8 @@ Result<HandSample> checked_hand(const v1::HandInput& message, const std::string&
   hand.aim = *aim;
   hand.grip = *grip;
   for (float value : {message.trigger(), message.squeeze()}) {
-    if (!(value >= 0.0f && value <= 1.0f)) return invalid_argument(field + ": trigger or squeeze is outside 0..1");
+    if (!(value >= 0.0f && value <= 1.0f))
+      return invalid_argument(field + ": trigger or squeeze is outside 0..1");
   }
   hand.trigger = message.trigger();
   hand.squeeze = message.squeeze();
@@ -47,7 +48,8 @@ Result<HandSample> checked_hand(const v1::HandInput& message, const std::string&
 }  // namespace
 
 Result<std::vector<InputSample>> check_inputs(const v1::ClientMessage& message) {
-  if (message.inputs_size() > kMaxSamplesPerMessage) return invalid_argument("inputs: more than 8 in one message");
+  if (message.inputs_size() > kMaxSamplesPerMessage)
+    return invalid_argument("inputs: more than 8 in one message");
   std::vector<InputSample> samples;
   for (int i = 0; i < message.inputs_size(); ++i) {
     const v1::Input& input = message.inputs(i);

@@ -10,12 +10,12 @@
 namespace livegs {
 
 // A client is untrusted: nothing of a message reaches the world before it has passed here.
-inline constexpr int kMaxSamplesPerMessage = 8;     // a client sends three
+inline constexpr int kMaxSamplesPerMessage = 8;  // a client sends three
 inline constexpr double kLargestHandPosition_m = 1000.0;
 
-// The samples of a message, oldest first. Refused, with the field's name: a number that is not finite, a position
-// out of the bound above, a vector of the wrong length, a quaternion that is no rotation (norm off by over 1 %),
-// trigger or squeeze outside 0..1, sequences that do not rise, more samples than the bound.
+// The samples of a message, oldest first. Refused, with the field's name: a number that is not finite, a
+// position out of the bound above, a vector of the wrong length, a quaternion that is no rotation (norm off
+// by over 1 %), trigger or squeeze outside 0..1, sequences that do not rise, more samples than the bound.
 Result<std::vector<InputSample>> check_inputs(const v1::ClientMessage& message);
 
 }  // namespace livegs

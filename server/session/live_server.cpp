@@ -25,8 +25,8 @@ constexpr int kMaxRequestBytes = 16 << 10;
 constexpr int kMaxStreamsPerConnection = 16;
 constexpr std::chrono::seconds kShutdownPatience{1};
 
-// Health and reflection are switched on for the process, before the first server is built; what gRPC has to say goes
-// to the log, so that a program's own one line is not drowned.
+// Health and reflection are switched on for the process, before the first server is built; what gRPC has to
+// say goes to the log, so that a program's own one line is not drowned.
 void set_up_process() {
   static std::once_flag once;
   std::call_once(once, [] {
@@ -42,7 +42,8 @@ void limit(grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxStreamsPerConnection);
   // Two servers on one port would share its clients between them.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
-  // A machine that fell off the network is noticed within four seconds; sessions have their own, shorter patience.
+  // A machine that fell off the network is noticed within four seconds; sessions have their own, shorter
+  // patience.
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 1000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 3000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
@@ -62,8 +63,9 @@ Result<void> check_listen_address(const std::string& address) {
       number > 65535) {
     return invalid_argument("--listen " + address + ": is not HOST:PORT with a port from 0 to 65535");
   }
-  const bool loopback = host == "localhost" || host == "[::1]" ||
-                        (host.starts_with("127.") && host.find_first_not_of("0123456789.") == std::string::npos);
+  const bool loopback =
+      host == "localhost" || host == "[::1]" ||
+      (host.starts_with("127.") && host.find_first_not_of("0123456789.") == std::string::npos);
   if (!loopback) {
     return invalid_argument("--listen " + address +
                             ": only this machine may connect for now; use 127.0.0.1, localhost or [::1]");
@@ -93,9 +95,10 @@ Result<std::unique_ptr<LiveServer>> LiveServer::listen(const std::string& addres
   limit(builder);
   parts->server = builder.BuildAndStart();
   if (!parts->server || parts->port == 0) {
-    return Error{ErrorCode::Unavailable, "cannot listen on " + address +
-                                             ": the port is in use; stop the other server or give another port with "
-                                             "--listen HOST:PORT"};
+    return Error{ErrorCode::Unavailable,
+                 "cannot listen on " + address +
+                     ": the port is in use; stop the other server or give another port with "
+                     "--listen HOST:PORT"};
   }
   parts->server->GetHealthCheckService()->SetServingStatus(false);
   parts->server->GetHealthCheckService()->SetServingStatus(kServiceName, false);
@@ -108,12 +111,12 @@ int LiveServer::port() const { return parts_->port; }
 
 TickSink& LiveServer::ticks() { return *parts_->publisher; }
 
-void LiveServer::open(const std::string& scene_name, double rate_hz, std::span<const SceneObject* const> objects,
-                      InputSink& inputs) {
+void LiveServer::open(const std::string& scene_name, double rate_hz,
+                      std::span<const SceneObject* const> objects, InputSink& inputs) {
   std::vector<SessionTable::Object> described;
   for (const SceneObject* object : objects) {
-    described.push_back(
-        std::make_shared<const v1::ObjectDescription>(describe_object(*object, *parts_->assets.add(object->asset))));
+    described.push_back(std::make_shared<const v1::ObjectDescription>(
+        describe_object(*object, *parts_->assets.add(object->asset))));
   }
   parts_->table.open(scene_name, rate_hz, std::move(described), inputs);
   parts_->server->GetHealthCheckService()->SetServingStatus(true);

@@ -12,12 +12,12 @@
 
 namespace livegs {
 
-// HOST:PORT, checked: a port, and an address of this very machine. Anything else would need TLS and a token, which
-// this server does not have yet.
+// HOST:PORT, checked: a port, and an address of this very machine. Anything else would need TLS and a token,
+// which this server does not have yet.
 Result<void> check_listen_address(const std::string& address);
 
-// The gRPC server with its sessions, its publisher, health and reflection. It knows a scene only as objects to
-// describe and ticks to send on.
+// The gRPC server with its sessions, its publisher, health and reflection. It knows a scene only as objects
+// to describe and ticks to send on.
 //
 //   auto server = LiveServer::listen("127.0.0.1:9780");        health NOT_SERVING, Join answers UNAVAILABLE
 //   SimulationLoop loop(std::move(scene), server->ticks());
@@ -37,7 +37,8 @@ class LiveServer {
             InputSink& inputs);
   void open(const Scene& scene, InputSink& inputs);
 
-  // Tells every client, waits for their streams to end, at most a second, then ends them. More than once is fine.
+  // Tells every client, waits for their streams to end, at most a second, then ends them. More than once is
+  // fine.
   void shut_down(const std::string& reason);
 
   SessionTable::Totals sessions() const;

@@ -43,14 +43,15 @@ grpc::ServerUnaryReactor* LiveService::GetServerInfo(grpc::CallbackServerContext
   return reactor;
 }
 
-grpc::ServerUnaryReactor* LiveService::Join(grpc::CallbackServerContext* context, const v1::JoinRequest* request,
-                                            v1::JoinReply* reply) {
+grpc::ServerUnaryReactor* LiveService::Join(grpc::CallbackServerContext* context,
+                                            const v1::JoinRequest* request, v1::JoinReply* reply) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   reactor->Finish(join(context->peer(), *request, *reply));
   return reactor;
 }
 
-grpc::Status LiveService::join(const std::string& peer, const v1::JoinRequest& request, v1::JoinReply& reply) {
+grpc::Status LiveService::join(const std::string& peer, const v1::JoinRequest& request,
+                               v1::JoinReply& reply) {
   if (request.protocol_version() != kProtocolVersion) {
     return {grpc::StatusCode::FAILED_PRECONDITION,
             "the client speaks protocol version " + std::to_string(request.protocol_version()) +
@@ -75,7 +76,8 @@ grpc::ServerWriteReactor<v1::AssetChunk>* LiveService::FetchAsset(grpc::Callback
   return new AssetCall(assets_.find(request->asset_hash()), request->offset());
 }
 
-grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* LiveService::Stream(grpc::CallbackServerContext* context) {
+grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* LiveService::Stream(
+    grpc::CallbackServerContext* context) {
   return StreamCall::start(table_, *context);
 }
 
@@ -87,7 +89,8 @@ grpc::ServerUnaryReactor* LiveService::AnalyzeObject(grpc::CallbackServerContext
   return reactor;
 }
 
-grpc::Status LiveService::analyze(const v1::AnalyzeObjectRequest& request, v1::AnalyzeObjectReply& reply) const {
+grpc::Status LiveService::analyze(const v1::AnalyzeObjectRequest& request,
+                                  v1::AnalyzeObjectReply& reply) const {
   const int64_t begun_ns = now_ns();
   const SessionTable::Object object = table_.object(request.object());
   if (!object) {

@@ -7,8 +7,8 @@
 
 namespace livegs {
 
-// livegs.v1.LiveGs over gRPC's callback API. Every call answers from the session table and the asset store; none
-// waits for the simulation.
+// livegs.v1.LiveGs over gRPC's callback API. Every call answers from the session table and the asset store;
+// none waits for the simulation.
 class LiveService final
     : public v1::LiveGs::WithRawCallbackMethod_Stream<v1::LiveGs::WithCallbackMethod_GetServerInfo<
           v1::LiveGs::WithCallbackMethod_Join<v1::LiveGs::WithCallbackMethod_FetchAsset<
@@ -16,14 +16,17 @@ class LiveService final
  public:
   LiveService(SessionTable& table, const AssetStore& assets) : table_(table), assets_(assets) {}
 
-  grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context, const v1::GetServerInfoRequest* request,
+  grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context,
+                                          const v1::GetServerInfoRequest* request,
                                           v1::ServerInfo* reply) override;
   grpc::ServerUnaryReactor* Join(grpc::CallbackServerContext* context, const v1::JoinRequest* request,
                                  v1::JoinReply* reply) override;
   grpc::ServerWriteReactor<v1::AssetChunk>* FetchAsset(grpc::CallbackServerContext* context,
                                                        const v1::FetchAssetRequest* request) override;
-  grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* Stream(grpc::CallbackServerContext* context) override;
-  grpc::ServerUnaryReactor* AnalyzeObject(grpc::CallbackServerContext* context, const v1::AnalyzeObjectRequest* request,
+  grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* Stream(
+      grpc::CallbackServerContext* context) override;
+  grpc::ServerUnaryReactor* AnalyzeObject(grpc::CallbackServerContext* context,
+                                          const v1::AnalyzeObjectRequest* request,
                                           v1::AnalyzeObjectReply* reply) override;
 
  private:

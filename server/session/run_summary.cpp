@@ -18,18 +18,25 @@ __attribute__((format(printf, 2, 3))) void append(std::string& text, const char*
 
 const char* source_name(v1::EstimatedValue::Source source) {
   switch (source) {
-    case v1::EstimatedValue::OFFLINE: return "estimated";
-    case v1::EstimatedValue::MODEL: return "model";
-    case v1::EstimatedValue::SCENE: return "scene";
-    case v1::EstimatedValue::PERSON: return "person";
-    case v1::EstimatedValue::DEFAULT: return "default";
-    default: return "unknown";
+    case v1::EstimatedValue::OFFLINE:
+      return "estimated";
+    case v1::EstimatedValue::MODEL:
+      return "model";
+    case v1::EstimatedValue::SCENE:
+      return "scene";
+    case v1::EstimatedValue::PERSON:
+      return "person";
+    case v1::EstimatedValue::DEFAULT:
+      return "default";
+    default:
+      return "unknown";
   }
 }
 
 void append_value(std::string& text, const char* name, const char* unit, const v1::EstimatedValue& value) {
-  append(text, "    %-10s %.3g %s [%.3g .. %.3g]  %s%s%s\n", name, value.best(), unit, value.low(), value.high(),
-         source_name(value.source()), value.reason().empty() ? "" : ": ", value.reason().substr(0, 300).c_str());
+  append(text, "    %-10s %.3g %s [%.3g .. %.3g]  %s%s%s\n", name, value.best(), unit, value.low(),
+         value.high(), source_name(value.source()), value.reason().empty() ? "" : ": ",
+         value.reason().substr(0, 300).c_str());
 }
 
 void append_object(std::string& text, const Scene& scene, const SceneObject& object) {
@@ -56,24 +63,28 @@ void append_object(std::string& text, const Scene& scene, const SceneObject& obj
 
 }  // namespace
 
-std::string run_summary(const Scene& scene, const SimulationSummary& simulated, const PublisherSummary& published,
-                        const SessionTable::Totals& sessions) {
+std::string run_summary(const Scene& scene, const SimulationSummary& simulated,
+                        const PublisherSummary& published, const SessionTable::Totals& sessions) {
   std::string text = "scene " + scene.name() + "\n";
   for (const SceneObject& object : scene.objects()) {
     if (object.environment || object.facts) append_object(text, scene, object);
   }
   const double rate = simulated.run_s > 0 ? static_cast<double>(simulated.ticks) / simulated.run_s : 0.0;
   append(text, "simulation: %llu ticks in %.1f s, %.1f a second of %.1f\n",
-         static_cast<unsigned long long>(simulated.ticks), simulated.run_s, rate, scene.world().settings().rate_hz);
-  append(text, "  tick p50 %.2f ms, p99 %.2f ms, longest %.2f ms; %llu late ticks, %llu slips; %llu balls shot\n",
+         static_cast<unsigned long long>(simulated.ticks), simulated.run_s, rate,
+         scene.world().settings().rate_hz);
+  append(text,
+         "  tick p50 %.2f ms, p99 %.2f ms, longest %.2f ms; %llu late ticks, %llu slips; %llu balls shot\n",
          simulated.step_ms_p50, simulated.step_ms_p99, simulated.step_ms_max,
-         static_cast<unsigned long long>(simulated.late_ticks), static_cast<unsigned long long>(simulated.slips),
-         static_cast<unsigned long long>(simulated.shots));
-  append(text, "stream: %.0f bytes a frame p50, %.0f p99; encoding p50 %.2f ms, p99 %.2f ms; %llu frames skipped\n",
-         published.frame_bytes_p50, published.frame_bytes_p99, published.encode_ms_p50, published.encode_ms_p99,
-         static_cast<unsigned long long>(published.skipped));
+         static_cast<unsigned long long>(simulated.late_ticks),
+         static_cast<unsigned long long>(simulated.slips), static_cast<unsigned long long>(simulated.shots));
+  append(text,
+         "stream: %.0f bytes a frame p50, %.0f p99; encoding p50 %.2f ms, p99 %.2f ms; %llu frames skipped\n",
+         published.frame_bytes_p50, published.frame_bytes_p99, published.encode_ms_p50,
+         published.encode_ms_p99, static_cast<unsigned long long>(published.skipped));
   append(text, "  %llu sessions, %llu frames sent, %llu replaced by newer ones\n",
-         static_cast<unsigned long long>(sessions.sessions), static_cast<unsigned long long>(sessions.frames_sent),
+         static_cast<unsigned long long>(sessions.sessions),
+         static_cast<unsigned long long>(sessions.frames_sent),
          static_cast<unsigned long long>(sessions.frames_replaced));
   return text;
 }

@@ -11,16 +11,16 @@
 
 namespace livegs {
 
-// What one client is sent next, and when. gRPC's own flow control lets seconds of frames queue up before it pushes
-// back, and OnWriteDone means "handed to the transport" only; so the client acknowledges frames, and no more than
-// kMaxFramesInFlight are under way. A frame that has to wait is replaced by the next one: the newest wins. Events are
-// kept, in order, and go out with the next write even when the window is shut.
+// What one client is sent next, and when. gRPC's own flow control lets seconds of frames queue up before it
+// pushes back, and OnWriteDone means "handed to the transport" only; so the client acknowledges frames, and
+// no more than kMaxFramesInFlight are under way. A frame that has to wait is replaced by the next one: the
+// newest wins. Events are kept, in order, and go out with the next write even when the window is shut.
 //
 // Not locked; no gRPC types.
 class SendWindow {
  public:
-  // Two: one being taken by the client while the next travels. Staleness is then at most twice the client's own
-  // frame time, however slow it is.
+  // Two: one being taken by the client while the next travels. Staleness is then at most twice the client's
+  // own frame time, however slow it is.
   static constexpr size_t kMaxFramesInFlight = 2;
   // A client that lets so many events wait is not reading.
   static constexpr size_t kMaxWaitingEvents = 1024;

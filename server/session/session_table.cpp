@@ -50,7 +50,8 @@ Result<SessionTable::Joined> SessionTable::join() {
   std::lock_guard lock(mutex_);
   if (!open_) return Error{ErrorCode::Unavailable, closed_reason_};
   if (sessions_.size() >= kMaxSessions) {
-    return Error{ErrorCode::TooLarge, std::to_string(kMaxSessions) + " clients are here already; try again later"};
+    return Error{ErrorCode::TooLarge,
+                 std::to_string(kMaxSessions) + " clients are here already; try again later"};
   }
   const auto session = std::make_shared<ClientSession>(random_id(), next_number_++, now_ns());
   sessions_.emplace(session->id, session);
@@ -109,8 +110,10 @@ void SessionTable::deliver(std::shared_ptr<const EncodedTick> tick, std::span<co
     if (const auto writer = session->writer()) writer->wake();
   }
   for (const auto& session : not_reading) {
-    if (const auto writer = session->writer()) writer->abort();
-    else remove(*session);
+    if (const auto writer = session->writer())
+      writer->abort();
+    else
+      remove(*session);
   }
 }
 
@@ -127,8 +130,8 @@ void SessionTable::sweep(int64_t now) {
 
 SessionTable::Object SessionTable::object(std::string_view name) const {
   std::lock_guard lock(mutex_);
-  const auto found =
-      std::find_if(objects_.begin(), objects_.end(), [&](const Object& object) { return object->name() == name; });
+  const auto found = std::find_if(objects_.begin(), objects_.end(),
+                                  [&](const Object& object) { return object->name() == name; });
   return found == objects_.end() ? nullptr : *found;
 }
 

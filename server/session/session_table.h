@@ -20,8 +20,8 @@ inline constexpr int64_t kSilentAfter_ns = 2'000'000'000;
 // From Join to Stream a client fetches assets and ties kernels to drivers, which may take a while.
 inline constexpr int64_t kJoinExpiry_ns = 120'000'000'000;
 
-// Who is there and what there is to see. Objects and sessions stand under one lock, so that the list a client is given
-// and the events it gets afterwards fit together. Any thread.
+// Who is there and what there is to see. Objects and sessions stand under one lock, so that the list a client
+// is given and the events it gets afterwards fit together. Any thread.
 class SessionTable {
  public:
   using Object = std::shared_ptr<const v1::ObjectDescription>;

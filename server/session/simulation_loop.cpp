@@ -142,8 +142,8 @@ void SimulationLoop::log_every_second(int64_t stepped_ns) {
   const SimulationSummary now = summary();
   log_debug("simulation: tick %llu, %.1f a second, step p50 %.2f ms p99 %.2f ms, %llu late, %llu slips",
             static_cast<unsigned long long>(scene_.world().tick()),
-            static_cast<double>(now.ticks - logged_ticks_) / seconds_from_ns(stepped_ns - logged_ns_), now.step_ms_p50,
-            now.step_ms_p99, static_cast<unsigned long long>(now.late_ticks),
+            static_cast<double>(now.ticks - logged_ticks_) / seconds_from_ns(stepped_ns - logged_ns_),
+            now.step_ms_p50, now.step_ms_p99, static_cast<unsigned long long>(now.late_ticks),
             static_cast<unsigned long long>(now.slips));
   logged_ns_ = stepped_ns;
   logged_ticks_ = now.ticks;

@@ -21,7 +21,8 @@ inline constexpr int64_t kStalledAfter_ns = 500'000'000;
 // Samples of one session that wait for a tick. At 90 Hz a tick sees one; more wait only while ticks are late.
 inline constexpr size_t kMaxWaitingSamples = 64;
 
-// A tick that starts later than this many periods gives up the schedule: time slips, and no burst of ticks follows.
+// A tick that starts later than this many periods gives up the schedule: time slips, and no burst of ticks
+// follows.
 inline constexpr int kMaxPeriodsBehind = 2;
 
 struct SimulationSummary {
@@ -33,8 +34,8 @@ struct SimulationSummary {
   uint64_t shots = 0;
 };
 
-// Runs a Scene on a thread of its own, at the scene's rate against an absolute schedule. Inputs come by queue, ticks
-// go out as values: nothing in here waits for a client.
+// Runs a Scene on a thread of its own, at the scene's rate against an absolute schedule. Inputs come by
+// queue, ticks go out as values: nothing in here waits for a client.
 class SimulationLoop : public InputSink {
  public:
   // `sink` outlives the loop. `observe`, if given, sees the scene after each step, on the loop's thread.
@@ -67,7 +68,7 @@ class SimulationLoop : public InputSink {
   Scene scene_;
   TickSink& sink_;
   std::function<void(const Scene&)> observe_;
-  HandControls controls_;                // the loop's thread only
+  HandControls controls_;                      // the loop's thread only
   std::map<SessionNumber, uint64_t> applied_;  // newest sequence applied; the loop's thread only
 
   std::mutex mutex_;  // guards mailboxes_ and gone_

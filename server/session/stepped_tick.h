@@ -10,8 +10,8 @@
 #include "scene/scene.h"
 #include "skin/driver_frame.h"
 
-// The seam between the simulation, which knows no client, and the service, which knows no body. Values go through
-// it in both directions; neither side waits for the other.
+// The seam between the simulation, which knows no client, and the service, which knows no body. Values go
+// through it in both directions; neither side waits for the other.
 
 namespace livegs {
 
@@ -37,9 +37,9 @@ struct SteppedTick {
   DriverFrame drivers;
   int64_t stepped_ns = 0;  // when the step was done
   double step_ms = 0;
-  std::vector<SceneObject> added;    // since the tick before
+  std::vector<SceneObject> added;  // since the tick before
   std::vector<uint32_t> removed;
-  std::vector<SessionHands> hands;   // ascending session
+  std::vector<SessionHands> hands;  // ascending session
 };
 
 // Takes ticks, on the simulation's thread, and returns at once.
@@ -53,8 +53,8 @@ class TickSink {
 class InputSink {
  public:
   virtual ~InputSink() = default;
-  // A sign of life of a session, with the samples it brought: oldest first, each already checked, repeated ones
-  // welcome (a sequence that was seen before is skipped).
+  // A sign of life of a session, with the samples it brought: oldest first, each already checked, repeated
+  // ones welcome (a sequence that was seen before is skipped).
   virtual void hear(SessionNumber session, std::span<const InputSample> samples) = 0;
   // The session is gone; what it held is let go.
   virtual void forget(SessionNumber session) = 0;

@@ -29,8 +29,9 @@ v1::ServerMessage header_of(const SendWindow::Outgoing& outgoing, SessionNumber 
   header.set_tick(tick.tick);
   header.set_stepped_ns(tick.stepped_ns);
   header.set_step_ms(tick.step_ms);
-  const auto own = std::lower_bound(tick.hands.begin(), tick.hands.end(), session,
-                                    [](const SessionHands& hands, SessionNumber number) { return hands.session < number; });
+  const auto own = std::lower_bound(
+      tick.hands.begin(), tick.hands.end(), session,
+      [](const SessionHands& hands, SessionNumber number) { return hands.session < number; });
   if (own == tick.hands.end() || own->session != session) return header;
   header.set_input_sequence(own->input_sequence);
   for (uint32_t i = 0; i < own->hands.size(); ++i) {
@@ -128,9 +129,12 @@ void StreamCall::write_next(const std::lock_guard<std::mutex>& lock) {
 void StreamCall::OnWriteDone(bool ok) {
   std::lock_guard lock(mutex_);
   writing_ = false;
-  if (!ok && !finish_status_) finish_status_ = grpc::Status(grpc::StatusCode::CANCELLED, "the client is gone");
-  if (finish_status_) finish_if_idle(lock);
-  else write_next(lock);
+  if (!ok && !finish_status_)
+    finish_status_ = grpc::Status(grpc::StatusCode::CANCELLED, "the client is gone");
+  if (finish_status_)
+    finish_if_idle(lock);
+  else
+    write_next(lock);
 }
 
 void StreamCall::OnCancel() { request_finish(grpc::Status::CANCELLED); }

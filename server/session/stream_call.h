@@ -16,11 +16,11 @@
 namespace livegs {
 
 // One Stream rpc. Messages are raw: a header of this client's own and the frame's tail that all share, in one
-// ByteBuffer. gRPC calls the On… functions, on its own threads and not in any order between them; the publisher
-// calls the SessionWriter side. Lives until OnDone.
+// ByteBuffer. gRPC calls the On… functions, on its own threads and not in any order between them; the
+// publisher calls the SessionWriter side. Lives until OnDone.
 //
-// One read and one write are under way at a time, Finish is called once and never while a write is, whatever comes
-// first: the client's half close, its cancellation, a bad message, a failed write, close() or abort().
+// One read and one write are under way at a time, Finish is called once and never while a write is, whatever
+// comes first: the client's half close, its cancellation, a bad message, a failed write, close() or abort().
 class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
                          public SessionWriter,
                          public std::enable_shared_from_this<StreamCall> {
@@ -48,7 +48,7 @@ class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
   grpc::CallbackServerContext& context_;
   std::shared_ptr<StreamCall> self_;  // gRPC's share, given back in OnDone
 
-  grpc::ByteBuffer incoming_;               // of the read that is under way
+  grpc::ByteBuffer incoming_;  // of the read that is under way
   std::atomic<int64_t> echoed_ns_{0};
 
   std::mutex mutex_;                        // guards everything below

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include "render/choose_camera.h"
+#include "render/scene_view.h"
+#include "splat/image.h"
+
+namespace livegs {
+namespace {
+
+// A grid of opaque grey kernels that fills a cube of `edge` units about the asset's origin.
+std::shared_ptr<const GaussianAsset> cube_asset(float edge, const Eigen::Vector3f& dc) {
+  constexpr int kSide = 8;
+  auto asset = std::make_shared<GaussianAsset>();
+  asset->resize(kSide * kSide * kSide);
+  for (size_t i = 0; i < asset->size(); ++i) {
+    const Eigen::Vector3f cell(static_cast<float>(i % kSide), static_cast<float>(i / kSide % kSide),
+                               static_cast<float>(i / kSide / kSide));
+    asset->positions[i] = edge * ((cell / (kSide - 1)).array() - 0.5f);
+    asset->log_scales[i].setConstant(std::log(edge / (2 * kSide)));
+    asset->rotations[i].setIdentity();
+    asset->opacity_logits[i] = 4.0f;
+    asset->sh_dc[i] = dc;
+  }
+  return asset;
+}
+
+RestBody rigid_rest() {
+  RestBody rest;
+  rest.bodies = {Pose{}};
+  return rest;
+}
+
+DriverFrame frame_of(std::initializer_list<std::pair<uint32_t, Eigen::Vector3d>> places) {
+  DriverFrame frame;
+  for (const auto& [id, position] : places) {
+    ObjectDrivers drivers;
+    drivers.object_id = id;
+    drivers.poses = {{position, Eigen::Quaterniond::Identity()}};
+    frame.objects.push_back(drivers);
+  }
+  return frame;
+}
+
+TEST(SceneView, SkinsOnlyWhatMoved) {
+  SceneView view;
+  ASSERT_TRUE(view.add(1, cube_asset(0.2f, {1, 0, 0}), rigid_rest(), false));
+  ASSERT_TRUE(view.add(2, cube_asset(0.2f, {0, 1, 0}), rigid_rest(), false));
+  ASSERT_TRUE(view.pose(frame_of({{1, {0, 0, 0}}, {2, {1, 0, 0}}})));
+  EXPECT_EQ(view.last_times().objects_skinned, 2u);
+  ASSERT_TRUE(view.pose(frame_of({{1, {0, 0, 0}}, {2, {1.5, 0, 0}}})));
+  EXPECT_EQ(view.last_times().objects_skinned, 1u);
+  EXPECT_NEAR(view.bounds(2).center().x(), 1.5, 1e-6);
+}
+
+TEST(SceneView, APictureWithSavedSkinningIsTheSamePicture) {
+  const Camera camera = look_at({0, 0, 2}, {0, 0, 0}, {0, 1, 0}, 0.7, 96, 64);
+  SceneView kept, fresh;
+  for (SceneView* view : {&kept, &fresh}) {
+    ASSERT_TRUE(view->add(1, cube_asset(0.3f, {1, 0, 0}), rigid_rest(), false));
+    ASSERT_TRUE(view->add(2, cube_asset(0.3f, {0, 1, 0}), rigid_rest(), false));
+  }
+  RasterisedView kept_picture, fresh_picture;
+  ASSERT_TRUE(kept.draw(frame_of({{1, {-0.3, 0, 0}}, {2, {0.1, 0, 0}}}), camera, kept_picture));
+  ASSERT_TRUE(kept.draw(frame_of({{1, {-0.3, 0, 0}}, {2, {0.3, 0, 0}}}), camera, kept_picture));
+  ASSERT_TRUE(fresh.draw(frame_of({{1, {-0.3, 0, 0}}, {2, {0.3, 0, 0}}}), camera, fresh_picture));
+  EXPECT_EQ(kept_picture.image.pixels, fresh_picture.image.pixels);
+}
+
+TEST(SceneView, LeavesOutWhatWasRemovedAndWhatIsUnknown) {
+  SceneView view;
+  ASSERT_TRUE(view.add(1, cube_asset(0.2f, {1, 0, 0}), rigid_rest(), false));
+  ASSERT_TRUE(view.add(2, cube_asset(0.2f, {0, 1, 0}), rigid_rest(), false));
+  view.remove(2);
+  ASSERT_TRUE(view.pose(frame_of({{1, {0, 0, 0}}, {2, {5, 0, 0}}, {3, {9, 0, 0}}})));
+  EXPECT_NEAR(view.object_bounds().max().x(), 0.1, 0.02);
+}
+
+TEST(SceneView, DriversThatDoNotFitAreRefused) {
+  SceneView view;
+  ASSERT_TRUE(view.add(1, cube_asset(0.2f, {1, 0, 0}), rigid_rest(), false));
+  DriverFrame frame = frame_of({{1, {0, 0, 0}}});
+  frame.objects[0].poses.push_back(Pose{});
+  const auto posed = view.pose(frame);
+  ASSERT_FALSE(posed);
+  EXPECT_NE(posed.error().message.find("object 1"), std::string::npos) << posed.error().message;
+}
+
+// Every corner of the objects, and nothing of the environment's extent, decides the default picture.
+TEST(ChooseCamera, HasAllObjectsInThePictureAndTheEnvironmentBehind) {
+  SceneView view;
+  ASSERT_TRUE(view.add(1, cube_asset(8.0f, {0, 0, 1}), rigid_rest(), true));
+  ASSERT_TRUE(view.add(2, cube_asset(0.4f, {1, 0, 0}), rigid_rest(), false));
+  ASSERT_TRUE(view.add(3, cube_asset(0.4f, {0, 1, 0}), rigid_rest(), false));
+  ASSERT_TRUE(view.pose(frame_of({{1, {-3, 0, 0}}, {2, {-0.5, 0.2, 0}}, {3, {0.5, 0.2, 0}}})));
+  const Camera camera = choose_camera(view, 320, 240);
+  const Eigen::AlignedBox3d box = view.object_bounds();
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d seen =
+        camera.world_from_camera.inverse() * box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner));
+    ASSERT_LT(seen.z(), 0);
+    EXPECT_LT(std::abs(seen.x() / seen.z() * camera.focal_x_px), 160);
+    EXPECT_LT(std::abs(seen.y() / seen.z() * camera.focal_y_px), 120);
+  }
+  EXPECT_GT(camera.world_from_camera.position_m.x(), 0.5);  // the environment's middle is at x = -3
+  EXPECT_GT(camera.world_from_camera.position_m.y(), box.center().y());
+}
+
+}  // namespace
+}  // namespace livegs

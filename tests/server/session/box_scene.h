@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <google/protobuf/util/json_util.h>
+#include <gtest/gtest.h>
+
+#include "scene/scene.h"
+
+namespace livegs {
+
+// A wooden box and a soft cube, a metre apart on a floor, made of shapes: no assets are needed.
+inline Scene box_scene(double rate_hz = 90) {
+  v1::Scene file;
+  const auto parsed = google::protobuf::util::JsonStringToMessage(R"({
+    "substeps": 4,
+    "environment": { "colliders": [ { "plane": {}, "friction": 0.6 } ] },
+    "objects": [
+      { "name": "box", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } }, "pose": { "position_m": [-0.5, 0.1, 0] },
+        "physics": { "behavior": "RIGID", "mass_kg": 1.0, "friction": 0.5 } },
+      { "name": "cube", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } }, "pose": { "position_m": [0.5, 0.1, 0] },
+        "physics": { "behavior": "ELASTIC", "density_kg_m3": 300, "youngs_modulus_pa": 2e4 } } ] })",
+                                                                  &file);
+  EXPECT_TRUE(parsed.ok()) << parsed.message();
+  SceneOptions options;
+  options.rate_hz = rate_hz;
+  auto scene = Scene::build(file, ".", "boxes", options);
+  EXPECT_TRUE(scene) << scene.error().message;
+  return std::move(*scene);
+}
+
+}  // namespace livegs

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <grpcpp/create_channel.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+#include "livegs/v1/session.grpc.pb.h"
+#include "server/session/tick_log.h"
+#include "wire/frame_codec.h"
+
+namespace livegs {
+
+inline std::shared_ptr<grpc::Channel> channel_to(int port) {
+  grpc::ChannelArguments arguments;
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+  return grpc::CreateCustomChannel("127.0.0.1:" + std::to_string(port), grpc::InsecureChannelCredentials(),
+                                   arguments);
+}
+
+inline void set_patience(grpc::ClientContext& context) {
+  context.set_deadline(std::chrono::system_clock::now() + kPatience);
+}
+
+// A client that says exactly what a test wants it to.
+class RawClient {
+ public:
+  explicit RawClient(int port) : stub_(v1::LiveGs::NewStub(channel_to(port))) {}
+  v1::LiveGs::Stub& stub() { return *stub_; }
+
+  grpc::Status join(uint32_t protocol_version = kProtocolVersion) {
+    grpc::ClientContext context;
+    set_patience(context);
+    v1::JoinRequest request;
+    request.set_protocol_version(protocol_version);
+    request.set_client_name("a test");
+    return stub_->Join(&context, request, &joined);
+  }
+  void open() {
+    set_patience(context_);
+    stream_ = stub_->Stream(&context_);
+    v1::ClientMessage message;
+    message.set_session_id(joined.session_id());
+    EXPECT_TRUE(stream_->Write(message));
+  }
+  bool send(const v1::ClientMessage& message) { return stream_->Write(message); }
+  bool acknowledge(uint64_t tick) {
+    v1::ClientMessage message;
+    message.set_acknowledged_tick(tick);
+    return send(message);
+  }
+  // The next message; one without a tick when the stream is over.
+  v1::ServerMessage read() {
+    v1::ServerMessage message;
+    if (!stream_->Read(&message)) message.Clear();
+    return message;
+  }
+  grpc::Status finish() {
+    stream_->WritesDone();
+    v1::ServerMessage message;
+    while (stream_->Read(&message)) {
+    }
+    return stream_->Finish();
+  }
+  void cancel() { context_.TryCancel(); }
+
+  v1::JoinReply joined;
+
+ private:
+  std::unique_ptr<v1::LiveGs::Stub> stub_;
+  grpc::ClientContext context_;
+  std::unique_ptr<grpc::ClientReaderWriter<v1::ClientMessage, v1::ServerMessage>> stream_;
+};
+
+}  // namespace livegs

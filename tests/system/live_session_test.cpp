@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+// Server and client in one process over loopback, so that both ends of the same tick can be compared.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+
+#include "core/file.h"
+#include "render/scene_view.h"
+#include "scratch_folder.h"
+#include "server/session/box_scene.h"
+#include "server/session/tick_log.h"
+#include "session/live_server.h"
+#include "session/simulation_loop.h"
+#include "viewer/camera_file.h"
+#include "viewer/offscreen_run.h"
+#include "wire/frame_codec.h"
+
+namespace livegs {
+namespace {
+
+class LiveSession : public ::testing::Test {
+ protected:
+  void start(double rate_hz = 90) {
+    auto server = LiveServer::listen("127.0.0.1:0");
+    ASSERT_TRUE(server) << server.error().message;
+    server_ = std::move(*server);
+    loop_ =
+        std::make_unique<SimulationLoop>(box_scene(rate_hz), server_->ticks(), [this](const Scene& scene) {
+          std::lock_guard lock(mutex_);
+          simulated_[scene.world().tick()] = scene.world().drivers();
+          newest_tick_ = scene.world().tick();
+          for (const SceneObject& object : scene.objects()) objects_.emplace(object.id, object);
+          ticked_.notify_all();
+        });
+    server_->open(loop_->scene(), *loop_);
+    loop_->start();
+  }
+  void TearDown() override {
+    if (server_) server_->shut_down("the test is over");
+    if (loop_) loop_->stop();
+  }
+  OffscreenRunOptions options(const std::string& name, double seconds) {
+    OffscreenRunOptions run;
+    run.address = "127.0.0.1:" + std::to_string(server_->port());
+    run.seconds = seconds;
+    run.output = folder_ / name;
+    run.size = PictureSize{160, 120};
+    run.video = false;
+    run.png_every = 0;
+    run.cache = folder_ / "cache";
+    run.connect_timeout_s = 30;
+    return run;
+  }
+  // The server's own drivers, not quantised, at a tick.
+  DriverFrame simulated(uint64_t tick) {
+    std::lock_guard lock(mutex_);
+    return simulated_.at(tick);
+  }
+
+  ScratchFolder folder_;
+  // Looks at every tick whether so many clients have joined.
+  bool wait_clients(size_t count) {
+    std::unique_lock lock(mutex_);
+    return ticked_.wait_for(lock, kPatience, [&] { return server_->client_count() == count; });
+  }
+
+  std::mutex mutex_;  // guards the next three
+  std::condition_variable ticked_;
+  std::map<uint64_t, DriverFrame> simulated_;
+  std::map<uint32_t, SceneObject> objects_;
+  uint64_t newest_tick_ = 0;
+  std::unique_ptr<LiveServer> server_;
+  std::unique_ptr<SimulationLoop> loop_;
+  std::atomic<bool> interrupted_{false};
+};
+
+std::vector<uint64_t> ticks_of(const std::filesystem::path& csv) {
+  std::ifstream file(csv);
+  std::string line;
+  std::getline(file, line);
+  std::vector<uint64_t> ticks;
+  while (std::getline(file, line)) ticks.push_back(std::stoull(line));
+  return ticks;
+}
+
+TEST_F(LiveSession, TheLastPictureIsAnOfflineDrawOfTheServersOwnDrivers) {
+  start();
+  OffscreenRunOptions run = options("view", 3.0);
+  run.poke = "cube";
+  const auto summary = run_offscreen(run, interrupted_);
+  ASSERT_TRUE(summary) << summary.error().message;
+  ASSERT_FALSE(summary->stream_error) << summary->stream_error->message;
+
+  const auto bytes = read_file(run.output / "last_frame.bin");
+  ASSERT_TRUE(bytes);
+  const auto streamed = decode_frame(*bytes);
+  ASSERT_TRUE(streamed) << streamed.error().message;
+  const DriverFrame own = simulated(streamed->tick);
+  const auto camera = read_camera_file(run.output / "camera.json", std::nullopt);
+  ASSERT_TRUE(camera) << camera.error().message;
+
+  SceneView view;
+  {
+    std::lock_guard lock(mutex_);
+    for (const auto& [id, object] : objects_)
+      ASSERT_TRUE(view.add(id, object.asset, object.rest, object.environment));
+  }
+  RasterisedView offline;
+  ASSERT_TRUE(view.draw(own, *camera, offline));
+  const auto last = read_png(run.output / "last.png");
+  ASSERT_TRUE(last) << last.error().message;
+  // Rounding to 8 bits alone leaves 58.9 dB (255 sqrt(12)); 50 dB is a root mean square error of 0.8 of 255.
+  EXPECT_GE(psnr_db(*last, offline.image), 50.0);
+  // And it shows something: the objects stand out from the background.
+  const auto [darkest, brightest] = std::minmax_element(last->pixels.begin(), last->pixels.end());
+  EXPECT_GT(*brightest - *darkest, 0.3f);
+}
+
+TEST_F(LiveSession, FramesComeInOrderAndTheirDriversAreTheServersWithinAStep) {
+  start();
+  const auto summary = run_offscreen(options("view", 1.0), interrupted_);
+  ASSERT_TRUE(summary) << summary.error().message;
+  const std::vector<uint64_t> ticks = ticks_of(folder_ / "view" / "frames.csv");
+  ASSERT_GT(ticks.size(), 5u);
+  EXPECT_EQ(std::adjacent_find(ticks.begin(), ticks.end(), std::greater_equal<>()), ticks.end());
+  EXPECT_EQ(summary->received.frames, ticks.size());
+  EXPECT_EQ(summary->received.missed_ticks, ticks.back() - ticks.front() + 1 - ticks.size());
+  const auto bytes = read_file(folder_ / "view" / "last_frame.bin");
+  ASSERT_TRUE(bytes);
+  const auto streamed = decode_frame(*bytes);
+  ASSERT_TRUE(streamed);
+  const DriverFrame own = simulated(streamed->tick);
+  ASSERT_EQ(own.objects.size(), streamed->objects.size());
+  for (size_t i = 0; i < own.objects.size(); ++i) {
+    ASSERT_EQ(own.objects[i].positions_m.size(), streamed->objects[i].positions_m.size());
+    for (size_t n = 0; n < own.objects[i].positions_m.size(); ++n) {
+      // Half a step of 16 bits over a box of less than half a metre.
+      EXPECT_LT((own.objects[i].positions_m[n] - streamed->objects[i].positions_m[n]).cwiseAbs().maxCoeff(),
+                0.5f / 65535);
+    }
+  }
+}
+
+TEST_F(LiveSession, APokeMovesItsObjectAndABallComes) {
+  start();
+  const uint32_t box = loop_->scene().find("box")->id;
+  std::ofstream(folder_ / "script.json") << R"({ "actions": [
+    { "poke": { "object": "box", "start_s": 0.3, "pull_m": [0, 0.5, 0], "pull_s": 0.5, "hold_s": 20 } },
+    { "ball": { "time_s": 0.5, "object": "cube" } } ] })";
+  OffscreenRunOptions run = options("view", 3.0);
+  run.script_file = folder_ / "script.json";
+  const auto summary = run_offscreen(run, interrupted_);
+  ASSERT_TRUE(summary) << summary.error().message;
+  const auto bytes = read_file(run.output / "last_frame.bin");
+  ASSERT_TRUE(bytes);
+  const auto frame = decode_frame(*bytes);
+  ASSERT_TRUE(frame);
+  EXPECT_GT(middle_of(*frame, box).y(), 0.2);  // it stood at 0.1 m; the ray holds it half a metre higher
+  EXPECT_EQ(frame->objects.size(), 4u);        // floor, box, cube and the ball
+  EXPECT_EQ(loop_->summary().shots, 1u);
+}
+
+TEST_F(LiveSession, TwoClientsSeeTheSameFrames) {
+  start();
+  Result<OffscreenRunSummary> other = Error{};
+  std::thread second([&] { other = run_offscreen(options("other", 1.0), interrupted_); });
+  const auto summary = run_offscreen(options("view", 1.0), interrupted_);
+  second.join();
+  ASSERT_TRUE(summary) << summary.error().message;
+  ASSERT_TRUE(other) << other.error().message;
+  EXPECT_GT(summary->received.frames, 5u);
+  EXPECT_GT(other->received.frames, 5u);
+  // They share a cache folder and fetched each asset once between them.
+  EXPECT_EQ(summary->assets.fetched + other->assets.fetched, summary->assets.assets);
+}
+
+TEST_F(LiveSession, AnAssetInTheCacheIsNotFetchedAgain) {
+  start();
+  const auto first = run_offscreen(options("first", 0.1), interrupted_);
+  ASSERT_TRUE(first) << first.error().message;
+  EXPECT_GT(first->assets.fetched_bytes, 0u);
+  const auto second = run_offscreen(options("second", 0.1), interrupted_);
+  ASSERT_TRUE(second) << second.error().message;
+  EXPECT_EQ(second->assets.fetched_bytes, 0u);
+  EXPECT_EQ(second->assets.assets, first->assets.assets);
+}
+
+TEST_F(LiveSession, PicturesAreEvenInSimulatedTime) {
+  start();
+  OffscreenRunOptions run = options("view", 1.0);
+  run.video_rate_hz = 30;
+  const auto summary = run_offscreen(run, interrupted_);
+  ASSERT_TRUE(summary) << summary.error().message;
+  std::ifstream file(run.output / "timings.csv");
+  std::string line;
+  std::getline(file, line);
+  std::vector<double> times_s;
+  while (std::getline(file, line)) times_s.push_back(std::stod(line.substr(line.find(',') + 1)));
+  ASSERT_GT(times_s.size(), 3u);
+  // All but the last, which is the last frame itself. Times are written to a microsecond.
+  for (size_t i = 1; i + 1 < times_s.size(); ++i) EXPECT_NEAR(times_s[i] - times_s[i - 1], 1.0 / 30, 2e-6);
+}
+
+TEST_F(LiveSession, AServerThatClosesEndsTheClientOrderly) {
+  start();
+  Result<OffscreenRunSummary> summary = Error{};
+  std::thread client([&] { summary = run_offscreen(options("view", 0), interrupted_); });
+  // It has joined; its stream is open by the time another client has had a second of its own.
+  EXPECT_TRUE(wait_clients(1));
+  EXPECT_TRUE(run_offscreen(options("probe", 1.0), interrupted_));
+  server_->shut_down("closing time");
+  client.join();
+  ASSERT_TRUE(summary) << summary.error().message;
+  EXPECT_FALSE(summary->stream_error) << summary->stream_error->message;
+}
+
+}  // namespace
+}  // namespace livegs

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+// livegs-server and livegs-client as whole programs: what they say, and how they end, when the world is not
+// as it should be.
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+
+#include "splat/image.h"
+#include "system/program.h"
+
+namespace livegs {
+namespace {
+
+constexpr const char* kScene = R"({
+  "environment": { "colliders": [ { "plane": {} } ] },
+  "objects": [
+    { "name": "box", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } }, "pose": { "position_m": [-0.3, 0.1, 0] },
+      "physics": { "behavior": "RIGID", "mass_kg": 1 } },
+    { "name": "cube", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } }, "pose": { "position_m": [0.3, 0.1, 0] },
+      "physics": { "behavior": "ELASTIC", "density_kg_m3": 300, "youngs_modulus_pa": 2e4 } } ] })";
+
+class Programs : public ::testing::Test {
+ protected:
+  std::vector<std::string> server_words(std::vector<std::string> more = {}) {
+    std::vector<std::string> words = {LIVEGS_SERVER,
+                                      folder_.write("boxes.scene.json", kScene),
+                                      "--listen",
+                                      "127.0.0.1:0",
+                                      "--print-port",
+                                      "--threads",
+                                      "1"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+  std::vector<std::string> client_words(const std::string& port, std::vector<std::string> more = {}) {
+    std::vector<std::string> words = {LIVEGS_CLIENT, "127.0.0.1:" + port,
+                                      "--output",    folder_ / "view",
+                                      "--cache",     folder_ / "cache",
+                                      "--size",      "160x120",
+                                      "--threads",   "1"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+  // Exactly one line on standard error, which names this, and nothing on standard output.
+  static void expect_one_line(const Program& program, const std::string& named) {
+    const std::string err = program.err();
+    EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;
+    EXPECT_NE(err.find(named), std::string::npos) << err;
+    EXPECT_EQ(program.out(), "");
+  }
+  ScratchFolder folder_;
+};
+
+TEST_F(Programs, StreamPokeAndEndWithoutComplaint) {
+  Program server(server_words());
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  Program client(client_words(port, {"--seconds", "2", "--poke", "box", "--every", "10"}));
+  EXPECT_EQ(client.wait(), 0) << client.err();
+  for (const char* name :
+       {"first.png", "last.png", "last_frame.bin", "camera.json", "frames.csv", "timings.csv"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "view" / name)) << name;
+  }
+  EXPECT_NE(client.out().find("staleness p50"), std::string::npos) << client.out();
+  server.send(SIGTERM);
+  EXPECT_EQ(server.wait(), 0) << server.err();
+  EXPECT_NE(server.out().find("tick p50"), std::string::npos) << server.out();
+  EXPECT_NE(server.out().find("box: "), std::string::npos) << server.out();
+}
+
+TEST_F(Programs, AClientFindsItsAssetsInTheCacheTheSecondTime) {
+  Program server(server_words());
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  Program first(client_words(port, {"--seconds", "0.2", "--no-video"}));
+  ASSERT_EQ(first.wait(), 0) << first.err();
+  EXPECT_EQ(first.out().find(" 0 of "), std::string::npos) << first.out();
+  Program second(client_words(port, {"--seconds", "0.2", "--no-video"}));
+  ASSERT_EQ(second.wait(), 0) << second.err();
+  EXPECT_NE(second.out().find("; 0 of "), std::string::npos) << second.out();
+  EXPECT_NE(second.out().find("fetched, 0.0 MB"), std::string::npos) << second.out();
+}
+
+TEST_F(Programs, AServerThatIsKilledEndsTheClientWithOneAndItsPicturesStay) {
+  Program server(server_words());
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  Program client(client_words(port, {"--seconds", "0"}));
+  // Frames have come by the time another client, that came later, has had a second of them.
+  ASSERT_TRUE(server.says("streaming to")) << server.err();
+  Program probe(client_words(port, {"--seconds", "1", "--no-video", "--output", folder_ / "probe"}));
+  ASSERT_EQ(probe.wait(), 0) << probe.err();
+  server.send(SIGKILL);
+  EXPECT_EQ(client.wait(), 1) << client.err();
+  EXPECT_NE(client.err().find("went away"), std::string::npos) << client.err();
+  EXPECT_TRUE(read_png(folder_ / "view" / "last.png"));
+  EXPECT_GT(std::filesystem::file_size(folder_ / "view" / "frames.csv"), 100u);
+}
+
+TEST_F(Programs, AServerThatIsStoppedTellsItsClients) {
+  Program server(server_words({"--seconds", "3"}));
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  Program client(client_words(port, {"--seconds", "0", "--no-video"}));
+  EXPECT_EQ(client.wait(), 0) << client.err();
+  EXPECT_NE(client.err().find("has run for its time"), std::string::npos) << client.err();
+  EXPECT_EQ(server.wait(), 0) << server.err();
+}
+
+TEST_F(Programs, AnInterruptedClientKeepsWhatItHas) {
+  Program server(server_words());
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  Program client(client_words(port, {"--seconds", "0", "--no-video"}));
+  ASSERT_TRUE(server.says("streaming to")) << server.err();
+  Program probe(client_words(port, {"--seconds", "1", "--no-video", "--output", folder_ / "probe"}));
+  ASSERT_EQ(probe.wait(), 0) << probe.err();
+  client.send(SIGINT);
+  EXPECT_EQ(client.wait(), 0) << client.err();
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "view" / "timings.csv"));
+}
+
+TEST_F(Programs, APortInUseIsOneLineAndCodeOne) {
+  Program first(server_words());
+  const std::string port = first.first_line();
+  ASSERT_NE(port, "") << first.err();
+  Program second({LIVEGS_SERVER, folder_ / "boxes.scene.json", "--listen", "127.0.0.1:" + port});
+  EXPECT_EQ(second.wait(), 1);
+  expect_one_line(second, "the port is in use");
+  Program client(client_words(port, {"--seconds", "0.2", "--no-video"}));  // the first one keeps running
+  EXPECT_EQ(client.wait(), 0) << client.err();
+}
+
+TEST_F(Programs, AnotherAddressThanThisMachineIsRefused) {
+  Program server({LIVEGS_SERVER, "any.scene.json", "--listen", "0.0.0.0:9780"});
+  EXPECT_EQ(server.wait(), 2);
+  expect_one_line(server, "only this machine");
+}
+
+TEST_F(Programs, AMissingSceneIsOneLineAndCodeTwo) {
+  Program server({LIVEGS_SERVER, folder_ / "absent.scene.json", "--listen", "127.0.0.1:0"});
+  EXPECT_EQ(server.wait(), 2);
+  expect_one_line(server, "absent.scene.json");
+}
+
+TEST_F(Programs, AServerThatIsNotThereIsOneLineAndCodeOne) {
+  Program client(client_words("1", {"--connect-timeout", "0.3"}));
+  EXPECT_EQ(client.wait(), 1);
+  expect_one_line(client, "no server answers at 127.0.0.1:1");
+}
+
+TEST_F(Programs, ADisplayThatDoesNotExistYetIsRefused) {
+  Program client({LIVEGS_CLIENT, "127.0.0.1:1", "--display", "window"});
+  EXPECT_EQ(client.wait(), 2);
+  EXPECT_NE(client.err().find("offscreen"), std::string::npos) << client.err();
+}
+
+TEST_F(Programs, APokeAtNothingNamesWhatThereIs) {
+  Program server(server_words());
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  Program client(client_words(port, {"--poke", "hat"}));
+  EXPECT_EQ(client.wait(), 2);
+  expect_one_line(client, "box, cube");
+}
+
+}  // namespace
+}  // namespace livegs
