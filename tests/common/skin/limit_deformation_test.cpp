@@ -63,6 +63,16 @@ TEST(LimitDeformation, SingularValuesAreClampedAndDirectionsKept) {
   }
 }
 
+TEST(LimitDeformation, EvenStretchesAreClampedToo) {
+  // These pass one of the two cheap bounds and must not pass the other.
+  for (const auto& [stretch, clamped] :
+       {std::pair{6.0f, kMaxKernelStretch}, std::pair{0.1f, kMinKernelStretch}}) {
+    const LimitedDeformation limited = limit_deformation(stretch * Eigen::Matrix3f::Identity());
+    EXPECT_NEAR((limited.gradient - clamped * Eigen::Matrix3f::Identity()).norm(), 0.0f, 1e-5f);
+    EXPECT_NEAR(angle_between(limited.rotation.cast<double>(), Eigen::Quaterniond::Identity()), 0.0, 1e-6);
+  }
+}
+
 TEST(LimitDeformation, AnInvertedGradientIsContinuousWithAFlatOne) {
   std::mt19937_64 random(3);
   for (int i = 0; i < 200; ++i) {
