@@ -45,10 +45,9 @@ int print_asset(const std::filesystem::path& path) {
   vector("bounds min", summary.bounds_min);
   vector("bounds max", summary.bounds_max);
   vector("size", summary.bounds_max - summary.bounds_min);
-  std::printf("opacity      mean %.4f; 1 %% %.4f, 50 %% %.4f, 99 %% %.4f\n", summary.mean_opacity,
-              summary.opacity_percentiles[0], summary.opacity_percentiles[1], summary.opacity_percentiles[2]);
-  std::printf("scale        1 %% %.4g, 50 %% %.4g, 99 %% %.4g\n", summary.scale_percentiles[0],
-              summary.scale_percentiles[1], summary.scale_percentiles[2]);
+  std::printf("opacity      mean %.4f; 1 %% %.4f, 50 %% %.4f, 99 %% %.4f\n", summary.mean_opacity, summary.opacity.p1,
+              summary.opacity.p50, summary.opacity.p99);
+  std::printf("scale        1 %% %.4g, 50 %% %.4g, 99 %% %.4g\n", summary.scale.p1, summary.scale.p50, summary.scale.p99);
   for (const std::string& note : file->notes) std::printf("note         %s\n", note.c_str());
   return 0;
 }

@@ -39,7 +39,7 @@ std::filesystem::path numbered(const std::filesystem::path& output, int turn, in
 
 int draw(const RenderCommand& options, std::span<const DrawnObject> objects, const Eigen::AlignedBox3d& bounds) {
   RasteriseOptions rasterise;
-  rasterise.background = Eigen::Vector3d(options.background[0], options.background[1], options.background[2]);
+  rasterise.background = Eigen::Vector3d(options.background[0], options.background[1], options.background[2]).cast<float>();
   Rasteriser rasteriser;
   RasterisedView view;
   for (int turn = 0; turn < options.turns; ++turn) {

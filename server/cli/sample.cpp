@@ -20,12 +20,12 @@ constexpr const char* kSceneFile = R"({
     "colliders": [ { "plane": { "normal": [0, 1, 0] }, "friction": 0.6, "restitution": 0.2 } ]
   },
   "objects": [
-    { "name": "stool",  "asset": "wooden_stool.ply", "scale": 1, "pose": { "position_m": [-0.62, 0.02, -0.45] } },
-    { "name": "plant",  "asset": "potted_plant.ply", "scale": 1, "pose": { "position_m": [ 0.62, 0.04, -0.50] } },
-    { "name": "pillow", "asset": "pillow.ply",       "scale": 1, "pose": { "position_m": [ 0.02, 0.45, -0.30] } },
-    { "name": "hat",    "asset": "felt_hat.ply",     "scale": 1, "pose": { "position_m": [-0.40, 0.35,  0.12] } },
-    { "name": "cup",    "asset": "cup.ply",          "scale": 1, "pose": { "position_m": [ 0.40, 0.25,  0.15] } },
-    { "name": "duck",   "asset": "toy_duck.ply",     "scale": 1, "pose": { "position_m": [ 0.05, 0.40,  0.28] } }
+    { "name": "stool",  "asset": "stool.ply",  "scale": 1, "pose": { "position_m": [-0.62, 0.02, -0.45] } },
+    { "name": "plant",  "asset": "plant.ply",  "scale": 1, "pose": { "position_m": [ 0.62, 0.04, -0.50] } },
+    { "name": "pillow", "asset": "pillow.ply", "scale": 1, "pose": { "position_m": [ 0.02, 0.45, -0.30] } },
+    { "name": "hat",    "asset": "hat.ply",    "scale": 1, "pose": { "position_m": [-0.40, 0.35,  0.12] } },
+    { "name": "cup",    "asset": "cup.ply",    "scale": 1, "pose": { "position_m": [ 0.40, 0.25,  0.15] } },
+    { "name": "duck",   "asset": "duck.ply",   "scale": 1, "pose": { "position_m": [ 0.05, 0.40,  0.28] } }
   ]
 }
 )";

@@ -172,7 +172,7 @@ int run(const SimulateCommand& options) {
       if (!drawn) return report(drawn.error());
       times.pose_ms += lap();
       if (drawn_now) {
-        rasteriser.draw(*drawn, *camera, {.background = {0.08, 0.08, 0.1}}, view);
+        rasteriser.draw(*drawn, *camera, {.background = {0.08f, 0.08f, 0.1f}}, view);
         char name[32];
         std::snprintf(name, sizeof name, "frame_%04lu.png", frame);
         if (auto written = write_png(options.output / name, view.image, false, 3); !written) return report(written.error());
