@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Edelsbrunner and Mücke 1994, Three-dimensional alpha shapes. Of CGAL we take the Delaunay triangulation, whose exact
-// predicates are what matters; sorting all simplices by alpha, as CGAL's Alpha_shape_3 does, costs more than the
-// triangulation itself and only one radius at a time is asked for here.
+// Edelsbrunner and Mücke 1994, Three-dimensional alpha shapes. Of CGAL we take the Delaunay triangulation,
+// whose exact predicates are what matters; sorting all simplices by alpha, as CGAL's Alpha_shape_3 does,
+// costs more than the triangulation itself and only one radius at a time is asked for here.
 #include "geometry/alpha_complex.h"
 
 #include <CGAL/Delaunay_triangulation_3.h>
@@ -24,22 +24,27 @@ namespace livegs {
 namespace {
 
 struct CellInfo {
-  double radius2 = 0.0;               // squared circumradius
-  bool reached = false;               // by the ball, from outside
-  std::array<int32_t, 4> face = {};   // triangle of the body's surface opposite each corner, where there is one
+  double radius2 = 0.0;  // squared circumradius
+  bool reached = false;  // by the ball, from outside
+  std::array<int32_t, 4> face =
+      {};  // triangle of the body's surface opposite each corner, where there is one
 };
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Point = Kernel::Point_3;
 using VertexBase = CGAL::Triangulation_vertex_base_with_info_3<uint32_t, Kernel>;
-using CellBase = CGAL::Triangulation_cell_base_with_info_3<CellInfo, Kernel, CGAL::Delaunay_triangulation_cell_base_3<Kernel>>;
-using Delaunay = CGAL::Delaunay_triangulation_3<Kernel, CGAL::Triangulation_data_structure_3<VertexBase, CellBase>>;
+using CellBase = CGAL::Triangulation_cell_base_with_info_3<CellInfo, Kernel,
+                                                           CGAL::Delaunay_triangulation_cell_base_3<Kernel>>;
+using Delaunay =
+    CGAL::Delaunay_triangulation_3<Kernel, CGAL::Triangulation_data_structure_3<VertexBase, CellBase>>;
 using Cell = Delaunay::Cell_handle;
 using Vertex = Delaunay::Vertex_handle;
 
-// Corners of the face opposite corner i of a positively oriented tetrahedron, counter-clockwise seen from outside.
+// Corners of the face opposite corner i of a positively oriented tetrahedron, counter-clockwise seen from
+// outside.
 constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-// A point counts as inside a sphere only if it is by this much: cospherical clouds (grids) must not be torn by rounding.
+// A point counts as inside a sphere only if it is by this much: cospherical clouds (grids) must not be torn
+// by rounding.
 constexpr double kInsideSphere = 1.0 - 1e-9;
 
 Point to_cgal(const Eigen::Vector3d& p) { return Point(p.x(), p.y(), p.z()); }
@@ -56,7 +61,8 @@ double squared_circumradius(const Cell& cell) {
   const double twice_det = 2.0 * a.dot(b.cross(c));
   if (twice_det == 0.0) return std::numeric_limits<double>::infinity();
   const Eigen::Vector3d centre =
-      (a.squaredNorm() * b.cross(c) + b.squaredNorm() * c.cross(a) + c.squaredNorm() * a.cross(b)) / twice_det;
+      (a.squaredNorm() * b.cross(c) + b.squaredNorm() * c.cross(a) + c.squaredNorm() * a.cross(b)) /
+      twice_det;
   return centre.squaredNorm();
 }
 
@@ -68,7 +74,8 @@ Circle circumcircle(const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Ei
   const Eigen::Vector3d a = q - p, b = r - p, normal = a.cross(b);
   const double scale = 2.0 * normal.squaredNorm();
   if (scale == 0.0) return {p, std::numeric_limits<double>::infinity()};
-  const Eigen::Vector3d offset = (a.squaredNorm() * b.cross(normal) + b.squaredNorm() * normal.cross(a)) / scale;
+  const Eigen::Vector3d offset =
+      (a.squaredNorm() * b.cross(normal) + b.squaredNorm() * normal.cross(a)) / scale;
   return {p + offset, offset.squaredNorm()};
 }
 
@@ -82,7 +89,8 @@ struct AlphaComplex::Impl {
   void renumber() {
     std::vector<std::pair<uint32_t, Vertex>> numbered;
     for (Vertex v : delaunay.finite_vertex_handles()) numbered.emplace_back(v->info(), v);
-    std::sort(numbered.begin(), numbered.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::sort(numbered.begin(), numbered.end(),
+              [](const auto& a, const auto& b) { return a.first < b.first; });
     vertices.clear();
     for (const auto& [number, vertex] : numbered) {
       vertex->info() = static_cast<uint32_t>(vertices.size());
@@ -203,10 +211,11 @@ size_t AlphaComplex::thicken_sheets(double radius, double thickness) {
   std::vector<SheetTriangle> sheets;
   DisjointSets patches(impl.vertices.size());
   for (const auto& [cell, i] : impl.delaunay.finite_facets()) {
-    if (!cell->info().reached || !cell->neighbor(i)->info().reached || !impl.blocked(cell, i, radius2)) continue;
+    if (!cell->info().reached || !cell->neighbor(i)->info().reached || !impl.blocked(cell, i, radius2))
+      continue;
     const auto [p, q, r] = impl.face_vertices(cell, i);
-    sheets.push_back({{p->info(), q->info(), r->info()},
-                      (position(q) - position(p)).cross(position(r) - position(p))});
+    sheets.push_back(
+        {{p->info(), q->info(), r->info()}, (position(q) - position(p)).cross(position(r) - position(p))});
     patches.join(p->info(), q->info());
     patches.join(p->info(), r->info());
   }
@@ -217,13 +226,15 @@ size_t AlphaComplex::thicken_sheets(double radius, double thickness) {
     return x < y;
   });
   std::vector<double> patch_area(impl.vertices.size(), 0.0);
-  for (const auto& sheet : sheets) patch_area[patches.find(sheet.corners[0])] += 0.5 * sheet.double_area.norm();
+  for (const auto& sheet : sheets)
+    patch_area[patches.find(sheet.corners[0])] += 0.5 * sheet.double_area.norm();
 
   std::vector<Eigen::Vector3d> normals(impl.vertices.size(), Eigen::Vector3d::Zero());
   for (const auto& sheet : sheets) {
     if (patch_area[patches.find(sheet.corners[0])] < std::numbers::pi * radius2) continue;
     for (uint32_t corner : sheet.corners) {
-      normals[corner] += normals[corner].dot(sheet.double_area) < 0.0 ? -sheet.double_area : sheet.double_area;
+      normals[corner] +=
+          normals[corner].dot(sheet.double_area) < 0.0 ? -sheet.double_area : sheet.double_area;
     }
   }
   // Threads: points on no body and no sheet that have a neighbour within the ball.
@@ -280,10 +291,11 @@ AlphaComplex::Body AlphaComplex::body(double radius) {
     }
   }
   std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return a.corners < b.corners; });
-  for (size_t f = 0; f < faces.size(); ++f) faces[f].cell->info().face[faces[f].opposite] = static_cast<int32_t>(f);
+  for (size_t f = 0; f < faces.size(); ++f)
+    faces[f].cell->info().face[faces[f].opposite] = static_cast<int32_t>(f);
 
-  // Two triangles run beside each other along an edge if a walk round it *inside* the body leads from one to the other.
-  // Each half-edge so has one twin, also where four or more triangles meet.
+  // Two triangles run beside each other along an edge if a walk round it *inside* the body leads from one to
+  // the other. Each half-edge so has one twin, also where four or more triangles meet.
   PairedTriangles surface;
   surface.twins.resize(faces.size() * 3);
   const auto half_edge_from = [&](size_t face, uint32_t point) {

@@ -13,7 +13,8 @@ constexpr uint32_t kNone = UINT32_MAX;
 
 uint32_t next_in_triangle(uint32_t half_edge) { return half_edge % 3 == 2 ? half_edge - 2 : half_edge + 1; }
 
-// For each half-edge the vertex in its middle, shared with its twin, where its ends are also the ends of another pair.
+// For each half-edge the vertex in its middle, shared with its twin, where its ends are also the ends of
+// another pair.
 std::vector<uint32_t> split_doubled_edges(const PairedTriangles& surface, TriangleMesh& mesh) {
   struct Pair {
     uint32_t low, high, half_edge;

@@ -11,18 +11,18 @@
 namespace livegs {
 namespace {
 
-// Kernels of a lower opacity are haze. At 0.2 the thin leaves of a captured palm fall into 41 pieces instead of 27; at
-// 0.05 the mist round its pot stays.
+// Kernels of a lower opacity are haze. At 0.2 the thin leaves of a captured palm fall into 41 pieces instead
+// of 27; at 0.05 the mist round its pot stays.
 constexpr float kLeastOpacity = 0.1f;
-// Far from the rest: kernels are sorted into cells of this part of the bounding-box diagonal; a group of touching cells
-// with less than this part of all kernels is left out. The box shrinks to what is left, and again, until nothing goes.
-// A leaf is a chain of cells that hangs on its plant, however thin and long.
+// Far from the rest: kernels are sorted into cells of this part of the bounding-box diagonal; a group of
+// touching cells with less than this part of all kernels is left out. The box shrinks to what is left, and
+// again, until nothing goes. A leaf is a chain of cells that hangs on its plant, however thin and long.
 constexpr double kLinkCell = 0.02;
 constexpr double kLeastShare = 1e-3;
 constexpr int kMostRounds = 12;
-// A kernel longer or wider than this part of the diagonal stands for more than its centre: further points at this
-// distance out to one standard deviation (0.6 of its opacity), so that few large kernels close a leaf or a wall as many
-// small ones do. At most four to a side along each axis.
+// A kernel longer or wider than this part of the diagonal stands for more than its centre: further points
+// this far apart out to one standard deviation (0.6 of its opacity), so that few large kernels close a leaf
+// or a wall as many small ones do. At most four to a side along each axis, then farther apart.
 constexpr double kSpread = 0.01;
 constexpr int kMostSpread = 4;
 
@@ -44,7 +44,8 @@ Groups linked_groups(const std::vector<Eigen::Vector3d>& points, const Eigen::Al
   grid.origin_m = bounds.min();
   grid.counts = (bounds.sizes() / grid.cell_m).array().floor().cast<int>() + 1;
   const auto cell_of = [&](const Eigen::Vector3d& p) {
-    return Eigen::Vector3i(((p - grid.origin_m) / grid.cell_m).array().floor().cast<int>().min(grid.counts.array() - 1));
+    return Eigen::Vector3i(
+        ((p - grid.origin_m) / grid.cell_m).array().floor().cast<int>().min(grid.counts.array() - 1));
   };
   constexpr int32_t kEmpty = -2, kUnseen = -1;
   std::vector<int32_t> group_of_cell(grid.size(), kEmpty);
@@ -63,7 +64,8 @@ Groups linked_groups(const std::vector<Eigen::Vector3d>& points, const Eigen::Al
         while (!open.empty()) {
           const Eigen::Vector3i c = open.back();
           open.pop_back();
-          const Eigen::Vector3i low = (c.array() - 1).max(0), high = (c.array() + 1).min(grid.counts.array() - 1);
+          const Eigen::Vector3i low = (c.array() - 1).max(0),
+                                high = (c.array() + 1).min(grid.counts.array() - 1);
           for (int z = low.z(); z <= high.z(); ++z) {
             for (int y = low.y(); y <= high.y(); ++y) {
               for (int x = low.x(); x <= high.x(); ++x) {
@@ -97,7 +99,9 @@ void drop_far(std::vector<uint32_t>& kernels, std::vector<Eigen::Vector3d>& poin
     const Groups groups = linked_groups(points, bounds);
     size_t kept = 0;
     for (size_t i = 0; i < points.size(); ++i) {
-      if (static_cast<double>(groups.sizes[groups.of_point[i]]) < kLeastShare * static_cast<double>(points.size())) continue;
+      if (static_cast<double>(groups.sizes[groups.of_point[i]]) <
+          kLeastShare * static_cast<double>(points.size()))
+        continue;
       kernels[kept] = kernels[i];
       points[kept++] = points[i];
     }
@@ -125,13 +129,14 @@ std::vector<Eigen::Vector3d> body_points(const GaussianAsset& asset, const Simil
     const Eigen::Vector3d deviations = asset.log_scales[kernels[i]].cast<double>().array().exp();
     if (deviations.maxCoeff() < spread) continue;
     const Eigen::Matrix3d axes = asset.rotations[kernels[i]].cast<double>().toRotationMatrix();
-    const Eigen::Array3i steps =
-        (deviations.array() / spread).min(static_cast<double>(kMostSpread)).floor().cast<int>();
+    const Eigen::Array3d step = (deviations.array() / kMostSpread).max(spread);
+    const Eigen::Array3i steps = (deviations.array() / step + 1e-9).floor().cast<int>();
     for (int a = -steps.x(); a <= steps.x(); ++a) {
       for (int b = -steps.y(); b <= steps.y(); ++b) {
         for (int c = -steps.z(); c <= steps.z(); ++c) {
-          const Eigen::Vector3d offset = spread * Eigen::Vector3d(a, b, c);
-          if ((a == 0 && b == 0 && c == 0) || offset.cwiseQuotient(deviations).squaredNorm() > 1.0) continue;
+          const Eigen::Vector3d offset = step * Eigen::Array3d(a, b, c);
+          const bool within = offset.cwiseQuotient(deviations).squaredNorm() <= 1.0 + 1e-9;
+          if (!within || (a == 0 && b == 0 && c == 0)) continue;
           points.push_back(points[i] + axes * offset);
         }
       }

@@ -8,8 +8,8 @@
 
 namespace livegs {
 
-// The convex hull, triangulated, outwards; empty when the points lie in one plane. Exact predicates. Precondition: all
-// values finite.
+// The convex hull, triangulated, outwards; empty when the points lie in one plane. Exact predicates.
+// Precondition: all values finite.
 TriangleMesh convex_hull(std::span<const Eigen::Vector3d> points_m);
 
 }  // namespace livegs

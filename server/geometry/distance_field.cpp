@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Nodes within one cell of the surface get the exact distance to their nearest triangle. Farther out each node is
-// offered the nearest triangles of its neighbours, in eight sweeps over the grid (the closest-triangle propagation of
-// Bridson's level-set construction); what it settles on is the distance to some triangle, so never too small. The
-// sign comes from scanlines, which a bad normal cannot upset.
+// Nodes within one cell of the surface get the exact distance to their nearest triangle. Farther out each
+// node is offered the nearest triangles of its neighbours, in eight sweeps over the grid (the
+// closest-triangle propagation of Bridson's level-set construction); what it settles on is the distance to
+// some triangle, so never too small. The sign comes from scanlines, which a bad normal cannot upset.
 #include "geometry/distance_field.h"
 
 #include <algorithm>
@@ -21,7 +21,9 @@ namespace {
 class NearestTriangles {
  public:
   NearestTriangles(const TriangleMesh& mesh, const RegularGrid& grid)
-      : mesh_(mesh), grid_(grid), triangle_(grid.size(), -1),
+      : mesh_(mesh),
+        grid_(grid),
+        triangle_(grid.size(), -1),
         distance2_(grid.size(), std::numeric_limits<float>::max()) {
     for (int32_t t = 0; t < static_cast<int32_t>(mesh.triangles.size()); ++t) fill_band(t);
     for (int direction = 0; direction < 8; ++direction) sweep(direction);
@@ -51,7 +53,8 @@ class NearestTriangles {
     const Eigen::Array3i end = (high.floor().cast<int>() + 1).min(grid_.counts.array());
     for (int k = begin.z(); k < end.z(); ++k) {
       for (int j = begin.y(); j < end.y(); ++j) {
-        for (int i = begin.x(); i < end.x(); ++i) offer(grid_.index(i, j, k), grid_.point_m(i, j, k), triangle);
+        for (int i = begin.x(); i < end.x(); ++i)
+          offer(grid_.index(i, j, k), grid_.point_m(i, j, k), triangle);
       }
     }
   }
@@ -77,9 +80,11 @@ class NearestTriangles {
             tried = triangle;
             offer(node, point_m, triangle);
           };
-          if (a > 0) take(grid_.index(i - step.x(), j, k));
-          if (b > 0) take(grid_.index(i, j - step.y(), k));
-          if (c > 0) take(grid_.index(i, j, k - step.z()));
+          for (int back = 1; back < 8; ++back) {
+            const int x = back & 1, y = back >> 1 & 1, z = back >> 2;
+            if (a < x || b < y || c < z) continue;
+            take(grid_.index(i - x * step.x(), j - y * step.y(), k - z * step.z()));
+          }
         }
       }
     }

@@ -8,19 +8,22 @@
 
 namespace livegs {
 
-// Signed distance to a closed mesh on a regular grid, negative inside, trilinear between nodes, in the mesh's frame.
-// Immutable after building; any thread may sample.
+// Signed distance to a closed mesh on a regular grid, negative inside, trilinear between nodes, in the mesh's
+// frame. Immutable after building; any thread may sample.
 class DistanceField {
  public:
-  // cell_m: edge of a grid cell; margin_m: how far the grid reaches beyond the mesh.
+  // cell_m: edge of a grid cell, widened where it would make more than 8 million nodes; margin_m: how far the
+  // grid reaches beyond the mesh. Nodes within a cell of the surface hold the exact distance, those farther
+  // out the distance to some triangle near the nearest: too large by at most a tenth of a cell. Precondition:
+  // at least one triangle.
   DistanceField(const TriangleMesh& mesh, double cell_m, double margin_m);
 
   struct Sample {
     double distance_m;
     Eigen::Vector3d gradient;  // unit where the distance is smooth
   };
-  // Outside the grid: the distance at the nearest grid point plus the way to it (never less than the true distance
-  // minus one cell).
+  // Outside the grid: the distance at the nearest grid point plus the way to it (never less than the true
+  // distance minus one cell).
   Sample sample(const Eigen::Vector3d& point_m) const;
 
   double cell_m() const { return cell_m_; }

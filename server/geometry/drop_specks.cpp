@@ -9,8 +9,8 @@
 namespace livegs {
 namespace {
 
-constexpr double kSmallVolume = 1e-3;   // of the whole
-constexpr double kShortLength = 0.05;   // of the whole's diagonal
+constexpr double kSmallVolume = 1e-3;  // of the whole
+constexpr double kShortLength = 0.05;  // of the whole's diagonal
 
 }  // namespace
 
@@ -29,7 +29,8 @@ Specks drop_specks(TriangleMesh& mesh) {
     Piece& piece = pieces[piece_of[t]];
     for (uint32_t vertex : mesh.triangles[t]) piece.bounds.extend(mesh.vertices_m[vertex]);
     const Eigen::Vector3d p = mesh.vertices_m[a] - whole.center();
-    piece.volume += p.dot((mesh.vertices_m[b] - whole.center()).cross(mesh.vertices_m[c] - whole.center())) / 6.0;
+    piece.volume +=
+        p.dot((mesh.vertices_m[b] - whole.center()).cross(mesh.vertices_m[c] - whole.center())) / 6.0;
   }
   double volume = 0.0;
   size_t largest = 0;

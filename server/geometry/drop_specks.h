@@ -10,9 +10,9 @@ struct Specks {
   double volume_share = 0.0;  // of the whole, before
 };
 
-// Takes away the separate pieces of a closed mesh that are neither large nor long: less than a thousandth of the
-// volume and less than a twentieth of the bounding-box diagonal. Leaves of a plant stay, floaters go. The largest
-// piece always stays.
+// Takes away the separate pieces of a closed mesh that are neither large nor long: less than a thousandth of
+// the volume and less than a twentieth of the bounding-box diagonal. Leaves of a plant stay, floaters go. The
+// largest piece always stays.
 Specks drop_specks(TriangleMesh& mesh);
 
 // The mesh without vertices that no triangle uses; order is kept.

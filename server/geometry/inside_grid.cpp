@@ -7,8 +7,8 @@
 namespace livegs {
 namespace {
 
-// +1 or -1 when the edge a→b, seen along x, crosses the half-line from (y, z) towards +y upwards or downwards in z;
-// else 0. A function of the edge and not of its direction, up to the sign.
+// +1 or -1 when the edge a→b, seen along x, crosses the half-line from (y, z) towards +y upwards or downwards
+// in z; else 0. A function of the edge and not of its direction, up to the sign.
 int edge_crossing(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double y, double z) {
   if ((a.z() > z) == (b.z() > z)) return 0;
   const bool upwards = b.z() > z;

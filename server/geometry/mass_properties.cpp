@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sums over tetrahedra (origin, a, b, c) and over triangles (a, b, c) of the exact moments of a simplex:
-//   integral of x xᵀ over a tetrahedron = V/20 (a aᵀ + b bᵀ + c cᵀ + s sᵀ), over a triangle = A/12 (the same),
+//   integral of x xᵀ over a tetrahedron = V/20 (a aᵀ + b bᵀ + c cᵀ + s sᵀ), over a triangle = A/12 (the
+//   same),
 // with s = a + b + c. The same integrals as Mirtich 1996 and Eberly 2002, without their polynomials.
 #include "geometry/mass_properties.h"
 
@@ -20,7 +21,8 @@ struct Moments {
 Moments moments_about(const TriangleMesh& mesh, const Eigen::Vector3d& middle) {
   Moments total;
   for (const auto& triangle : mesh.triangles) {
-    const Eigen::Vector3d a = mesh.vertices_m[triangle[0]] - middle, b = mesh.vertices_m[triangle[1]] - middle,
+    const Eigen::Vector3d a = mesh.vertices_m[triangle[0]] - middle,
+                          b = mesh.vertices_m[triangle[1]] - middle,
                           c = mesh.vertices_m[triangle[2]] - middle;
     const Eigen::Vector3d sum = a + b + c;
     const Eigen::Matrix3d second =

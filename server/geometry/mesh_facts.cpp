@@ -17,12 +17,13 @@
 namespace livegs {
 namespace {
 
-// Openness: cells along the longest side, and rays from each of them. 24 cells resolve a cup's mouth; twice as many
-// change the openness of a cup by less than 0.03.
+// Openness: cells along the longest side, and rays from each of them. 24 cells resolve a cup's mouth; twice
+// as many change the openness of a cup by less than 0.03.
 constexpr int kOpennessCells = 24;
 constexpr int kOpennessRays = 48;
-// A place in a hollow sees the body along at least this part of its rays. In the mouth of a cup it is a half, at half
-// its depth 0.9; half-way down into a hemispherical bowl 0.72; before a plate or in the bend of a banana below a half.
+// A place in a hollow sees the body along at least this part of its rays. In the mouth of a cup it is a half,
+// at half its depth 0.9; half-way down into a hemispherical bowl 0.72; before a plate or in the bend of a
+// banana below a half.
 constexpr double kHollow = 0.65;
 constexpr int kMostSteps = 64;
 
@@ -44,8 +45,8 @@ std::vector<Eigen::Vector3d> ray_directions() {
   return directions;
 }
 
-// Does the ray meet the surface before it leaves the box? Marches by the distance to the surface. A sheet thinner than
-// a cell shows in the field as a trough no deeper than half a cell.
+// Does the ray meet the surface before it leaves the box? Marches by the distance to the surface. A sheet
+// thinner than a cell shows in the field as a trough no deeper than half a cell.
 bool meets_body(const DistanceField& field, const Eigen::AlignedBox3d& box, Eigen::Vector3d place,
                 const Eigen::Vector3d& way) {
   for (int step = 0; step < kMostSteps && box.contains(place); ++step) {
@@ -72,9 +73,9 @@ double hollow_volume_m3(const TriangleMesh& mesh, const TriangleMesh& hull) {
     for (size_t node = begin; node < end; ++node) {
       if (!in_hull[node]) continue;
       const auto row = node / grid.counts.x();
-      const Eigen::Vector3d place = grid.point_m(static_cast<int>(node % grid.counts.x()),
-                                                 static_cast<int>(row % grid.counts.y()),
-                                                 static_cast<int>(row / grid.counts.y()));
+      const Eigen::Vector3d place =
+          grid.point_m(static_cast<int>(node % grid.counts.x()), static_cast<int>(row % grid.counts.y()),
+                       static_cast<int>(row / grid.counts.y()));
       if (field.sample(place).distance_m < 0.55 * cell_m) continue;
       int met = 0;
       for (const auto& way : directions) met += meets_body(field, bounds, place, way);
@@ -99,8 +100,8 @@ MeshFacts mesh_facts(const TriangleMesh& mesh) {
   // A box of edge e has a variance of e²/12 along it.
   const Eigen::Matrix3d spread =
       0.5 * solid.inertia_m2.trace() * Eigen::Matrix3d::Identity() - solid.inertia_m2;
-  const Eigen::Vector3d variances = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread, Eigen::EigenvaluesOnly)
-                                        .eigenvalues();
+  const Eigen::Vector3d variances =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread, Eigen::EigenvaluesOnly).eigenvalues();
   facts.principal_size_m = (12.0 * variances.cwiseMax(0.0).reverse()).cwiseSqrt();
 
   const TriangleMesh hull = convex_hull(mesh.vertices_m);

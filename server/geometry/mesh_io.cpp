@@ -53,7 +53,8 @@ Result<TriangleMesh> read_obj(const std::filesystem::path& path) {
       Eigen::Vector3d vertex;
       for (int axis = 0; axis < 3; ++axis) {
         if (!parse(next_word(line), vertex[axis])) return fail("a vertex needs three numbers");
-        if (!(std::abs(vertex[axis]) <= kMaxCoordinate_m)) return fail("a coordinate is not finite or beyond 1e9 m");
+        if (!(std::abs(vertex[axis]) <= kMaxCoordinate_m))
+          return fail("a coordinate is not finite or beyond 1e9 m");
       }
       mesh.vertices_m.push_back(vertex);
     } else if (keyword == "f") {
@@ -75,7 +76,8 @@ Result<TriangleMesh> read_obj(const std::filesystem::path& path) {
       }
     }
   }
-  if (mesh.triangles.empty()) return invalid_data(path.string() + ": no face; is this a Wavefront .obj surface?");
+  if (mesh.triangles.empty())
+    return invalid_data(path.string() + ": no face; is this a Wavefront .obj surface?");
   return mesh;
 }
 

@@ -54,7 +54,8 @@ MeshTopology mesh_topology(const TriangleMesh& mesh) {
     while (end < half_edges.size() && half_edges[end].edge() == half_edges[begin].edge()) {
       balance += half_edges[end].forward ? 1 : -1;
       for (uint32_t vertex : {half_edges[end].low, half_edges[end].high}) {
-        fans.join(corner_of(mesh, half_edges[begin].triangle, vertex), corner_of(mesh, half_edges[end].triangle, vertex));
+        fans.join(corner_of(mesh, half_edges[begin].triangle, vertex),
+                  corner_of(mesh, half_edges[end].triangle, vertex));
       }
       ++end;
     }
@@ -102,7 +103,8 @@ std::vector<int> mesh_pieces(const TriangleMesh& mesh) {
 
 double signed_volume_m3(const TriangleMesh& mesh) {
   if (mesh.triangles.empty()) return 0.0;
-  const Eigen::Vector3d origin = mesh.vertices_m[mesh.triangles[0][0]];  // near the mesh, against cancellation
+  const Eigen::Vector3d origin =
+      mesh.vertices_m[mesh.triangles[0][0]];  // near the mesh, against cancellation
   double six_volumes = 0.0;
   for (const auto& [a, b, c] : mesh.triangles) {
     const Eigen::Vector3d p = mesh.vertices_m[a] - origin;

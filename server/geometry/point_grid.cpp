@@ -54,8 +54,10 @@ uint32_t PointGrid::nearest(const Eigen::Vector3d& point_m) const {
   for (int ring = 0; ring <= last_ring; ++ring) {
     const double clear_m = (ring - 1) * cells_.cell_m;  // no point of this ring is nearer
     if (best >= 0 && clear_m > 0.0 && clear_m * clear_m > best2) break;
-    for (int k = std::max(middle.z() - ring, 0); k <= std::min(middle.z() + ring, cells_.counts.z() - 1); ++k) {
-      for (int j = std::max(middle.y() - ring, 0); j <= std::min(middle.y() + ring, cells_.counts.y() - 1); ++j) {
+    for (int k = std::max(middle.z() - ring, 0); k <= std::min(middle.z() + ring, cells_.counts.z() - 1);
+         ++k) {
+      for (int j = std::max(middle.y() - ring, 0); j <= std::min(middle.y() + ring, cells_.counts.y() - 1);
+           ++j) {
         const bool whole_row = std::abs(k - middle.z()) == ring || std::abs(j - middle.y()) == ring;
         for (int i = middle.x() - ring; i <= middle.x() + ring; i += whole_row ? 1 : std::max(2 * ring, 1)) {
           if (i < 0 || i >= cells_.counts.x()) continue;

@@ -10,11 +10,12 @@
 
 namespace livegs {
 
-// Points sorted into cubic cells, for nearest-neighbour questions. Points are numbered in order of insertion; ties go
-// to the smaller number.
+// Points sorted into cubic cells, for nearest-neighbour questions. Points are numbered in order of insertion;
+// ties go to the smaller number.
 class PointGrid {
  public:
-  // Points inserted later lie within `bounds_m`. Cells are cell_m wide, or wider where that would be too many.
+  // Points inserted later lie within `bounds_m`. Cells are cell_m wide, or wider where that would be too
+  // many.
   PointGrid(const Eigen::AlignedBox3d& bounds_m, double cell_m);
 
   void insert(const Eigen::Vector3d& point_m);
@@ -30,8 +31,8 @@ class PointGrid {
   Eigen::Vector3i cell_of(const Eigen::Vector3d& point_m) const;
 
   RegularGrid cells_;
-  std::vector<int32_t> last_in_cell_;   // -1: empty
-  std::vector<int32_t> one_before_;     // in the same cell
+  std::vector<int32_t> last_in_cell_;  // -1: empty
+  std::vector<int32_t> one_before_;    // in the same cell
   std::vector<Eigen::Vector3d> points_m_;
 };
 

@@ -19,12 +19,12 @@ namespace {
 
 // All below in parts of the bounding-box diagonal, or of the alpha radius where it says so.
 
-// Voxels in which one point is kept before triangulating, in parts of the alpha radius. A third keeps volume within
-// 2 % and every vertex within a third of the radius; finer costs time with the square.
+// Voxels in which one point is kept before triangulating, in parts of the alpha radius. A third keeps volume
+// within 2 % and every vertex within a third of the radius; finer costs time with the square.
 constexpr double kThinning = 1.0 / 3.0;
-// A ball wider than this many median gaps between points slips through no hole that chance sampling leaves in a
-// surface: of n random points the largest empty disc has about sqrt(ln n / pi) mean spacings, the median nearest
-// neighbour 0.47 of one; 4 covers n = 60 000.
+// A ball wider than this many median gaps between points slips through no hole that chance sampling leaves in
+// a surface: of n random points the largest empty disc has about sqrt(ln n / pi) mean spacings, the median
+// nearest neighbour 0.47 of one; 4 covers n = 60 000.
 constexpr double kGapsPerRadius = 4.0;
 // Thickness given to sheets and threads that bound no volume, in parts of the alpha radius.
 constexpr double kSheetThickness = 0.1;
@@ -74,7 +74,8 @@ struct Candidate {
   Specks dropped;
 };
 
-// What the alpha complex at this radius amounts to, or nothing if it is empty or leaves too much of the cloud out.
+// What the alpha complex at this radius amounts to, or nothing if it is empty or leaves too much of the cloud
+// out.
 std::optional<Candidate> try_radius(AlphaComplex& complex, double radius) {
   complex.thicken_sheets(radius, kSheetThickness * radius);
   AlphaComplex::Body body = complex.body(radius);
@@ -108,7 +109,8 @@ std::optional<Candidate> alpha_body(AlphaComplex& complex, double first_radius) 
 SurfaceOptions elastic_surface_options() { return {.alpha_radius = 0.03, .downsample = 0.0}; }
 SurfaceOptions rigid_surface_options() { return {.alpha_radius = 0.1, .downsample = 0.02}; }
 
-Result<Surface> reconstruct_surface(std::span<const Eigen::Vector3d> points_m, const SurfaceOptions& options) {
+Result<Surface> reconstruct_surface(std::span<const Eigen::Vector3d> points_m,
+                                    const SurfaceOptions& options) {
   if (points_m.empty()) return invalid_argument("surface: no points; is the object transparent or empty?");
   if (!(options.alpha_radius > 1e-4 && options.alpha_radius <= 10.0) ||
       !(options.downsample >= 0.0 && options.downsample <= 1.0)) {
@@ -116,11 +118,13 @@ Result<Surface> reconstruct_surface(std::span<const Eigen::Vector3d> points_m, c
   }
   Eigen::AlignedBox3d bounds;
   for (size_t p = 0; p < points_m.size(); ++p) {
-    if (!points_m[p].allFinite()) return invalid_data("surface: point " + std::to_string(p) + " is not finite");
+    if (!points_m[p].allFinite())
+      return invalid_data("surface: point " + std::to_string(p) + " is not finite");
     bounds.extend(points_m[p]);
   }
   const double diagonal_m = bounds.diagonal().norm();
-  if (!(diagonal_m <= 1e12)) return invalid_data("surface: points are more than 1e12 m apart; what is their unit?");
+  if (!(diagonal_m <= 1e12))
+    return invalid_data("surface: points are more than 1e12 m apart; what is their unit?");
 
   Surface surface;
   if (!(diagonal_m > 1e-9 * (1.0 + bounds.center().norm()))) {
@@ -135,7 +139,8 @@ Result<Surface> reconstruct_surface(std::span<const Eigen::Vector3d> points_m, c
   std::vector<Eigen::Vector3d> cloud;
   cloud.reserve(points_m.size());
   for (const auto& point_m : points_m) cloud.push_back((point_m - bounds.center()) / diagonal_m);
-  const double voxel = options.downsample > 0.0 ? std::max(options.downsample, 1e-5) : kThinning * options.alpha_radius;
+  const double voxel =
+      options.downsample > 0.0 ? std::max(options.downsample, 1e-5) : kThinning * options.alpha_radius;
   cloud = thin_by_voxels(cloud, voxel);
   AlphaComplex complex(cloud);
   std::optional<Candidate> body;
@@ -148,8 +153,8 @@ Result<Surface> reconstruct_surface(std::span<const Eigen::Vector3d> points_m, c
     const double gap = complex.median_gap();
     const double least_radius = kGapsPerRadius * gap;
     if (least_radius > radius && gap > voxel && surface.note.empty()) {  // a gap below that is thinning's own
-      add_note(surface.note, text("points are %.3g m apart, too far for a radius of %.3g m",
-                                  gap * diagonal_m, radius * diagonal_m));
+      add_note(surface.note, text("points are %.3g m apart, too far for a radius of %.3g m", gap * diagonal_m,
+                                  radius * diagonal_m));
       radius = least_radius;
     }
     body = alpha_body(complex, radius);
@@ -157,7 +162,8 @@ Result<Surface> reconstruct_surface(std::span<const Eigen::Vector3d> points_m, c
   if (body) {
     surface.mesh = std::move(body->mesh);
     surface.alpha_radius_m = body->radius * diagonal_m;
-    surface.source = body->radius > options.alpha_radius ? SurfaceSource::LargerAlphaShape : SurfaceSource::AlphaShape;
+    surface.source =
+        body->radius > options.alpha_radius ? SurfaceSource::LargerAlphaShape : SurfaceSource::AlphaShape;
     if (surface.source == SurfaceSource::LargerAlphaShape) {
       add_note(surface.note, text("alpha radius %.3g m instead of %.3g m to hold the points together",
                                   surface.alpha_radius_m, options.alpha_radius * diagonal_m));
@@ -172,7 +178,8 @@ Result<Surface> reconstruct_surface(std::span<const Eigen::Vector3d> points_m, c
     surface.mesh = convex_hull(cloud);
     if (signed_volume_m3(surface.mesh) >= kLeastVolume) {
       surface.source = SurfaceSource::ConvexHull;
-      surface.note = text("no alpha shape up to %.3g m holds the points: their convex hull", radius * diagonal_m);
+      surface.note =
+          text("no alpha shape up to %.3g m holds the points: their convex hull", radius * diagonal_m);
     } else {
       surface.source = SurfaceSource::Box;
       surface.mesh = principal_box(cloud);

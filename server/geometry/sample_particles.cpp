@@ -14,10 +14,13 @@ namespace {
 
 // Volume samples along an edge of a voxel: with 3 the voxel's own centre is one of them.
 constexpr int kSamplesPerVoxel = 3;
-// Half a voxel diagonal is taken this much shorter, so that a corner of a box cut into whole voxels, which lies at
-// that distance exactly, is taken whatever the rounding.
+// Half a voxel diagonal is taken this much shorter, so that a corner of a box cut into whole voxels, which
+// lies at that distance exactly, is taken whatever the rounding.
 constexpr double kSlack = 1e-9;
-// Each particle has at least this part of a voxel before volumes are scaled to the body's: no particle is massless.
+// A spacing that makes more voxels than this is widened: ten times what is simulated at any speed.
+constexpr double kMostVoxels = 1 << 20;
+// Each particle has at least this part of a voxel before volumes are scaled to the body's: no particle is
+// massless.
 constexpr double kLeastVolume = 0.01;
 
 RegularGrid cell_centres(const Eigen::AlignedBox3d& bounds, double cell_m) {
@@ -40,10 +43,10 @@ void for_each_inside(const TriangleMesh& mesh, const RegularGrid& grid, const Vi
   }
 }
 
-// Each sample of the volume goes to the particle nearest to it. What the samples miss of the mesh's volume (sheets
-// thinner than they are apart) is spread over the surface in the same way.
-std::vector<double> share_volume(const TriangleMesh& mesh, const Eigen::AlignedBox3d& bounds, double spacing_m,
-                                 double volume_m3, const PointGrid& particles) {
+// Each sample of the volume goes to the particle nearest to it. What the samples miss of the mesh's volume
+// (sheets thinner than they are apart) is spread over the surface in the same way.
+std::vector<double> share_volume(const TriangleMesh& mesh, const Eigen::AlignedBox3d& bounds,
+                                 double spacing_m, double volume_m3, const PointGrid& particles) {
   std::vector<double> volumes_m3(particles.size(), 0.0);
   const double sample_m = affordable_cell_m(spacing_m / kSamplesPerVoxel, bounds.sizes());
   const double sample_m3 = sample_m * sample_m * sample_m;
@@ -64,7 +67,8 @@ std::vector<double> share_volume(const TriangleMesh& mesh, const Eigen::AlignedB
     }
     for (size_t i = 0; i < volumes_m3.size(); ++i) volumes_m3[i] += missed_m3 * areas_m2[i] / area_m2;
   }
-  const double least_m3 = kLeastVolume * std::min(spacing_m * spacing_m * spacing_m, volume_m3 / particles.size());
+  const double least_m3 =
+      kLeastVolume * std::min(spacing_m * spacing_m * spacing_m, volume_m3 / particles.size());
   double sum_m3 = 0.0;
   for (double& share_m3 : volumes_m3) {
     share_m3 = std::max(share_m3, least_m3);
@@ -80,7 +84,7 @@ ParticleSet sample_particles(const TriangleMesh& mesh, int density, double spaci
   LIVEGS_ASSERT(!mesh.triangles.empty() && density > 0);
   const Eigen::AlignedBox3d bounds = mesh_bounds_m(mesh);
   if (!(spacing_m > 0.0)) spacing_m = bounds.sizes().maxCoeff() / density;
-  spacing_m = affordable_cell_m(spacing_m, bounds.sizes());
+  spacing_m = affordable_cell_m(spacing_m, bounds.sizes(), kMostVoxels);
 
   ParticleSet particles;
   particles.spacing_m = spacing_m;
@@ -99,8 +103,7 @@ ParticleSet sample_particles(const TriangleMesh& mesh, int density, double spaci
   for (size_t v = 0; v < mesh.vertices_m.size(); ++v) {
     if (used[v] && !taken.any_nearer(mesh.vertices_m[v], least_distance_m)) take(mesh.vertices_m[v], true);
   }
-  particles.volumes_m3 =
-      share_volume(mesh, bounds, spacing_m, std::max(signed_volume_m3(mesh), 0.0), taken);
+  particles.volumes_m3 = share_volume(mesh, bounds, spacing_m, std::max(signed_volume_m3(mesh), 0.0), taken);
   return particles;
 }
 

@@ -13,15 +13,17 @@ inline constexpr int kDefaultSamplingDensity = 15;
 
 // The particles of an elastic body at rest, in the object frame.
 struct ParticleSet {
-  double spacing_m = 0.0;                     // edge of a voxel
+  double spacing_m = 0.0;  // edge of a voxel
   std::vector<Eigen::Vector3d> positions_m;
-  std::vector<double> volumes_m3;             // sums to the volume of the body
-  std::vector<bool> on_surface;               // mesh vertices; the rest are voxel centres
+  std::vector<double> volumes_m3;  // sums to the volume of the body
+  std::vector<bool> on_surface;    // mesh vertices; the rest are voxel centres
 };
 
-// LIVE-GS's rule: one particle at the centre of each voxel inside the mesh, and mesh vertices at least half a voxel
-// diagonal from every particle taken before. spacing_m > 0 overrides the density rule. `volume_m3` (the mesh's) is
-// shared among them. Precondition: a closed mesh. Never returns fewer than one particle.
-ParticleSet sample_particles(const TriangleMesh& mesh, int density = kDefaultSamplingDensity, double spacing_m = 0.0);
+// LIVE-GS's rule: one particle at the centre of each voxel inside the mesh, and mesh vertices at least half a
+// voxel diagonal from every particle taken before. spacing_m > 0 overrides the density rule; one that would
+// make more than a million voxels is widened. The mesh's volume is shared among the particles by what lies
+// nearest. Precondition: a closed mesh. Never returns fewer than one particle.
+ParticleSet sample_particles(const TriangleMesh& mesh, int density = kDefaultSamplingDensity,
+                             double spacing_m = 0.0);
 
 }  // namespace livegs

@@ -13,7 +13,8 @@
 namespace livegs {
 namespace {
 
-// A surface of revolution about +Y: rings of (radius, height) from the top down, closed by a pole at either end.
+// A surface of revolution about +Y: rings of (radius, height) from the top down, closed by a pole at either
+// end.
 TriangleMesh revolve(double top_m, const std::vector<std::pair<double, double>>& rings_m, double bottom_m,
                      int segments) {
   LIVEGS_ASSERT(segments >= 3 && !rings_m.empty());

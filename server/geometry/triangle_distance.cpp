@@ -6,7 +6,8 @@
 namespace livegs {
 namespace {
 
-Eigen::Vector3d closest_point_on_segment(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+Eigen::Vector3d closest_point_on_segment(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
+                                         const Eigen::Vector3d& b) {
   const Eigen::Vector3d along = b - a;
   const double length2 = along.squaredNorm();
   if (!(length2 > 0.0)) return a;
@@ -15,8 +16,8 @@ Eigen::Vector3d closest_point_on_segment(const Eigen::Vector3d& p, const Eigen::
 
 }  // namespace
 
-Eigen::Vector3d closest_point_on_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                                          const Eigen::Vector3d& c) {
+Eigen::Vector3d closest_point_on_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
+                                          const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
   const Eigen::Vector3d ab = b - a, ac = c - a, ap = p - a;
   const double d1 = ab.dot(ap), d2 = ac.dot(ap);
   if (d1 <= 0.0 && d2 <= 0.0) return a;
@@ -34,7 +35,8 @@ Eigen::Vector3d closest_point_on_triangle(const Eigen::Vector3d& p, const Eigen:
   const double sum = weight_a + weight_b + weight_c;
   if (!(sum > 0.0)) {  // no area: the nearest of its edges
     Eigen::Vector3d best = closest_point_on_segment(p, a, b);
-    for (const Eigen::Vector3d& other : {closest_point_on_segment(p, b, c), closest_point_on_segment(p, c, a)}) {
+    for (const Eigen::Vector3d& other :
+         {closest_point_on_segment(p, b, c), closest_point_on_segment(p, c, a)}) {
       if ((other - p).squaredNorm() < (best - p).squaredNorm()) best = other;
     }
     return best;

@@ -19,7 +19,9 @@ std::vector<Eigen::Vector3d> thin_by_voxels(std::span<const Eigen::Vector3d> poi
   for (uint32_t p = 0; p < points.size(); ++p) {
     const Eigen::Array3d place = points[p].array() / voxel;
     const Eigen::Array3d cell = place.floor();
-    const auto part = [&](int axis) { return static_cast<uint64_t>(static_cast<int64_t>(cell[axis]) + (1 << 20)); };
+    const auto part = [&](int axis) {
+      return static_cast<uint64_t>(static_cast<int64_t>(cell[axis]) + (1 << 20));
+    };
     const auto distance2 = static_cast<float>((place - cell - 0.5).matrix().squaredNorm());
     candidates.push_back({part(0) << 42 | part(1) << 21 | part(2), distance2, p});
   }
