@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // How long the CPU rasteriser takes. Prints a CSV: medians and 99th percentiles of the passes over frames in
-// which the camera walks once around the object, after a warm-up. Run by hand:
-//   render_bench > tests/bench/results/<machine>/render.csv
+// which the camera walks once around the object, after a warm-up. cpu_ms is the processor time of all threads
+// for a whole frame, which tells what a machine busy with other work would do alone: about cpu_ms / threads.
+// Run by hand:
+//   render_bench > tests/bench/results/<processor>/render.csv
+#include <time.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -21,6 +25,13 @@ constexpr int kFrames = 60;
 constexpr int kWarmUpFrames = 5;
 constexpr double kFov_rad = 0.8;
 
+// Of all threads of this process.
+double process_cpu_ms() {
+  timespec time;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
+}
+
 struct Percentiles {
   double median, p99;
 };
@@ -37,27 +48,30 @@ void measure(const char* name, const synthetic::Object& object, const Eigen::Vec
   Rasteriser rasteriser;
   RasterisedView view;
   const DrawnObject drawn = object.drawn();
-  std::vector<double> project, sort, blend, total;
+  std::vector<double> project, sort, blend, total, cpu;
   size_t visible = 0;
   for (int frame = -kWarmUpFrames; frame < kFrames; ++frame) {
     const double angle = 2.0 * M_PI * frame / kFrames;
     const Eigen::Vector3d from(std::sin(angle), 0.3, std::cos(angle));
     const Camera camera = look_at(centre_m + distance_m * from.normalized(), centre_m,
                                   Eigen::Vector3d::UnitY(), kFov_rad, width, height);
+    const double cpu_start_ms = process_cpu_ms();
     rasteriser.draw({&drawn, 1}, camera, {}, view);
+    const double cpu_ms = process_cpu_ms() - cpu_start_ms;
     if (frame < 0) continue;
     const Rasteriser::Times& times = rasteriser.last_times();
     project.push_back(times.project_ms);
     sort.push_back(times.sort_ms);
     blend.push_back(times.blend_ms);
+    cpu.push_back(cpu_ms);
     total.push_back(times.project_ms + times.sort_ms + times.blend_ms);
     visible = std::max(visible, times.visible_kernels);
   }
   const Percentiles p = percentiles(project), s = percentiles(sort), b = percentiles(blend),
                     t = percentiles(total);
-  std::printf("%s,%zu,%zu,%d,%d,%d,%d,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f\n", name, object.size(),
+  std::printf("%s,%zu,%zu,%d,%d,%d,%d,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f\n", name, object.size(),
               visible, object.asset.sh_degree, width, height, threads, p.median, p.p99, s.median, s.p99,
-              b.median, b.p99, t.median, t.p99);
+              b.median, b.p99, t.median, t.p99, percentiles(cpu).median);
   std::fflush(stdout);
 }
 
@@ -84,7 +98,7 @@ synthetic::Object standing(GaussianAsset asset) {
 void measure_all() {
   std::printf(
       "scene,kernels,visible,sh_degree,width,height,threads,project_ms,project_p99_ms,sort_ms,sort_p99_ms,"
-      "blend_ms,blend_p99_ms,total_ms,total_p99_ms\n");
+      "blend_ms,blend_p99_ms,total_ms,total_p99_ms,cpu_ms\n");
   const Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   for (const size_t count : {20'000u, 100'000u, 300'000u}) {
     // Kernels shrink as they grow in number, so that the shell stays as opaque.
