@@ -34,7 +34,8 @@ void RigidBody::apply_angular_impulse(const Eigen::Vector3d& impulse) {
 }
 
 void RigidBody::move(double duration_s) {
-  Eigen::Vector3d late = velocity_m_s - substep_velocity_m_s;
+  Eigen::Vector3d late =
+      met_body ? Eigen::Vector3d(duration_s * substep_acceleration_m_s2) : velocity_m_s - substep_velocity_m_s;
   for (const ContactPatch& patch : patches) {
     for (int i = 0; i < patch.point_count; ++i) {
       const ContactPoint& point = patch.points[i];
@@ -57,11 +58,12 @@ double sleep_speed_m_s(const RigidShape& shape) {
   return kSleepSpeed_m_s * std::sqrt(std::min(1.0, 2.0 * shape.bounding_radius_m));
 }
 
-double three_point_speed_m_s(const RigidBody& body) {
+double three_point_speed_m_s(const RigidBody& body, const Eigen::Vector3d& velocity_m_s) {
   const Eigen::Matrix3d axes = body.world_from_body.orientation.toRotationMatrix();
-  double fastest = body.velocity_m_s.norm();
+  double fastest = velocity_m_s.norm();
   for (int axis = 0; axis < 2; ++axis) {
-    fastest = std::max(fastest, body.point_velocity(body.shape.bounding_radius_m * axes.col(axis)).norm());
+    const Eigen::Vector3d arm = body.shape.bounding_radius_m * axes.col(axis);
+    fastest = std::max(fastest, (velocity_m_s + body.angular_velocity_rad_s.cross(arm)).norm());
   }
   return fastest;
 }

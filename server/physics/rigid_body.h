@@ -39,6 +39,7 @@ struct RigidBody {
   Eigen::Vector3d substep_velocity_m_s = Eigen::Vector3d::Zero();  // at the start of the substep
   Eigen::Vector3d substep_acceleration_m_s2 = Eigen::Vector3d::Zero();
   bool pushed_by_owner = false;  // in this substep, by a patch that another body owns
+  bool met_body = false;         // in this substep, as owner or not
   std::vector<ContactPatch> patches;           // where this body is the first of the pair
   std::vector<ContactPatch> previous_patches;  // of the substep before, for warm starting
 
@@ -57,7 +58,8 @@ struct RigidBody {
   void apply_impulse(const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& arm_m);
   void apply_angular_impulse(const Eigen::Vector3d& impulse);
   // Moves by the present velocities. Where no contact held it, displacement is the mean of the velocities before and
-  // after (exact for a constant acceleration); along the normals of contacts that pushed it is that after.
+  // after (exact for a constant acceleration, sliding included); along the normals of contacts that pushed, it is that
+  // after. Impulses between two bodies move them by the velocity after, which keeps their angular momentum.
   void move(double duration_s);
 
   double kinetic_j() const {
@@ -70,7 +72,8 @@ struct RigidBody {
 inline constexpr double kSleepSpeed_m_s = 0.03;
 inline constexpr double kSleepSeconds = 0.5;
 double sleep_speed_m_s(const RigidShape& shape);
-// The largest speed of the centre of mass and of two points at right angles on the bounding sphere.
-double three_point_speed_m_s(const RigidBody& body);
+// The largest speed of the centre of mass, which moves with `velocity_m_s`, and of two points at right angles on the
+// bounding sphere.
+double three_point_speed_m_s(const RigidBody& body, const Eigen::Vector3d& velocity_m_s);
 
 }  // namespace livegs

@@ -55,10 +55,12 @@ void prepare_patch(RigidBody& a, ContactPatch& patch) {
       b ? Eigen::Vector3d(a.world_from_body.position_m - b->world_from_body.position_m) : Eigen::Vector3d::Zero();
   for (int i = 0; i < patch.point_count; ++i) {
     ContactPoint& point = patch.points[i];
+    if (patch.turns) point.arm_a_m = a.world_from_body.orientation * point.arm_body_m;
     point.arm_b_m = point.arm_a_m + between;
     const double k = pair_response(a, b, point.arm_a_m, point.arm_b_m, point.normal, point.normal);
     point.mass_kg = k > 0.0 ? 1.0 / k : 0.0;
   }
+  if (patch.turns) patch.arm_a_m = a.world_from_body.orientation * patch.arm_body_m;
   patch.arm_b_m = patch.arm_a_m + between;
   patch.tangent = patch.normal.unitOrthogonal();
   patch.bitangent = patch.normal.cross(patch.tangent);

@@ -24,8 +24,8 @@ struct ContactCandidate {
 struct ContactPoint {
   uint64_t feature_id = 0;
   Eigen::Vector3d normal;
-  Eigen::Vector3d arm_a_m;  // from the first body's centre of mass, world axes; kept while the bodies move, since a
-                            // rolling body's contact does not turn with it
+  Eigen::Vector3d arm_a_m;     // from the first body's centre of mass, world axes
+  Eigen::Vector3d arm_body_m;  // the same in its own axes
   double separation_m = 0;
   double impact_speed_m_s = 0;  // closing speed at touch, > 0 when closing
   double impulse_n_s = 0;       // of this substep, >= 0; the next one starts from it
@@ -47,9 +47,12 @@ struct ContactPatch {
   std::array<ContactPoint, kMaxPatchPoints> points;
   int point_count = 0;
 
+  // A point of a mesh turns with its body during the substep; where a ball touches, or a collider's edge, does not.
+  bool turns = false;
+
   // Friction acts at the centre of pressure, in the plane of the mean normal, and as a twist about it.
   Eigen::Vector3d normal;
-  Eigen::Vector3d arm_a_m;
+  Eigen::Vector3d arm_a_m, arm_body_m;
   Eigen::Vector3d friction_impulse_n_s = Eigen::Vector3d::Zero();
   double twist_impulse = 0;  // N m s
   double twist_radius_m = 0; // mean distance of the points from the centre
@@ -59,6 +62,8 @@ struct ContactPatch {
   double twist_mass = 0;
 };
 
+// Features below this are points of the first body's mesh.
+inline constexpr uint64_t kForeignFeature = uint64_t{1} << 32;
 inline constexpr uint64_t kColliderBit = uint64_t{1} << 40;
 
 // Soft constraint: bias rate (1/s), and how much of mass and of accumulated impulse one solve takes.

@@ -14,7 +14,7 @@ namespace {
 constexpr double kMaxPushSpeed_m_s = 3.0;
 constexpr double kPushSizesPerSecond = 5.0;       // bounding diameters a second
 constexpr double kRestitutionDrop = 0.01;         // a fall of this part of the bounding radius does not bounce
-constexpr uint64_t kBallFeature = uint64_t{1} << 32;
+constexpr uint64_t kBallFeature = kForeignFeature;
 constexpr uint64_t kAheadFeature = kBallFeature + 1;
 
 // A field's distance beyond its grid may exceed the true one by up to the square root of 2 (the way to the grid and
@@ -146,11 +146,21 @@ void find_collider_contacts(RigidBody& body, std::span<const Collider> colliders
   }
 }
 
+// Sleepers keep what they lie on: it is known when one of them goes, and warm when they wake.
+void keep_patches(RigidBody& body, uint64_t other_id) {
+  for (const ContactPatch& patch : body.previous_patches) {
+    if (patch.other_id == other_id) body.patches.push_back(patch);
+  }
+}
+
 void find_ball_contacts(RigidBody& ball, std::span<RigidBody* const> bodies, double gravity_m_s2,
                         double duration_s, std::vector<ContactCandidate>& candidates) {
   for (RigidBody* other : bodies) {
-    if (other == &ball || (ball.asleep && other->asleep)) continue;
-    if (other->shape.is_ball() && other->object_id < ball.object_id) continue;
+    if (other == &ball || (other->shape.is_ball() && other->object_id < ball.object_id)) continue;
+    if (ball.asleep && other->asleep) {
+      keep_patches(ball, other->object_id);
+      continue;
+    }
     const Pose& pose = other->world_from_body;
     const Eigen::Vector3d between = ball.world_from_body.position_m - pose.position_m;
     const double reach = ball.shape.bounding_radius_m + other->shape.bounding_radius_m;
@@ -182,7 +192,11 @@ void find_contacts(RigidBody& body, std::span<const Collider> colliders, std::sp
   std::swap(body.patches, body.previous_patches);
   body.patches.clear();
   std::vector<ContactCandidate> candidates;
-  if (!body.asleep) find_collider_contacts(body, colliders, gravity_m_s2, duration_s, candidates);
+  if (body.asleep) {
+    for (size_t index = 0; index < colliders.size(); ++index) keep_patches(body, kColliderBit + index);
+  } else {
+    find_collider_contacts(body, colliders, gravity_m_s2, duration_s, candidates);
+  }
   if (body.shape.is_ball()) find_ball_contacts(body, bodies, gravity_m_s2, duration_s, candidates);
 }
 

@@ -106,6 +106,13 @@ double impact_speed_m_s(const RigidBody& body, const RigidBody* other, const Con
   return std::sqrt(std::max(0.0, closing * closing + gained));
 }
 
+// How far a turning point strays, along its normal, from the straight line its velocity points along. Without it the
+// next facets of a rolling body are stopped before they would land, and a body that pivots on a corner rises off it.
+double way_off_line_m(const RigidBody& body, const ContactPoint& point, double duration_s) {
+  const Eigen::Vector3d& spin = body.angular_velocity_rad_s;
+  return 0.5 * duration_s * duration_s * point.normal.dot(spin.cross(spin.cross(point.arm_a_m)));
+}
+
 }  // namespace
 
 void append_patches(RigidBody& body, const ContactPair& pair, double duration_s,
@@ -113,6 +120,7 @@ void append_patches(RigidBody& body, const ContactPair& pair, double duration_s,
   std::sort(candidates.begin(), candidates.end(), [](const ContactCandidate& a, const ContactCandidate& b) {
     return a.separation_m != b.separation_m ? a.separation_m < b.separation_m : a.feature_id < b.feature_id;
   });
+  const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
   std::vector<char> taken(candidates.size(), 0);
   for (size_t seed = 0; seed < candidates.size(); ++seed) {
     if (taken[seed]) continue;
@@ -134,6 +142,7 @@ void append_patches(RigidBody& body, const ContactPair& pair, double duration_s,
     patch.restitution = pair.restitution;
     patch.restitution_speed_m_s = pair.restitution_speed_m_s;
     patch.push_speed_m_s = pair.push_speed_m_s;
+    patch.turns = chosen.front()->feature_id < kForeignFeature;
     patch.normal.setZero();
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     double weight = 0.0;
@@ -142,7 +151,9 @@ void append_patches(RigidBody& body, const ContactPair& pair, double duration_s,
       point.feature_id = candidate->feature_id;
       point.normal = candidate->normal;
       point.arm_a_m = candidate->point_m - body.world_from_body.position_m;
+      point.arm_body_m = body_from_world * point.arm_a_m;
       point.separation_m = candidate->separation_m;
+      if (patch.turns) point.separation_m += way_off_line_m(body, point, duration_s);
       point.impulse_n_s = earlier_impulse(body, pair.other_id, candidate->feature_id);
       point.impact_speed_m_s = impact_speed_m_s(body, pair.other, *candidate, duration_s);
       patch.normal += candidate->normal;
@@ -156,6 +167,7 @@ void append_patches(RigidBody& body, const ContactPair& pair, double duration_s,
       weight = patch.point_count;
     }
     patch.arm_a_m = centre / weight;
+    patch.arm_body_m = body_from_world * patch.arm_a_m;
     for (int i = 0; i < patch.point_count; ++i) {
       patch.twist_radius_m += (patch.points[i].arm_a_m - patch.arm_a_m).norm() / patch.point_count;
     }

@@ -50,7 +50,12 @@ void keep_extremes(const std::vector<Eigen::Vector3d>& vertices, std::vector<Eig
 
 std::vector<Eigen::Vector3d> contact_points(const TriangleMesh& mesh, double spacing_m) {
   std::vector<Eigen::Vector3d> kept;
-  keep_extremes(mesh.vertices_m, kept);
+  const bool few = mesh.vertices_m.size() <= kMaxContactPoints * 3 / 4;
+  if (few) {
+    kept = mesh.vertices_m;
+  } else {
+    keep_extremes(mesh.vertices_m, kept);
+  }
 
   const auto cell_of = [&](const Eigen::Vector3d& point) {
     return Cell{static_cast<int64_t>(std::floor(point.x() / spacing_m)),
@@ -85,7 +90,7 @@ std::vector<Eigen::Vector3d> contact_points(const TriangleMesh& mesh, double spa
       taken[cell_of(point)].push_back(point);
     }
   };
-  take(mesh.vertices_m);
+  if (!few) take(mesh.vertices_m);
   std::vector<Eigen::Vector3d> filling;
   for (const auto& triangle : mesh.triangles) {
     const std::array<Eigen::Vector3d, 3> corner{mesh.vertices_m[triangle[0]], mesh.vertices_m[triangle[1]],

@@ -15,8 +15,8 @@ namespace livegs {
 
 // At most this many contact points a body: 400 samples of a collider are about 10 µs.
 inline constexpr size_t kMaxContactPoints = 400;
-// Contact points are at least this far apart, in parts of the longest side of the bounding box, and no point of the
-// surface is much farther than this from one. Smaller: bumpier surfaces are felt, more points.
+// No point of the surface is much farther than this from a contact point, in parts of the longest side of the bounding
+// box. Smaller: finer bumps are felt, more points.
 inline constexpr double kContactPointSpacing = 1.0 / 16.0;
 // Cells of a body's own distance field along the longest side of its bounding box.
 inline constexpr double kBodyFieldCells = 32.0;
@@ -40,8 +40,10 @@ struct RigidShape {
 RigidShape mesh_shape(const TriangleMesh& object_mesh, const Eigen::Vector3d& centre_of_mass_m);
 RigidShape ball_shape(double radius_m);
 
-// Points of the surface, thinned on a grid of `spacing_m`; of a grid cell the one farthest from the origin stays.
-// Long edges and large triangles are filled. The extremes along 26 directions are always kept.
+// Points of the surface. Few vertices (up to three quarters of kMaxContactPoints) are all kept: a round thing rolls on
+// them, and every facet that is left out costs it speed. Of more, those at least `spacing_m` apart, the most exposed
+// (farthest from the origin) first; the extremes along 26 directions always stay. Long edges and large triangles are
+// filled, `spacing_m` apart.
 std::vector<Eigen::Vector3d> contact_points(const TriangleMesh& mesh, double spacing_m);
 
 }  // namespace livegs

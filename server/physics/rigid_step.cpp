@@ -32,7 +32,9 @@ void wake_struck(std::span<RigidBody* const> bodies) {
       if (!patch.other || body->asleep == patch.other->asleep) continue;
       RigidBody& sleeper = body->asleep ? *body : *patch.other;
       const RigidBody& striker = body->asleep ? *patch.other : *body;
-      if (three_point_speed_m_s(striker) < 2.0 * sleep_speed_m_s(striker.shape)) continue;
+      // Without this substep's gravity, which alone is above the sleep speed of small things.
+      const double speed = three_point_speed_m_s(striker, striker.substep_velocity_m_s);
+      if (speed < 2.0 * sleep_speed_m_s(striker.shape)) continue;
       sleeper.asleep = false;
       sleeper.still_s = 0.0;
       sleeper.update_turning();
@@ -41,8 +43,9 @@ void wake_struck(std::span<RigidBody* const> bodies) {
 }
 
 void accelerate(RigidBody& body, const RigidLoad& load, const Eigen::Vector3d& gravity, double duration_s) {
+  body.pushed_by_owner = body.met_body = false;
+  if (!body.asleep) body.velocity_m_s += load.implicit_impulse_n_s / body.mass_kg;
   body.substep_velocity_m_s = body.velocity_m_s;
-  body.pushed_by_owner = false;
   if (body.asleep) {
     body.substep_acceleration_m_s2.setZero();
     return;
@@ -97,7 +100,9 @@ void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const Rigid
   }
   for_each_patch(bodies, [&](RigidBody& body, ContactPatch& patch) {
     follow_patch(body, patch, duration_s);
-    if (patch.other && total_impulse(patch) > 0.0) patch.other->pushed_by_owner = true;
+    if (patch.other && total_impulse(patch) > 0.0) {
+      body.met_body = patch.other->met_body = patch.other->pushed_by_owner = true;
+    }
   });
   for (RigidBody* body : bodies) {
     if (!body->asleep) body->move(duration_s);
@@ -122,7 +127,7 @@ void update_sleep(std::span<RigidBody* const> bodies, double tick_s) {
     if (body->asleep) continue;
     bool touching = body->pushed_by_owner;
     for (const ContactPatch& patch : body->patches) touching = touching || total_impulse(patch) > 0.0;
-    const bool still = touching && three_point_speed_m_s(*body) < sleep_speed_m_s(body->shape);
+    const bool still = touching && three_point_speed_m_s(*body, body->velocity_m_s) < sleep_speed_m_s(body->shape);
     body->still_s = still ? body->still_s + tick_s : 0.0;
     if (body->still_s < kSleepSeconds) continue;
     body->asleep = true;

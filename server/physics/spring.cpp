@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "physics/rigid_motion.h"
+
 namespace livegs {
 namespace {
 
@@ -28,11 +30,14 @@ Eigen::Vector3d spring_force(const World::Spring& spring, const RigidBody& body,
       body.inverse_mass * Eigen::Matrix3d::Identity() - cross * body.inverse_inertia * cross;
   const double mass_kg = 3.0 / response.trace();
   const double damping = 2.0 * std::sqrt(spring.stiffness_n_m * mass_kg);
-  // F = k (d - h v') - c v' with v' = v + h K F.
+  // F = k (d - h v') - c v' with v' = v + h K F, where v is the mean velocity over the substep: with the arm's turn in
+  // it, a body that swings round the point is held on its circle instead of being flung outwards.
   const double rate = damping + duration_s * spring.stiffness_n_m;
   const Eigen::Vector3d stretch = spring.target_m - body.world_from_body.position_m - arm_m;
+  const Eigen::Vector3d turned = rotation_exp(duration_s * body.angular_velocity_rad_s) * arm_m;
+  const Eigen::Vector3d velocity = body.velocity_m_s + (turned - arm_m) / duration_s;
   const Eigen::Matrix3d implicit = Eigen::Matrix3d::Identity() + duration_s * rate * response;
-  return bounded(implicit.inverse() * (spring.stiffness_n_m * stretch - rate * body.point_velocity(arm_m)),
+  return bounded(implicit.inverse() * (spring.stiffness_n_m * stretch - rate * velocity),
                  spring.max_force_n);
 }
 

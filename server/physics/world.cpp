@@ -163,17 +163,20 @@ Result<void> World::add_elastic(const ElasticBodyDescription& description) {
 }
 
 void World::remove(uint32_t object_id) {
-  if (state_->objects.erase(object_id) == 0) return;
-  state_->list_bodies();
+  const auto found = state_->objects.find(object_id);
+  if (found == state_->objects.end()) return;
   // Contacts name bodies by pointer: none may outlive its body. What leaned on it must move.
-  for (RigidBody* body : state_->rigid_bodies) {
-    const auto gone = [&](const ContactPatch& patch) { return patch.other_id == object_id; };
-    const bool leaned = std::erase_if(body->patches, gone) > 0;
-    std::erase_if(body->previous_patches, gone);
-    if (leaned) state_->find(body->object_id)->wake();
+  if (const RigidObject* rigid = found->second.rigid()) {
+    for (const ContactPatch& patch : rigid->body->patches) {
+      if (patch.other) state_->find(patch.other->object_id)->wake();
+    }
   }
+  state_->objects.erase(found);
+  state_->list_bodies();
+  const auto gone = [&](const ContactPatch& patch) { return patch.other_id == object_id; };
   for (RigidBody* body : state_->rigid_bodies) {
-    if (body->pushed_by_owner) state_->find(body->object_id)->wake();
+    if (std::erase_if(body->patches, gone) > 0) state_->find(body->object_id)->wake();
+    std::erase_if(body->previous_patches, gone);
   }
 }
 

@@ -13,6 +13,12 @@ Eigen::Vector3d arm_of(const RigidObject& object, const Eigen::Vector3d& rest_po
   return object.body->world_from_body.orientation * (rest_point_m - object.centre_of_mass_m);
 }
 
+size_t index_of(const std::vector<RigidBody*>& bodies, const RigidBody& body) {
+  const auto at = std::lower_bound(bodies.begin(), bodies.end(), body.object_id,
+                                   [](const RigidBody* other, uint32_t id) { return other->object_id < id; });
+  return static_cast<size_t>(at - bodies.begin());
+}
+
 double mass_of(const ElasticObject& object) { return object.body->material().mass_kg; }
 
 }  // namespace
@@ -22,34 +28,33 @@ void World::State::gather_loads(double duration_s) {
   std::fill(loads.begin(), loads.end(), RigidLoad{});
   for (ElasticObject* elastic : elastic_objects) elastic->forces.clear();
 
-  const auto push = [&](WorldObject& object, const Eigen::Vector3d& rest_point, const Eigen::Vector3d& force) {
+  const auto push = [&](WorldObject& object, const Eigen::Vector3d& rest_point, const Eigen::Vector3d& force,
+                        bool implicit) {
     if (ElasticObject* elastic = object.elastic()) elastic->forces.push_back({rest_point, force});
     if (RigidObject* rigid = object.rigid()) {
-      const auto at = std::lower_bound(rigid_bodies.begin(), rigid_bodies.end(), rigid->body->object_id,
-                                       [](const RigidBody* body, uint32_t id) { return body->object_id < id; });
-      RigidLoad& load = loads[static_cast<size_t>(at - rigid_bodies.begin())];
-      load.impulse_n_s += duration_s * force;
+      RigidLoad& load = loads[index_of(rigid_bodies, *rigid->body)];
+      (implicit ? load.implicit_impulse_n_s : load.impulse_n_s) += duration_s * force;
       load.angular_impulse += duration_s * arm_of(*rigid, rest_point).cross(force);
     }
   };
   for (const auto& [id, held] : forces) {
-    if (WorldObject* object = find(held.object_id)) push(*object, held.force.point_m, held.force.force_n);
+    if (WorldObject* object = find(held.object_id)) push(*object, held.force.point_m, held.force.force_n, false);
   }
   for (auto& [id, held] : springs) {
     held.force_n.setZero();
     WorldObject* object = find(held.object_id);
     if (!object || object->fixed()) continue;
-    object->wake();
     if (const RigidObject* rigid = object->rigid()) {
+      object->wake();
       held.force_n = spring_force(held.spring, *rigid->body, arm_of(*rigid, held.spring.rest_point_m), duration_s);
     } else {
       held.force_n = spring_force(held.spring, *object->elastic()->body, mass_of(*object->elastic()), duration_s);
     }
-    push(*object, held.spring.rest_point_m, held.force_n);
+    push(*object, held.spring.rest_point_m, held.force_n, true);
   }
 }
 
-// The body's own copies of the balls it may touch. A sleeper that a ball comes to wakes.
+// The body's own copies of the balls it may touch.
 void World::State::meet_balls(ElasticObject& elastic, double duration_s) {
   elastic.spheres.clear();
   elastic.sphere_owners.clear();
@@ -65,7 +70,6 @@ void World::State::meet_balls(ElasticObject& elastic, double duration_s) {
                                body->restitution, Eigen::Vector3d::Zero()});
     elastic.sphere_owners.push_back(body);
   }
-  if (!elastic.spheres.empty() && elastic.body->asleep()) elastic.body->wake();
 }
 
 void World::State::step_elastic(double duration_s) {
@@ -73,14 +77,13 @@ void World::State::step_elastic(double duration_s) {
   parallel_for(elastic_objects.size(), 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       ElasticObject& elastic = *elastic_objects[i];
-      if (elastic.body->asleep()) continue;
       SubstepContext context;
       context.duration_s = duration_s;
       context.gravity_m_s2 = settings.gravity_m_s2;
       context.colliders = colliders;
       context.spheres = elastic.spheres;
       context.forces = elastic.forces;
-      elastic.body->substep(context);
+      elastic.body->substep(context);  // a sleeper that is pushed or touched wakes by itself
     }
   });
   // In body order, so that the sum does not depend on threads.
@@ -88,9 +91,7 @@ void World::State::step_elastic(double duration_s) {
     for (size_t i = 0; i < elastic->spheres.size(); ++i) {
       const MovingSphere& sphere = elastic->spheres[i];
       RigidBody& ball = *elastic->sphere_owners[i];
-      const auto at = std::lower_bound(rigid_bodies.begin(), rigid_bodies.end(), ball.object_id,
-                                       [](const RigidBody* body, uint32_t id) { return body->object_id < id; });
-      loads[static_cast<size_t>(at - rigid_bodies.begin())].impulse_n_s += sphere.impulse_n_s;
+      loads[index_of(rigid_bodies, ball)].implicit_impulse_n_s += sphere.impulse_n_s;
       const double size = sphere.impulse_n_s.norm();
       elastic->contact_impulse_n_s += size;
       elastic->contact_moment += size * ball.world_from_body.position_m;

@@ -40,7 +40,7 @@ TEST(RigidContact, BallBouncesToTheSquareOfRestitution) {
   for (const double rate : {60.0, 90.0}) {
     for (const double e : {0.5, 0.8, 1.0}) {
       World world = world_at(rate, 4);
-      world.add_collider(floor(0.5, e));
+      world.add_collider(floor_plane(0.5, e));
       auto description = ball(1, {0, 1.05, 0});
       description.restitution = e;
       ASSERT_TRUE(world.add_ball(description));
@@ -57,7 +57,7 @@ TEST(RigidContact, BallBouncesToTheSquareOfRestitution) {
 
 TEST(RigidContact, PerfectBouncesKeepTheirEnergy) {
   World world = world_at(60, 4);
-  world.add_collider(floor(0.5, 1.0));
+  world.add_collider(floor_plane(0.5, 1.0));
   ASSERT_TRUE(world.add_ball(ball(1, {0, 1.05, 0})));
   const std::vector<double> peaks = bounce_peaks(world, 1, 0.05, 10.5);  // a bounce takes 0.903 s
   ASSERT_GE(peaks.size(), 10u);
@@ -66,7 +66,7 @@ TEST(RigidContact, PerfectBouncesKeepTheirEnergy) {
 
 TEST(RigidContact, WithoutRestitutionNothingBounces) {
   World world = world_at(60, 4);
-  world.add_collider(floor());
+  world.add_collider(floor_plane());
   auto box = box_body(1, {0.1, 0.1, 0.1}, 0.5);
   box.world_from_object.position_m = {0, 1.05, 0};
   ASSERT_TRUE(world.add_rigid(box));
@@ -81,7 +81,7 @@ TEST(RigidContact, WithoutRestitutionNothingBounces) {
 
 TEST(RigidContact, BoxLandingFlatBouncesToTheSquareOfRestitution) {
   World world = world_at(60, 4);
-  world.add_collider(floor(0.5, 0.5));
+  world.add_collider(floor_plane(0.5, 0.5));
   auto box = box_body(1, {0.1, 0.1, 0.1}, 0.5);
   box.world_from_object.position_m = {0, 0.55, 0};
   ASSERT_TRUE(world.add_rigid(box));
@@ -154,7 +154,7 @@ TEST(RigidContact, SlidingStopsAfterItsDistance) {
   for (const double friction : {0.2, 0.4, 0.7}) {
     for (const bool diagonal : {false, true}) {
       World world = world_at(60, 4);
-      world.add_collider(floor(friction));
+      world.add_collider(floor_plane(friction));
       auto slab = box_body(1, {0.2, 0.05, 0.2}, 1.0);
       slab.material.friction = friction;
       slab.world_from_object.position_m = {0, 0.025, 0};
@@ -185,7 +185,7 @@ TEST(RigidContact, BallRollsAtFiveSevenths) {
 
 TEST(RigidContact, SlippingBallEndsRollingAtFiveSevenths) {
   World world = world_at(60, 4);
-  world.add_collider(floor(0.2));
+  world.add_collider(floor_plane(0.2));
   auto description = ball(1, {0, 0.05, 0});
   description.friction = 0.2;
   description.velocity_m_s = {1, 0, 0};
@@ -196,7 +196,7 @@ TEST(RigidContact, SlippingBallEndsRollingAtFiveSevenths) {
 
 TEST(RigidContact, SpinOnTheFloorStopsByTwistFriction) {
   World world = world_at(60, 4);
-  world.add_collider(floor(0.5));
+  world.add_collider(floor_plane(0.5));
   auto slab = box_body(1, {0.2, 0.05, 0.2}, 1.0);
   slab.world_from_object.position_m = {0, 0.025, 0};
   slab.angular_velocity_rad_s = {0, 10, 0};
@@ -211,7 +211,7 @@ TEST(RigidContact, SpinOnTheFloorStopsByTwistFriction) {
 TEST(RigidContact, BoxRestsSleepsAndHardlySinks) {
   for (const double size : {0.02, 0.1, 0.5}) {
     World world = world_at(60, 4);
-    world.add_collider(floor());
+    world.add_collider(floor_plane());
     auto box = box_body(1, Vector3d::Constant(size), 1000.0 * size * size * size);
     box.world_from_object.position_m = {0, 0.5 * size + 0.01, 0};
     ASSERT_TRUE(world.add_rigid(box));
@@ -229,7 +229,7 @@ TEST(RigidContact, RestingBoxDoesNotJitter) {
   settings.rate_hz = 60.0;
   settings.sleep = false;
   World world(settings);
-  world.add_collider(floor());
+  world.add_collider(floor_plane());
   auto box = box_body(1, {0.1, 0.06, 0.14}, 0.5);
   box.world_from_object.position_m = {0, 0.031, 0};
   ASSERT_TRUE(world.add_rigid(box));
@@ -249,7 +249,7 @@ TEST(RigidContact, TallBoxFallsBeyondItsTippingAngleOnly) {
   // Half width over half height 0.25: tips at 14.04 degrees.
   for (const double lean : {10.0, 18.0}) {
     World world = world_at(60, 4);
-    world.add_collider(floor(1.0));
+    world.add_collider(floor_plane(1.0));
     auto box = box_body(1, {0.05, 0.2, 0.05}, 0.5);
     box.material.friction = 1.0;
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(-radians(lean), Vector3d::UnitZ()));
@@ -266,7 +266,7 @@ TEST(RigidContact, BoxLyingOverATableEdgeStays) {
   World world = world_at(60, 4);
   Collider table{BoxShape{{0.4, 0.2, 0.4}}, Pose{}, 0.6, 0.0};
   world.add_collider(table);
-  world.add_collider(floor());
+  world.add_collider(floor_plane());
   world.add_collider(Collider{PlaneShape{}, Pose{{0, -1, 0}, Eigen::Quaterniond::Identity()}, 0.5, 0.0});
   auto box = box_body(1, {0.3, 0.04, 0.08}, 0.5);
   // 0.05 m of its 0.15 m half length beyond the edge: the centre of mass is over the table.
@@ -305,7 +305,7 @@ TEST(RigidContact, FlatFaceIsHeldByASphere) {
 
 TEST(RigidContact, OverlapsPartSlowly) {
   World world = world_at(60, 4);
-  world.add_collider(floor());
+  world.add_collider(floor_plane());
   auto box = box_body(1, {0.1, 0.1, 0.1}, 0.5);
   box.world_from_object.position_m = {0, 0, 0};  // half sunk
   ASSERT_TRUE(world.add_rigid(box));
@@ -321,7 +321,7 @@ TEST(RigidContact, OverlapsPartSlowly) {
 TEST(RigidContact, TumblingBoxNeverGainsEnergy) {
   for (int seed = 0; seed < 8; ++seed) {
     World world = world_at(90, 4);
-    world.add_collider(floor(0.4, 0.3));
+    world.add_collider(floor_plane(0.4, 0.3));
     auto box = box_body(1, {0.12, 0.05, 0.2}, 0.5);
     box.world_from_object.position_m = {0, 0.4, 0};
     box.angular_velocity_rad_s = {7.0 + 3.0 * seed, -11.0 + 5.0 * seed, 17.0 - 4.0 * seed};

@@ -45,7 +45,7 @@ inline BallDescription ball(uint32_t id, const Eigen::Vector3d& position_m, doub
   return description;
 }
 
-inline Collider floor(double friction = 0.5, double restitution = 0.0) {
+inline Collider floor_plane(double friction = 0.5, double restitution = 0.0) {
   Collider collider{PlaneShape{}, Pose{}, friction, restitution};
   return collider;
 }

@@ -106,7 +106,7 @@ TEST(RigidMotion, FarFromTheOriginMotionIsTheSame) {
   const Vector3d far(1000, 0, -1000);
   World near_world = world_at(60, 4), far_world = world_at(60, 4);
   for (World* world : {&near_world, &far_world}) {
-    world->add_collider(floor());
+    world->add_collider(floor_plane());
     auto box = box_body(1, {0.1, 0.06, 0.08}, 0.5);
     box.world_from_object.position_m = {0, 0.2, 0};
     box.world_from_object.orientation = Eigen::AngleAxisd(0.4, Vector3d(1, 1, 0).normalized());
