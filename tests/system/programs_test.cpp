@@ -33,7 +33,8 @@ class Programs : public ::testing::Test {
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }
-  std::vector<std::string> client_words(const std::string& port, std::vector<std::string> more = {}) {
+  std::vector<std::string> client_words(const std::string& port, std::vector<std::string> more = {},
+                                        const std::string& output = "view") {
     std::vector<std::string> words = {LIVEGS_CLIENT, "127.0.0.1:" + port,
                                       "--output",    folder_ / "view",
                                       "--cache",     folder_ / "cache",
@@ -89,7 +90,7 @@ TEST_F(Programs, AServerThatIsKilledEndsTheClientWithOneAndItsPicturesStay) {
   Program client(client_words(port, {"--seconds", "0"}));
   // Frames have come by the time another client, that came later, has had a second of them.
   ASSERT_TRUE(server.says("streaming to")) << server.err();
-  Program probe(client_words(port, {"--seconds", "1", "--no-video", "--output", folder_ / "probe"}));
+  Program probe(client_words(port, {"--seconds", "1", "--no-video"}, "probe"));
   ASSERT_EQ(probe.wait(), 0) << probe.err();
   server.send(SIGKILL);
   EXPECT_EQ(client.wait(), 1) << client.err();
@@ -114,7 +115,7 @@ TEST_F(Programs, AnInterruptedClientKeepsWhatItHas) {
   ASSERT_NE(port, "") << server.err();
   Program client(client_words(port, {"--seconds", "0", "--no-video"}));
   ASSERT_TRUE(server.says("streaming to")) << server.err();
-  Program probe(client_words(port, {"--seconds", "1", "--no-video", "--output", folder_ / "probe"}));
+  Program probe(client_words(port, {"--seconds", "1", "--no-video"}, "probe"));
   ASSERT_EQ(probe.wait(), 0) << probe.err();
   client.send(SIGINT);
   EXPECT_EQ(client.wait(), 0) << client.err();

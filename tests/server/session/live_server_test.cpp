@@ -246,6 +246,10 @@ TEST_F(LiveServerTest, ANumberThatIsNoneEndsTheStreamAndNothingElse) {
     input.mutable_left()->add_aim_position_m(std::nanf(""));
     input.mutable_left()->add_grip_position_m(0);
   }
+  for (float value : {1.0f, 0.0f, 0.0f, 0.0f}) {
+    input.mutable_left()->add_aim_orientation(value);
+    input.mutable_left()->add_grip_orientation(value);
+  }
   bad.send(message);
   const grpc::Status status = bad.finish();
   EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
