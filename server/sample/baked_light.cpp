@@ -21,22 +21,24 @@ constexpr int kKeyDirections = 10;
 constexpr int kDirectionSets = 16;
 
 const Vector3d kKeyColour(0.92, 0.85, 0.76);
-const Vector3d kSkyColour(0.62, 0.65, 0.70);     // straight up
+const Vector3d kSkyColour(0.62, 0.65, 0.70);  // straight up
 const Vector3d kHorizonColour(0.50, 0.49, 0.47);
-const Vector3d kFloorColour(0.25, 0.22, 0.19);   // light back from the floor, away from the object
+const Vector3d kFloorColour(0.25, 0.22, 0.19);  // light back from the floor, away from the object
 
 struct Directions {
   std::vector<Vector3d> sky;
   std::array<Vector3d, kKeyDirections> key;
 };
 
-// A Fibonacci sphere for the sky; a small disc about the key direction for the window. Sets are turned against each
-// other, so that the edges of single directions become grain finer than the texture instead of steps.
+// A Fibonacci sphere for the sky; a small disc about the key direction for the window. Sets are turned
+// against each other, so that the edges of single directions become grain finer than the texture instead of
+// steps.
 Directions make_directions(int set, int sky_count) {
   Directions d;
   const double turn = 2 * kPi * set / kDirectionSets;
   for (int i = 0; i < sky_count; ++i) {
-    const double y = 1 - (2 * i + 1.0) / sky_count, r = std::sqrt(1 - y * y), a = 2.399963229728653 * i + turn;
+    const double y = 1 - (2 * i + 1.0) / sky_count, r = std::sqrt(1 - y * y),
+                 a = 2.399963229728653 * i + turn;
     d.sky.emplace_back(r * std::cos(a), y, r * std::sin(a));
   }
   const Vector3d key = key_direction(), side = key.unitOrthogonal(), other = key.cross(side);
@@ -56,9 +58,9 @@ struct Light {
 
 class Illumination {
  public:
-  Illumination(const SurfaceSamples& samples, const BakeOptions& options)
-      : options_(options) {
-    for (int set = 0; set < kDirectionSets; ++set) directions_[set] = make_directions(set, options.sky_directions);
+  Illumination(const SurfaceSamples& samples, const BakeOptions& options) : options_(options) {
+    for (int set = 0; set < kDirectionSets; ++set)
+      directions_[set] = make_directions(set, options.sky_directions);
     if (options.occlusion_cells > 0) grid_.emplace(samples, options.occlusion_cells);
   }
 
@@ -66,13 +68,16 @@ class Illumination {
     const Directions& directions = directions_[set % kDirectionSets];
     Light light{Vector3d::Zero(), 0.0, 0.0};
     double weights = 0.0;
-    const double contact = 1 - std::exp(-std::max(0.0, point_m.y()) / options_.contact_height_m);
+    // Never all dark: these objects are turned over, and a black underside would look like a hole.
+    constexpr double kLeastFloorLight = 0.45;
+    const double contact = kLeastFloorLight + (1 - kLeastFloorLight) *
+                           (1 - std::exp(-std::max(0.0, point_m.y()) / options_.contact_height_m));
     for (const Vector3d& d : directions.sky) {
       const double cosine = normal.dot(d);
       if (cosine <= 0.02 || face.dot(d) <= 0.0) continue;
       const double visible = seen(point_m, face, d);
-      const Vector3d from = d.y() >= 0 ? blend(kHorizonColour, kSkyColour, d.y())
-                                       : Vector3d(kFloorColour * contact);
+      const Vector3d from =
+          d.y() >= 0 ? blend(kHorizonColour, kSkyColour, d.y()) : Vector3d(kFloorColour * contact);
       light.diffuse += cosine * visible * from;
       light.sky_visibility += cosine * visible;
       weights += cosine;
@@ -136,8 +141,8 @@ class LobeTable {
 
 Vector3d key_direction() { return Vector3d(0.55, 0.72, 0.52).normalized(); }
 
-GaussianAsset bake_kernels(const SurfaceSamples& samples, const Material& material, const BakeOptions& options,
-                           Random& random) {
+GaussianAsset bake_kernels(const SurfaceSamples& samples, const Material& material,
+                           const BakeOptions& options, Random& random) {
   const Illumination illumination(samples, options);
   const LobeTable lobes(options.sh_degree);
   GaussianAsset asset;
@@ -155,7 +160,8 @@ GaussianAsset bake_kernels(const SurfaceSamples& samples, const Material& materi
     const Vector3d normal = (s.normal + a.bump).normalized();
     const Light front = illumination.at(s.position_m, s.normal, normal, i);
     Vector3d front_radiance = options.exposure * front.diffuse.cwiseProduct(a.albedo);
-    front_radiance += a.subsurface * (0.4 + 0.6 * front.sky_visibility) * (1 - std::min(1.0, front.diffuse.mean()));
+    front_radiance +=
+        a.subsurface * (0.4 + 0.6 * front.sky_visibility) * (1 - std::min(1.0, front.diffuse.mean()));
 
     Vector3d dc = Vector3d::Zero();
     std::fill(rest.begin(), rest.end(), Vector3d::Zero());
@@ -164,8 +170,10 @@ GaussianAsset bake_kernels(const SurfaceSamples& samples, const Material& materi
       const Light back = illumination.at(s.position_m, -s.normal, -normal, i);
       const Vector3d leaf_light(0.75, 1.0, 0.25);  // what passes through a leaf is yellow-green
       Vector3d back_radiance = options.exposure * back.diffuse.cwiseProduct(a.back_albedo);
-      const Vector3d through_front = a.translucency * back.diffuse.cwiseProduct(a.albedo).cwiseProduct(leaf_light);
-      const Vector3d through_back = a.translucency * front.diffuse.cwiseProduct(a.albedo).cwiseProduct(leaf_light);
+      const Vector3d through_front =
+          a.translucency * back.diffuse.cwiseProduct(a.albedo).cwiseProduct(leaf_light);
+      const Vector3d through_back =
+          a.translucency * front.diffuse.cwiseProduct(a.albedo).cwiseProduct(leaf_light);
       const Vector3d front_display = display_from_radiance(front_radiance + through_front);
       const Vector3d back_display = display_from_radiance(back_radiance + through_back);
       display = 0.5 * (front_display + back_display);
@@ -180,9 +188,10 @@ GaussianAsset bake_kernels(const SurfaceSamples& samples, const Material& materi
       const double key = front.key_visibility * smooth_step(-0.05, 0.25, toward);
       const ZonalLobe& lobe = lobes.lobe(a.gloss_width);
       if (key > 0.01)
-        add_lobe(lobe, asset_from_model(-reflect(key_direction(), normal)), a.gloss * key * Vector3d(1, 0.98, 0.94), dc,
-                 rest);
-      const double window = smooth_step(-0.05, 0.3, normal.dot(window_direction)) * (0.3 + 0.7 * front.key_visibility);
+        add_lobe(lobe, asset_from_model(-reflect(key_direction(), normal)),
+                 a.gloss * key * Vector3d(1, 0.98, 0.94), dc, rest);
+      const double window =
+          smooth_step(-0.05, 0.3, normal.dot(window_direction)) * (0.3 + 0.7 * front.key_visibility);
       if (window > 0.01)
         add_lobe(lobe, asset_from_model(-reflect(window_direction, normal)),
                  0.75 * a.gloss * window * Vector3d(1, 0.99, 0.96), dc, rest);
@@ -192,7 +201,8 @@ GaussianAsset bake_kernels(const SurfaceSamples& samples, const Material& materi
                  0.3 * a.gloss * fill * Vector3d(0.9, 0.95, 1), dc, rest);
     }
     if (a.sheen > 0)
-      add_lobe(lobes.grazing(), asset_from_model(-s.normal), a.sheen * front.sky_visibility * Vector3d::Ones(), dc, rest);
+      add_lobe(lobes.grazing(), asset_from_model(-s.normal),
+               a.sheen * front.sky_visibility * Vector3d::Ones(), dc, rest);
 
     asset.positions[i] = asset_from_model(s.position_m).cast<float>();
     Eigen::Matrix3d axes;
@@ -202,7 +212,8 @@ GaussianAsset bake_kernels(const SurfaceSamples& samples, const Material& materi
     asset.rotations[i] = Eigen::Quaterniond(axes).normalized().cast<float>();
     asset.rotations[i].normalize();
     const double size_m = a.overlap * s.spacing_m * (1 + 0.06 * jitter[i][0]);
-    const double along_m = size_m * s.stretch * std::sqrt(a.elongation), across_m = size_m / std::sqrt(a.elongation);
+    const double along_m = size_m * s.stretch * std::sqrt(a.elongation),
+                 across_m = size_m / std::sqrt(a.elongation);
     asset.log_scales[i] =
         Vector3d(std::log(along_m), std::log(across_m), std::log(a.flatness * across_m)).cast<float>();
     const double opacity = std::clamp(a.opacity + 0.02 * jitter[i][1], 0.05, 0.99);

@@ -20,11 +20,11 @@ constexpr int kBody = 0, kHandle = 1;
 constexpr double kInsideStarts = 0.56;  // share of the profile at which it passes the lip
 
 Profile cup_profile() {
-  return Profile({{0.0, 0.0045},      {0.0190, 0.0045}, {0.0215, 0.0035}, {0.0228, 0.0008}, {0.0250, 0.0},
-                  {0.0272, 0.0010},   {0.0282, 0.0035}, {0.0310, 0.0080}, {0.0362, 0.0165}, {0.0395, 0.0290},
-                  {0.0409, 0.0450},   {0.0414, 0.0650}, {0.0416, 0.0850}, {0.0419, 0.0960}, {0.0416, 0.0990},
-                  {0.0403, 0.1000},   {0.0390, 0.0990}, {0.0386, 0.0955}, {0.0382, 0.0830}, {0.0379, 0.0600},
-                  {0.0370, 0.0400},   {0.0342, 0.0240}, {0.0290, 0.0148}, {0.0200, 0.0100}, {0.0100, 0.0087},
+  return Profile({{0.0, 0.0045},    {0.0190, 0.0045}, {0.0215, 0.0035}, {0.0228, 0.0008}, {0.0250, 0.0},
+                  {0.0272, 0.0010}, {0.0282, 0.0035}, {0.0310, 0.0080}, {0.0362, 0.0165}, {0.0395, 0.0290},
+                  {0.0409, 0.0450}, {0.0414, 0.0650}, {0.0416, 0.0850}, {0.0419, 0.0960}, {0.0416, 0.0990},
+                  {0.0403, 0.1000}, {0.0390, 0.0990}, {0.0386, 0.0955}, {0.0382, 0.0830}, {0.0379, 0.0600},
+                  {0.0370, 0.0400}, {0.0342, 0.0240}, {0.0290, 0.0148}, {0.0200, 0.0100}, {0.0100, 0.0087},
                   {0.0, 0.0084}});
 }
 
@@ -90,9 +90,11 @@ class CupGlaze {
   void bare_foot(const Vector3d& p, Appearance& a) const {
     const double angle = std::atan2(p.x(), p.z());
     const double edge_m =
-        0.0128 + 0.0012 * fractal_noise(Vector3d(3 * std::cos(angle), 3 * std::sin(angle), 7.0), 2, seed_ + 53);
+        0.0128 +
+        0.0012 * fractal_noise(Vector3d(3 * std::cos(angle), 3 * std::sin(angle), 7.0), 2, seed_ + 53);
     const double bare = smooth_step(edge_m + 0.0004, edge_m - 0.0004, p.y());
-    const double drop = smooth_step(0.0012, 0.0, std::abs(p.y() - edge_m - 0.0007));  // glaze gathers at its edge
+    const double drop =
+        smooth_step(0.0012, 0.0, std::abs(p.y() - edge_m - 0.0007));  // glaze gathers at its edge
     a.albedo = blend(a.albedo, linear_from_hex(0xC7AE88), 0.45 * drop);
     const Vector3d clay = linear_from_hex(0xB98E66) * (1 + 0.10 * fractal_noise(p / 0.0016, 2, seed_ + 59));
     a.albedo = blend(a.albedo, clay, bare);
@@ -121,15 +123,20 @@ GaussianAsset make_cup(uint64_t seed) {
   body.refinement = [profile](double, double v) {
     const double y = profile.at(v).y();
     if (v > kInsideStarts) return 1.0;
-    const double edge_m = std::min({std::abs(y - 0.0762), std::abs(y - 0.0838), std::abs(y - 0.0722),
-                                    std::abs(y - 0.0315)});
+    const double edge_m =
+        std::min({std::abs(y - 0.0762), std::abs(y - 0.0838), std::abs(y - 0.0722), std::abs(y - 0.0315)});
     return 0.66 + 0.34 * smooth_step(0.0012, 0.0026, edge_m);
   };
   sample_surface(body, random, samples);
 
-  const auto spine = curve_through({{0.0375, 0.0795, 0}, {0.0480, 0.0835, 0}, {0.0600, 0.0815, 0},
-                                    {0.0680, 0.0715, 0}, {0.0695, 0.0570, 0}, {0.0640, 0.0440, 0},
-                                    {0.0520, 0.0355, 0}, {0.0370, 0.0325, 0}});
+  const auto spine = curve_through({{0.0375, 0.0795, 0},
+                                    {0.0480, 0.0835, 0},
+                                    {0.0600, 0.0815, 0},
+                                    {0.0680, 0.0715, 0},
+                                    {0.0695, 0.0570, 0},
+                                    {0.0640, 0.0440, 0},
+                                    {0.0520, 0.0355, 0},
+                                    {0.0370, 0.0325, 0}});
   ParametricSurface handle = sweep(
       spine, Vector3d::UnitZ(),
       [](double u) {
@@ -145,7 +152,8 @@ GaussianAsset make_cup(uint64_t seed) {
   const CupGlaze glaze(seed);
   line_up_along_edge(
       [&glaze](const SurfaceSample& s) {
-        const bool painted = s.part == kBody && s.v < kInsideStarts && s.position_m.y() > 0.025 && s.position_m.y() < 0.09;
+        const bool painted =
+            s.part == kBody && s.v < kInsideStarts && s.position_m.y() > 0.025 && s.position_m.y() < 0.09;
         return painted ? glaze.ring_distance_m(s.position_m) : 1.0;
       },
       0.00035, samples);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sample/dart_board.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace livegs::sample {
 
-DartBoard::DartBoard(double largest_radius, size_t expected_darts) : cell_(largest_radius) {
+DartBoard::DartBoard(double largest_radius, size_t expected_darts) : cell_(2.0 * largest_radius) {
   size_t buckets = 1024;
   while (buckets < 2 * expected_darts) buckets *= 2;
   heads_.assign(buckets, -1);
@@ -18,16 +19,28 @@ size_t DartBoard::bucket(int64_t x, int64_t y, int64_t z) const {
          (heads_.size() - 1);
 }
 
+std::array<int32_t, 8> DartBoard::lists_near(const Eigen::Vector3d& point) const {
+  const Eigen::Vector3d low = (point / cell_ - Eigen::Vector3d::Constant(0.5)).array().floor();
+  const auto x = static_cast<int64_t>(low.x()), y = static_cast<int64_t>(low.y()),
+             z = static_cast<int64_t>(low.z());
+  std::array<int32_t, 8> heads;
+  std::array<size_t, 8> seen;
+  for (int corner = 0; corner < 8; ++corner) {
+    const size_t b = bucket(x + (corner & 1), y + ((corner >> 1) & 1), z + (corner >> 2));
+    seen[corner] = b;
+    // Two cells may share a bucket; its list is walked once.
+    const bool again = std::find(seen.begin(), seen.begin() + corner, b) != seen.begin() + corner;
+    heads[corner] = again ? -1 : heads_[b];
+  }
+  return heads;
+}
+
 bool DartBoard::take(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double radius) {
-  const Eigen::Vector3d cell = (point / cell_).array().floor();
-  const auto x = static_cast<int64_t>(cell.x()), y = static_cast<int64_t>(cell.y()), z = static_cast<int64_t>(cell.z());
-  for (int64_t dz = -1; dz <= 1; ++dz)
-    for (int64_t dy = -1; dy <= 1; ++dy)
-      for (int64_t dx = -1; dx <= 1; ++dx)
-        for (int32_t i = heads_[bucket(x + dx, y + dy, z + dz)]; i >= 0; i = darts_[i].next) {
-          const Dart& dart = darts_[i];
-          if ((dart.point - point).squaredNorm() < radius * radius && dart.normal.dot(normal) > 0.0) return false;
-        }
+  for (int32_t i : lists_near(point))
+    for (; i >= 0; i = darts_[i].next) {
+      const Dart& dart = darts_[i];
+      if ((dart.point - point).squaredNorm() < radius * radius && dart.normal.dot(normal) > 0.0) return false;
+    }
   add(point, normal, radius);
   return true;
 }
@@ -35,20 +48,16 @@ bool DartBoard::take(const Eigen::Vector3d& point, const Eigen::Vector3d& normal
 bool DartBoard::fill(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double radius) {
   // Kernels of standard deviation 0.75 radius and opacity 0.95; a hole is where more than 5 % passes.
   constexpr double kSigma = 0.75, kOpacity = 0.95, kClosed = 0.05;
-  const Eigen::Vector3d cell = (point / cell_).array().floor();
-  const auto x = static_cast<int64_t>(cell.x()), y = static_cast<int64_t>(cell.y()), z = static_cast<int64_t>(cell.z());
   double transmittance = 1.0;
-  for (int64_t dz = -1; dz <= 1; ++dz)
-    for (int64_t dy = -1; dy <= 1; ++dy)
-      for (int64_t dx = -1; dx <= 1; ++dx)
-        for (int32_t i = heads_[bucket(x + dx, y + dy, z + dz)]; i >= 0; i = darts_[i].next) {
-          const Dart& dart = darts_[i];
-          if (dart.normal.dot(normal) <= 0.0) continue;
-          const double sigma = kSigma * dart.radius;
-          const double power = 0.5 * (dart.point - point).squaredNorm() / (sigma * sigma);
-          if (power < 5.0) transmittance *= 1.0 - kOpacity * std::exp(-power);
-          if (transmittance < kClosed) return false;
-        }
+  for (int32_t i : lists_near(point))
+    for (; i >= 0; i = darts_[i].next) {
+      const Dart& dart = darts_[i];
+      const double sigma = kSigma * dart.radius;
+      const double power = 0.5 * (dart.point - point).squaredNorm() / (sigma * sigma);
+      if (power > 4.0 || dart.normal.dot(normal) <= 0.0) continue;
+      transmittance *= 1.0 - kOpacity * std::exp(-power);
+      if (transmittance < kClosed) return false;
+    }
   add(point, normal, radius);
   return true;
 }

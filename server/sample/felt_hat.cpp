@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A fedora of burgundy wool felt: pinched crown, curled brim, grosgrain ribbon with a flat bow, lining and sweatband.
+// A fedora of burgundy wool felt: pinched crown, curled brim, grosgrain ribbon with a flat bow, lining and
+// sweatband.
 #include <algorithm>
 #include <cmath>
 
@@ -91,7 +92,8 @@ class HatCloth {
       a.gloss = 0.06;
       a.gloss_width = 0.4;
     } else {
-      a.albedo = linear_from_hex(0xC9B38E) * (1 + 0.05 * std::sin(s.u * 90) + 0.04 * fractal_noise(p / 0.01, 2, seed_));
+      a.albedo = linear_from_hex(0xC9B38E) *
+                 (1 + 0.05 * std::sin(s.u * 90) + 0.04 * fractal_noise(p / 0.01, 2, seed_));
       a.gloss = 0.08;
       a.gloss_width = 0.4;
     }
@@ -173,7 +175,9 @@ GaussianAsset make_felt_hat(uint64_t seed) {
   knot.position_m = [=](double u, double v) {
     const double y = 0.5 * (low_m + high_m) + (v - 0.5) * 0.025;
     const double angle = middle + 0.062 * u;
-    const double r = crown_radius_m(y) + 0.0012 + 0.0045 * std::sqrt(std::max(0.0, 1 - u * u)) * std::pow(std::max(0.0, std::sin(3.14159 * v)), 0.4);
+    const double r =
+        crown_radius_m(y) + 0.0012 +
+        0.0045 * std::sqrt(std::max(0.0, 1 - u * u)) * std::pow(std::max(0.0, std::sin(3.14159 * v)), 0.4);
     return shaped({r * std::sin(angle), y, r * std::cos(angle)});
   };
   sample_surface(knot, random, samples);

@@ -12,10 +12,14 @@ constexpr int kPoints = 64;  // exact to degree 127: narrow lobes are resolved
 
 double legendre(int l, double x) {
   switch (l) {
-    case 0: return 1.0;
-    case 1: return x;
-    case 2: return 0.5 * (3 * x * x - 1);
-    default: return 0.5 * x * (5 * x * x - 3);
+    case 0:
+      return 1.0;
+    case 1:
+      return x;
+    case 2:
+      return 0.5 * (3 * x * x - 1);
+    default:
+      return 0.5 * x * (5 * x * x - 3);
   }
 }
 

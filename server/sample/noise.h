@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-// Procedural noise from an integer hash: the same bits for the same point and seed, everywhere. One unit of the
-// argument is one lattice cell; scale the point to choose a wavelength.
+// Procedural noise from an integer hash: the same bits for the same point and seed, everywhere. One unit of
+// the argument is one lattice cell; scale the point to choose a wavelength.
 
 namespace livegs::sample {
 
@@ -21,8 +21,9 @@ double value_noise(const Eigen::Vector3d& point, uint64_t seed);
 // Sum of octaves, each at twice the frequency and half the amplitude, normalised to -1..1.
 double fractal_noise(const Eigen::Vector3d& point, int octaves, uint64_t seed);
 
-// Signed distance to the nearest of sparse dots, in cells, negative inside. One dot a lattice cell at most, with
-// probability `density` and radius between the two bounds (at most 0.5 so that one ring of neighbours is enough).
+// Signed distance to the nearest of sparse dots, in cells, negative inside. One dot a lattice cell at most,
+// with probability `density` and radius between the two bounds (at most 0.5 so that one ring of neighbours is
+// enough).
 double speckle_distance(const Eigen::Vector3d& point, double density, double min_radius, double max_radius,
                         uint64_t seed);
 

@@ -27,15 +27,18 @@ OcclusionGrid::OcclusionGrid(const SurfaceSamples& samples, int cells) {
     const Eigen::Vector3d w = place - Eigen::Vector3d::Constant(0.5) - base;
     for (int corner = 0; corner < 8; ++corner) {
       const int dx = corner & 1, dy = (corner >> 1) & 1, dz = corner >> 2;
-      cell(static_cast<int>(base.x()) + dx, static_cast<int>(base.y()) + dy, static_cast<int>(base.z()) + dz) +=
-          static_cast<float>(depth * (dx ? w.x() : 1 - w.x()) * (dy ? w.y() : 1 - w.y()) * (dz ? w.z() : 1 - w.z()));
+      cell(static_cast<int>(base.x()) + dx, static_cast<int>(base.y()) + dy,
+           static_cast<int>(base.z()) + dz) +=
+          static_cast<float>(depth * (dx ? w.x() : 1 - w.x()) * (dy ? w.y() : 1 - w.y()) *
+                             (dz ? w.z() : 1 - w.z()));
     }
   }
 }
 
 float OcclusionGrid::density_at(const Eigen::Vector3f& p) const {
   const int x = static_cast<int>(p.x()), y = static_cast<int>(p.y()), z = static_cast<int>(p.z());
-  const float wx = p.x() - static_cast<float>(x), wy = p.y() - static_cast<float>(y), wz = p.z() - static_cast<float>(z);
+  const float wx = p.x() - static_cast<float>(x), wy = p.y() - static_cast<float>(y),
+              wz = p.z() - static_cast<float>(z);
   const float* c = &density_[(static_cast<size_t>(z) * ny_ + y) * nx_ + x];
   const size_t row = static_cast<size_t>(nx_), slab = static_cast<size_t>(nx_) * ny_;
   const auto line = [&](const float* q) { return q[0] + (q[1] - q[0]) * wx; };
@@ -49,12 +52,21 @@ double OcclusionGrid::transmittance(const Eigen::Vector3d& point_m, const Eigen:
   const Eigen::Vector3f toward = direction.cast<float>();
   Eigen::Vector3f p =
       ((point_m - low_m_) / cell_m_ - Eigen::Vector3d::Constant(0.5) + clearance * normal).cast<float>();
-  const Eigen::Vector3f end(static_cast<float>(nx_ - 1), static_cast<float>(ny_ - 1), static_cast<float>(nz_ - 1));
+  const Eigen::Vector3f end(static_cast<float>(nx_ - 1), static_cast<float>(ny_ - 1),
+                            static_cast<float>(nz_ - 1));
+  const auto inside = [&] {
+    return p.x() >= 0 && p.y() >= 0 && p.z() >= 0 && p.x() < end.x() && p.y() < end.y() && p.z() < end.z();
+  };
+  // Steps grow as the cone of light that a direction stands for widens; far ones take the nearest cell. Past
+  // depth 4 it is dark.
   float depth = 0.0f, step = 0.9f;
-  // Steps grow as the cone of light that a direction stands for widens. Past depth 4 it is dark.
-  for (p += 0.5f * toward; depth < 4.0f; p += step * toward, step *= 1.12f) {
-    if (p.x() < 0 || p.y() < 0 || p.z() < 0 || p.x() >= end.x() || p.y() >= end.y() || p.z() >= end.z()) break;
+  p += 0.5f * toward;
+  for (int near = 0; near < 4 && inside() && depth < 4.0f; ++near, p += step * toward, step *= 1.15f)
     depth += step * density_at(p);
+  p += Eigen::Vector3f::Constant(0.5f);
+  for (; inside() && depth < 4.0f; p += step * toward, step *= 1.1f) {
+    const size_t row = static_cast<size_t>(p.z()) * ny_ + static_cast<size_t>(p.y());
+    depth += step * density_[row * nx_ + static_cast<size_t>(p.x())];
   }
   return std::exp(-depth);
 }

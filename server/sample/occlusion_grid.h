@@ -8,15 +8,15 @@
 
 namespace livegs::sample {
 
-// How much of the light from a direction reaches a point past the object itself: the samples' area in a coarse grid
-// of cubes, smoothed, marched along a ray. Soft by nature, which is what baked shading wants.
+// How much of the light from a direction reaches a point past the object itself: the samples' area in a
+// coarse grid of cubes, smoothed, marched along a ray. Soft by nature, which is what baked shading wants.
 class OcclusionGrid {
  public:
   // `cells` along the longest side of the samples' box.
   explicit OcclusionGrid(const SurfaceSamples& samples, int cells = 72);
 
-  // 0..1. Marching starts `clearance` cells away from the point along its normal, so that a surface does not shade
-  // itself.
+  // 0..1. Marching starts `clearance` cells away from the point along its normal, so that a surface does not
+  // shade itself.
   double transmittance(const Eigen::Vector3d& point_m, const Eigen::Vector3d& normal,
                        const Eigen::Vector3d& direction, double clearance = 1.8) const;
   double cell_m() const { return cell_m_; }

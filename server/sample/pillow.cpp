@@ -92,7 +92,8 @@ class PillowShape {
                            toward_t * value_noise(Vector3d(14 * s, 2.0 * t, t > 0 ? 3.5 : 6.5), seed + 2);
     const double around = std::atan2(t, s), radius = std::hypot(s, t);
     const double corner = std::pow(std::abs(std::sin(2 * around)), 3.0) * smooth_step(0.35, 0.9, radius);
-    const double folds = corner * value_noise(Vector3d(9 * std::cos(around), 9 * std::sin(around), 1.2 * radius), seed + 3);
+    const double folds =
+        corner * value_noise(Vector3d(9 * std::cos(around), 9 * std::sin(around), 1.2 * radius), seed + 3);
     const double soft = value_noise(Vector3d(2.3 * s, 2.3 * t, 0.5), seed + 4);
     const double crease = -std::exp(-std::pow((t + 0.25 * s - 0.18 + 0.1 * soft) / 0.035, 2.0)) *
                           smooth_step(0.75, 0.2, std::abs(s + 0.1));
@@ -111,7 +112,9 @@ double stripe_distance_m(double x) {
 }
 
 // Finer sampling where the colour changes.
-double near_stripe(double x) { return 0.72 + 0.28 * smooth_step(0.002, 0.004, std::abs(stripe_distance_m(x))); }
+double near_stripe(double x) {
+  return 0.72 + 0.28 * smooth_step(0.002, 0.004, std::abs(stripe_distance_m(x)));
+}
 
 class Linen {
  public:
@@ -129,11 +132,12 @@ class Linen {
       a.albedo = linear_from_hex(0x3C4F78) * (1 + 0.14 * twist + 0.08 * fractal_noise(p / 0.004, 2, seed_));
       return a;
     }
-    // Every kernel is a piece of one thread, warp or weft; each thread has its own tone and swells (slubs). Along the
-    // edge of a stripe only warp shows, which keeps it sharp.
+    // Every kernel is a piece of one thread, warp or weft; each thread has its own tone and swells (slubs).
+    // Along the edge of a stripe only warp shows, which keeps it sharp.
     const double edge_m = std::abs(stripe_distance_m(p.x()));
-    a.across = edge_m < 0.004 || lattice_random(static_cast<int64_t>(std::floor(p.x() / 0.0011)),
-                                                static_cast<int64_t>(std::floor(p.z() / 0.0011)), s.part, seed_ + 2) < 0.5;
+    a.across = edge_m < 0.004 ||
+               lattice_random(static_cast<int64_t>(std::floor(p.x() / 0.0011)),
+                              static_cast<int64_t>(std::floor(p.z() / 0.0011)), s.part, seed_ + 2) < 0.5;
     // dP/du is along z on the top sheet and along x below.
     const bool warp = a.across;
     if (s.part == kTop) a.across = !a.across;
@@ -141,8 +145,10 @@ class Linen {
     const double across_m = warp ? p.x() : p.z(), along_m = warp ? p.z() : p.x();
     const auto thread = static_cast<int64_t>(std::floor(across_m / 0.0021));
     const double tone = lattice_random(thread, warp, s.part, seed_ + 7) - 0.5;
-    const double slub = value_noise(Vector3d(along_m / 0.022, static_cast<double>(thread) * 1.7, warp), seed_ + 9);
-    const double shade = 1 + 0.16 * tone + 0.10 * std::max(0.0, slub) + 0.03 * fractal_noise(p / 0.05, 2, seed_ + 3);
+    const double slub =
+        value_noise(Vector3d(along_m / 0.022, static_cast<double>(thread) * 1.7, warp), seed_ + 9);
+    const double shade =
+        1 + 0.16 * tone + 0.10 * std::max(0.0, slub) + 0.03 * fractal_noise(p / 0.05, 2, seed_ + 3);
     Vector3d cloth = linear_from_hex(0xD8CCB4);
     // Stripes are woven in, so the weft keeps a little of the ground.
     const double stripe = smooth_step(0.0003, -0.0003, stripe_distance_m(p.x()));
@@ -181,8 +187,8 @@ GaussianAsset make_pillow(uint64_t seed) {
   piping.cells_u = 600;
   sample_surface(piping, random, samples);
   line_up_along_edge(
-      [](const SurfaceSample& s) { return s.part == kPiping ? 1.0 : stripe_distance_m(s.position_m.x()); }, 0.0009,
-      samples);
+      [](const SurfaceSample& s) { return s.part == kPiping ? 1.0 : stripe_distance_m(s.position_m.x()); },
+      0.0009, samples);
   double floor_m = 0.0;
   for (const SurfaceSample& s : samples) floor_m = std::min(floor_m, s.position_m.y());
   for (SurfaceSample& s : samples) s.position_m.y() -= floor_m;

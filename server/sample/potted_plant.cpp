@@ -23,15 +23,37 @@ constexpr double kSoil_m = 0.1235;
 constexpr double kHeight_m = 0.50;
 
 Profile pot_profile() {
-  return Profile({{0.0, 0.006},     {0.040, 0.006},   {0.0455, 0.0065}, {0.0478, 0.0090}, {0.0520, 0.0400},
-                  {0.0580, 0.0840}, {0.0600, 0.0990}, {0.0600, 0.0990}, {0.0655, 0.0995}, {0.0672, 0.1015},
-                  {0.0695, 0.1180}, {0.0715, 0.1350}, {0.0712, 0.1385}, {0.0695, 0.1400}, {0.0672, 0.1395},
-                  {0.0658, 0.1370}, {0.0648, 0.1280}, {0.0640, 0.1180}});
+  return Profile({{0.0, 0.006},
+                  {0.040, 0.006},
+                  {0.0455, 0.0065},
+                  {0.0478, 0.0090},
+                  {0.0520, 0.0400},
+                  {0.0580, 0.0840},
+                  {0.0600, 0.0990},
+                  {0.0600, 0.0990},
+                  {0.0655, 0.0995},
+                  {0.0672, 0.1015},
+                  {0.0695, 0.1180},
+                  {0.0715, 0.1350},
+                  {0.0712, 0.1385},
+                  {0.0695, 0.1400},
+                  {0.0672, 0.1395},
+                  {0.0658, 0.1370},
+                  {0.0648, 0.1280},
+                  {0.0640, 0.1180}});
 }
 
 Profile saucer_profile() {
-  return Profile({{0.0, 0.0},       {0.0600, 0.0},    {0.0650, 0.0012}, {0.0690, 0.0045}, {0.0775, 0.0180},
-                  {0.0772, 0.0200}, {0.0755, 0.0205}, {0.0735, 0.0195}, {0.0660, 0.0085}, {0.0620, 0.0060},
+  return Profile({{0.0, 0.0},
+                  {0.0600, 0.0},
+                  {0.0650, 0.0012},
+                  {0.0690, 0.0045},
+                  {0.0775, 0.0180},
+                  {0.0772, 0.0200},
+                  {0.0755, 0.0205},
+                  {0.0735, 0.0195},
+                  {0.0660, 0.0085},
+                  {0.0620, 0.0060},
                   {0.0, 0.0055}});
 }
 
@@ -57,7 +79,8 @@ struct Blade {
     const double half_m = half_width_m(s);
     // Folded along the middle, most at the base.
     const double fold = 0.62 - 0.35 * s;
-    return centre + side * (half_m * q * (1 - 0.12 * fold)) + up * (half_m * fold * (std::sqrt(q * q + 0.03) - 0.17));
+    return centre + side * (half_m * q * (1 - 0.12 * fold)) +
+           up * (half_m * fold * (std::sqrt(q * q + 0.03) - 0.17));
   }
 };
 
@@ -114,10 +137,12 @@ class PlantSkin {
     a.flatness = 0.14;
     // Cream stripe down the middle with a streaked edge; parallel veins beside it.
     const double streak = value_noise(Vector3d(along * 14, q * 9, s.part), seed_ + 1);
-    const double stripe = smooth_step(0.40, 0.26, std::abs(q) + 0.07 * streak) * smooth_step(0.0, 0.10, along) *
-                          smooth_step(0.99, 0.86, along);
-    const double vein = std::sin(q * 26) * 0.5 + 0.5 * value_noise(Vector3d(along * 5, q * 22, s.part), seed_ + 2);
-    Vector3d green = blend(linear_from_hex(0x2F6B2A), linear_from_hex(0x6CA63E), smooth_step(0.0, 1.0, along));
+    const double stripe = smooth_step(0.40, 0.26, std::abs(q) + 0.07 * streak) *
+                          smooth_step(0.0, 0.10, along) * smooth_step(0.99, 0.86, along);
+    const double vein =
+        std::sin(q * 26) * 0.5 + 0.5 * value_noise(Vector3d(along * 5, q * 22, s.part), seed_ + 2);
+    Vector3d green =
+        blend(linear_from_hex(0x2F6B2A), linear_from_hex(0x6CA63E), smooth_step(0.0, 1.0, along));
     green *= 1 + 0.14 * vein + 0.14 * blade.tone;
     const Vector3d pale = blend(linear_from_hex(0xC9D58C), linear_from_hex(0xE6E7B4), 0.5 + 0.5 * streak);
     Vector3d albedo = blend(green, pale, 0.92 * stripe);
@@ -137,12 +162,15 @@ class PlantSkin {
     a.gloss = 0.05;
     a.gloss_width = 0.5;
     const double angle = std::atan2(p.x(), p.z());
-    const double cloud = fractal_noise(p / 0.035, 4, seed_ + 11), grit = fractal_noise(p / 0.0022, 2, seed_ + 12);
+    const double cloud = fractal_noise(p / 0.035, 4, seed_ + 11),
+                 grit = fractal_noise(p / 0.0022, 2, seed_ + 12);
     a.albedo = linear_from_hex(s.part == kPot ? 0xC4693F : 0xB86540) * (1 + 0.13 * cloud + 0.08 * grit);
     // Turning lines, and lime bloom that water leaves low on the wall.
     a.albedo *= 1 + 0.04 * std::sin(p.y() / 0.0011) * (0.5 + 0.5 * cloud);
-    const double bloom = smooth_step(0.05, 0.55, fractal_noise(Vector3d(4 * std::cos(angle), 4 * std::sin(angle), p.y() / 0.03), 3, seed_ + 13) +
-                                                     0.5 * smooth_step(0.075, 0.01, p.y()) - 0.12);
+    const double bloom = smooth_step(
+        0.05, 0.55,
+        fractal_noise(Vector3d(4 * std::cos(angle), 4 * std::sin(angle), p.y() / 0.03), 3, seed_ + 13) +
+            0.5 * smooth_step(0.075, 0.01, p.y()) - 0.12);
     a.albedo = blend(a.albedo, linear_from_hex(0xE3CDBB), 0.30 * bloom);
     if (s.part == kPot && std::hypot(p.x(), p.z()) < 0.0665 && p.y() > 0.11)
       a.albedo *= 0.55 + 0.45 * smooth_step(0.120, 0.136, p.y());

@@ -10,7 +10,8 @@ namespace {
 constexpr int kStepsPerSpan = 32;
 constexpr int kEvenPoints = 1024;
 
-// Barry and Goldman's evaluation with knots at the square root of chord length; equal points give straight ends.
+// Barry and Goldman's evaluation with knots at the square root of chord length; equal points give straight
+// ends.
 Eigen::Vector2d span_point(const Eigen::Vector2d p[4], double share) {
   double knot[4] = {0, 0, 0, 0};
   for (int i = 1; i < 4; ++i) knot[i] = knot[i - 1] + std::sqrt((p[i] - p[i - 1]).norm());
@@ -49,7 +50,8 @@ Profile::Profile(const std::vector<Eigen::Vector2d>& points_m) {
     while (segment + 1 < dense.size() && travelled_m[segment] < wanted_m) ++segment;
     const double step_m = travelled_m[segment] - travelled_m[segment - 1];
     const double share = step_m > 0 ? (wanted_m - travelled_m[segment - 1]) / step_m : 0.0;
-    points_m_.push_back(dense[segment - 1] + (dense[segment] - dense[segment - 1]) * std::clamp(share, 0.0, 1.0));
+    points_m_.push_back(dense[segment - 1] +
+                        (dense[segment] - dense[segment - 1]) * std::clamp(share, 0.0, 1.0));
   }
 }
 

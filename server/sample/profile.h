@@ -6,8 +6,8 @@
 
 namespace livegs::sample {
 
-// A smooth plane curve through given points (Catmull and Rom 1974, centripetal), by arc length: what a lathe turns.
-// A point given twice makes a corner.
+// A smooth plane curve through given points (Catmull and Rom 1974, centripetal), by arc length: what a lathe
+// turns. A point given twice makes a corner.
 class Profile {
  public:
   // At least two different points; x is the radius and y the height when the curve is turned.

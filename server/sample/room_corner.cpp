@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A corner of a room: oak parquet in herringbone, painted skirting, plaster walls with the light of a tall window on
-// them, a framed print. Flat things need few kernels, laid row by row; only edges and the print are fine.
+// A corner of a room: oak parquet in herringbone, painted skirting, plaster walls with the light of a tall
+// window on them, a framed print. Flat things need few kernels, laid row by row; only edges and the print are
+// fine.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -26,8 +27,8 @@ constexpr double kPictureWidth_m = 0.62, kPictureHeight_m = 0.82;
 constexpr double kBoardLength_m = 0.48, kBoardWidth_m = 0.08;
 
 // A flat rectangle of kernels, one row after another, jittered by a fifth of the spacing.
-void lay_rectangle(const Vector3d& corner_m, const Vector3d& along_m, const Vector3d& across_m, double spacing_m,
-                   double stretch, int part, Random& random, SurfaceSamples& samples) {
+void lay_rectangle(const Vector3d& corner_m, const Vector3d& along_m, const Vector3d& across_m,
+                   double spacing_m, double stretch, int part, Random& random, SurfaceSamples& samples) {
   const Vector3d tangent = along_m.normalized(), normal = along_m.cross(across_m).normalized();
   const int rows = std::max(1, static_cast<int>(std::lround(across_m.norm() / spacing_m)));
   const int columns = std::max(1, static_cast<int>(std::lround(along_m.norm() / (spacing_m * stretch))));
@@ -52,8 +53,13 @@ class Decor {
     a.overlap = 0.80;
     a.flatness = 0.12;
     switch (s.part) {
-      case kBoard: case kSeam: floor(s, a); break;
-      case kWall: wall(p, a); break;
+      case kBoard:
+      case kSeam:
+        floor(s, a);
+        break;
+      case kWall:
+        wall(p, a);
+        break;
       case kSkirting:
         a.albedo = linear_from_hex(0xEDEAE2) * (1 + 0.02 * fractal_noise(p / 0.2, 2, seed_));
         a.gloss = 0.05;
@@ -63,8 +69,12 @@ class Decor {
         a.albedo = wood_albedo(Vector3d(p.x() + p.y(), p.y() - p.x(), p.z() + 0.03),
                                {linear_from_hex(0x6B4A30), linear_from_hex(0x533522), 0.012, 0.3}, seed_ + 3);
         break;
-      case kMat: a.albedo = linear_from_hex(0xF3EFE4); break;
-      default: print(s, a); break;
+      case kMat:
+        a.albedo = linear_from_hex(0xF3EFE4);
+        break;
+      default:
+        print(s, a);
+        break;
     }
     a.albedo *= window_light(s) * corner_shade(s);
     return a;
@@ -108,10 +118,14 @@ class Decor {
     Vector3d ink = blend(linear_from_hex(0xF0D2A4), linear_from_hex(0xE9A071), smooth_step(0.9, -0.2, y));
     const double sun = std::hypot((x - 0.15) * 0.72, y - 0.22);
     ink = blend(linear_from_hex(0xD8432B), ink, smooth_step(0.27, 0.285, sun));
-    struct Hill { double base, height, pitch; uint32_t colour; };
+    struct Hill {
+      double base, height, pitch;
+      uint32_t colour;
+    };
     for (const Hill& h : {Hill{0.06, 0.24, 1.3, 0x7FA09A}, Hill{-0.18, 0.26, 1.9, 0x4F7C7D},
                           Hill{-0.46, 0.24, 2.6, 0x2B555E}, Hill{-0.72, 0.16, 2.2, 0x17343F}}) {
-      const double crest = h.base + h.height * value_noise(Vector3d(x * h.pitch + 10 * h.base, h.base * 31, 0.5), seed_ + 41);
+      const double crest =
+          h.base + h.height * value_noise(Vector3d(x * h.pitch + 10 * h.base, h.base * 31, 0.5), seed_ + 41);
       ink = blend(ink, linear_from_hex(h.colour), smooth_step(crest + 0.012, crest - 0.012, y));
     }
     a.albedo = ink * (1 + 0.03 * value_noise(s.position_m / 0.006, seed_ + 43));
@@ -119,8 +133,8 @@ class Decor {
     a.gloss_width = 0.4;
   }
 
-  // The window is tall, four panes by two, out of sight on the right; its light falls on the back wall and the
-  // floor, softer the farther it travels. The rest of the room lies in what it scatters.
+  // The window is tall, four panes by two, out of sight on the right; its light falls on the back wall and
+  // the floor, softer the farther it travels. The rest of the room lies in what it scatters.
   static double window_light(const SurfaceSample& s) {
     const Vector3d light = key_direction();
     const Vector3d q = s.position_m + 0.004 * s.normal;
@@ -128,7 +142,8 @@ class Decor {
     const Vector3d at = q + light * travel_m;  // where the ray crosses the window's plane
     const double blur_m = 0.010 + 0.012 * travel_m;
     const auto opening = [&](double value, double low, double high) {
-      return smooth_step(low - blur_m, low + blur_m, value) * smooth_step(high + blur_m, high - blur_m, value);
+      return smooth_step(low - blur_m, low + blur_m, value) *
+             smooth_step(high + blur_m, high - blur_m, value);
     };
     double through = 0.0;
     for (int column = 0; column < 2; ++column)
@@ -136,7 +151,8 @@ class Decor {
         through += opening(at.z(), 1.05 + 0.72 * column, 1.05 + 0.72 * column + 0.64) *
                    opening(at.y(), 3.05 + 0.68 * row, 3.05 + 0.68 * row + 0.61);
     const double distance = std::hypot(q.x() - 1.5, q.z() - 1.5) / 4.2;
-    const double gradient = 0.88 - 0.22 * smooth_step(0.1, 1.0, distance) - 0.08 * smooth_step(1.0, 2.4, q.y());
+    const double gradient =
+        0.88 - 0.22 * smooth_step(0.1, 1.0, distance) - 0.08 * smooth_step(1.0, 2.4, q.y());
     return gradient + 0.42 * through;
   }
 
@@ -173,27 +189,37 @@ void lay_parquet(Random& random, SurfaceSamples& samples) {
     const Eigen::Vector2d middle = turn * (low + 0.5 * length * along + 0.5 * width * across);
     if (!inside(middle, 0.36)) return;
     ++number;
-    const auto put = [&](double l_m, double w_m, double spacing_m, double stretch, int part, bool lengthwise, double y_m) {
+    const auto put = [&](double l_m, double w_m, double spacing_m, double stretch, int part, bool lengthwise,
+                         double y_m) {
       const Eigen::Vector2d flat = turn * (low + l_m * along + w_m * across);
       if (!inside(flat, -0.002)) return;
       const Eigen::Vector2d direction = turn * (lengthwise ? along : across);
-      samples.push_back({{flat.x(), y_m, flat.y()}, Vector3d::UnitY(), {direction.x(), 0, direction.y()}, w_m,
-                         static_cast<double>(number), spacing_m, stretch, part});
+      samples.push_back({{flat.x(), y_m, flat.y()},
+                         Vector3d::UnitY(),
+                         {direction.x(), 0, direction.y()},
+                         w_m,
+                         static_cast<double>(number),
+                         spacing_m,
+                         stretch,
+                         part});
     };
     for (size_t row = 0; row < std::size(rows_m); ++row) {
       constexpr int kColumns = 17;
       for (int column = 0; column < kColumns; ++column) {
         const double pitch_m = (length - 0.006) / kColumns;
-        double l_m = 0.003 + pitch_m * (column + 0.5 + (row % 2 ? 0.25 : -0.25) + 0.12 * random.uniform(-1, 1));
+        double l_m =
+            0.003 + pitch_m * (column + 0.5 + (row % 2 ? 0.25 : -0.25) + 0.12 * random.uniform(-1, 1));
         l_m = std::clamp(l_m, 0.013, length - 0.013);
         const double stretch = std::min(pitch_m, 0.028) / sizes_m[row] * 0.85;
-        put(l_m, rows_m[row] + 0.001 * random.uniform(-1, 1), sizes_m[row], std::max(1.0, stretch), kBoard, true, 0.0);
+        put(l_m, rows_m[row] + 0.001 * random.uniform(-1, 1), sizes_m[row], std::max(1.0, stretch), kBoard,
+            true, 0.0);
       }
     }
     for (int i = 0; i < 24; ++i) put((i + 0.5) * length / 24, 0.0, 0.00075, 17.0, kSeam, true, 0.0004);
     for (int i = 0; i < 4; ++i) put(0.0, (i + 0.5) * width / 4, 0.00075, 17.0, kSeam, false, 0.0004);
   };
-  // In the lattice of the pattern: boards along the first axis at (i w, i w + 2 L j), then the one that meets it.
+  // In the lattice of the pattern: boards along the first axis at (i w, i w + 2 L j), then the one that meets
+  // it.
   for (int j = -8; j <= 8; ++j)
     for (int i = -60; i <= 60; ++i) {
       const Eigen::Vector2d step(i * width + j * length, i * width - j * length);
@@ -206,12 +232,18 @@ void lay_skirting(Random& random, SurfaceSamples& samples) {
   const double h = kSkirtingHeight_m, d = kSkirtingDepth_m;
   const double bevel = 0.008;
   // Back wall's board faces +z, the left wall's +x; each has a face, a bevel and a top.
-  lay_rectangle({-kHalf_m + d, 0, -kHalf_m + d}, {2 * kHalf_m - d, 0, 0}, {0, h - bevel, 0}, 0.012, 2.0, kSkirting, random, samples);
-  lay_rectangle({-kHalf_m + d, h - bevel, -kHalf_m + d}, {2 * kHalf_m - d, 0, 0}, {0, bevel, -bevel}, 0.0045, 5.0, kSkirting, random, samples);
-  lay_rectangle({-kHalf_m + d, h, -kHalf_m + d - bevel}, {2 * kHalf_m - d, 0, 0}, {0, 0, bevel - d}, 0.0045, 5.0, kSkirting, random, samples);
-  lay_rectangle({-kHalf_m + d, 0, kHalf_m}, {0, 0, d - 2 * kHalf_m}, {0, h - bevel, 0}, 0.012, 2.0, kSkirting, random, samples);
-  lay_rectangle({-kHalf_m + d, h - bevel, kHalf_m}, {0, 0, d - 2 * kHalf_m}, {-bevel, bevel, 0}, 0.0045, 5.0, kSkirting, random, samples);
-  lay_rectangle({-kHalf_m + d - bevel, h, kHalf_m}, {0, 0, d - 2 * kHalf_m}, {bevel - d, 0, 0}, 0.0045, 5.0, kSkirting, random, samples);
+  lay_rectangle({-kHalf_m + d, 0, -kHalf_m + d}, {2 * kHalf_m - d, 0, 0}, {0, h - bevel, 0}, 0.012, 2.0,
+                kSkirting, random, samples);
+  lay_rectangle({-kHalf_m + d, h - bevel, -kHalf_m + d}, {2 * kHalf_m - d, 0, 0}, {0, bevel, -bevel}, 0.0045,
+                5.0, kSkirting, random, samples);
+  lay_rectangle({-kHalf_m + d, h, -kHalf_m + d - bevel}, {2 * kHalf_m - d, 0, 0}, {0, 0, bevel - d}, 0.0045,
+                5.0, kSkirting, random, samples);
+  lay_rectangle({-kHalf_m + d, 0, kHalf_m}, {0, 0, d - 2 * kHalf_m}, {0, h - bevel, 0}, 0.012, 2.0, kSkirting,
+                random, samples);
+  lay_rectangle({-kHalf_m + d, h - bevel, kHalf_m}, {0, 0, d - 2 * kHalf_m}, {-bevel, bevel, 0}, 0.0045, 5.0,
+                kSkirting, random, samples);
+  lay_rectangle({-kHalf_m + d - bevel, h, kHalf_m}, {0, 0, d - 2 * kHalf_m}, {bevel - d, 0, 0}, 0.0045, 5.0,
+                kSkirting, random, samples);
 }
 
 void lay_picture(Random& random, SurfaceSamples& samples) {
@@ -219,10 +251,12 @@ void lay_picture(Random& random, SurfaceSamples& samples) {
   const Vector3d& low = kPictureLow_m;
   const Vector3d x = Vector3d::UnitX(), y = Vector3d::UnitY(), z = Vector3d::UnitZ();
   const auto face = [&](double x0, double y0, double x1, double y1, double out, double spacing, int part) {
-    lay_rectangle(low + x0 * x + y0 * y + out * z, (x1 - x0) * x, (y1 - y0) * y, spacing, 1.0, part, random, samples);
+    lay_rectangle(low + x0 * x + y0 * y + out * z, (x1 - x0) * x, (y1 - y0) * y, spacing, 1.0, part, random,
+                  samples);
   };
   const auto upright = [&](double x0, double y0, double x1, double y1, double out, double spacing, int part) {
-    lay_rectangle(low + x1 * x + y0 * y + out * z, (y1 - y0) * y, (x0 - x1) * x, spacing, 1.0, part, random, samples);
+    lay_rectangle(low + x1 * x + y0 * y + out * z, (y1 - y0) * y, (x0 - x1) * x, spacing, 1.0, part, random,
+                  samples);
   };
   face(0, 0, width, border, depth, 0.0044, kFrame);
   face(0, height - border, width, height, depth, 0.0044, kFrame);
@@ -241,15 +275,16 @@ void lay_picture(Random& random, SurfaceSamples& samples) {
   face(b, b, width - b, height - b, 0.0095, 0.0058, kPrint);
 }
 
-// How far inside the frame's outline a point of the back wall lies; negative outside. Nothing is laid behind the
-// picture: a wide kernel that close would be drawn over it from the side.
+// How far inside the frame's outline a point of the back wall lies; negative outside. Nothing is laid behind
+// the picture: a wide kernel that close would be drawn over it from the side.
 double picture_depth_m(const Vector3d& p) {
-  return std::min({p.x() - kPictureLow_m.x(), kPictureLow_m.x() + kPictureWidth_m - p.x(), p.y() - kPictureLow_m.y(),
-                   kPictureLow_m.y() + kPictureHeight_m - p.y()});
+  return std::min({p.x() - kPictureLow_m.x(), kPictureLow_m.x() + kPictureWidth_m - p.x(),
+                   p.y() - kPictureLow_m.y(), kPictureLow_m.y() + kPictureHeight_m - p.y()});
 }
 
 // Plaster, irregular so that no row shows; finer along its edges so that they are straight.
-void lay_wall(const std::function<Vector3d(double, double)>& position_m, bool behind_picture, Random& random, SurfaceSamples& samples) {
+void lay_wall(const std::function<Vector3d(double, double)>& position_m, bool behind_picture, Random& random,
+              SurfaceSamples& samples) {
   ParametricSurface wall;
   wall.position_m = position_m;
   wall.u_min = -kHalf_m + 0.002;
@@ -262,7 +297,8 @@ void lay_wall(const std::function<Vector3d(double, double)>& position_m, bool be
   if (behind_picture) wall.keep = [](const Vector3d& p) { return picture_depth_m(p) < 0.012; };
   wall.refinement = [position_m, behind_picture](double u, double v) {
     const double frame_m = behind_picture ? std::abs(picture_depth_m(position_m(u, v))) : 1.0;
-    const double edge_m = std::min({frame_m, kHalf_m - std::abs(u), kWallHeight_m - v, v - kSkirtingHeight_m + 0.05});
+    const double edge_m =
+        std::min({frame_m, kHalf_m - std::abs(u), kWallHeight_m - v, v - kSkirtingHeight_m + 0.05});
     return 0.32 + 0.68 * smooth_step(0.02, 0.12, edge_m);
   };
   sample_surface(wall, random, samples);

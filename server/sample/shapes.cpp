@@ -31,8 +31,7 @@ ParametricSurface sweep(std::function<Vector3d(double)> curve, const Vector3d& r
                                                                                                    double v) {
     constexpr double kStep = 1e-3;
     const Vector3d centre = curve(u);
-    const Vector3d along =
-        (curve(std::min(1.0, u + kStep)) - curve(std::max(0.0, u - kStep))).normalized();
+    const Vector3d along = (curve(std::min(1.0, u + kStep)) - curve(std::max(0.0, u - kStep))).normalized();
     const Vector3d first = (reference - along * along.dot(reference)).normalized();
     const Vector3d second = along.cross(first);
     const Eigen::Vector2d half = half_axes_m(u);

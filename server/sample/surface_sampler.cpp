@@ -10,8 +10,8 @@
 namespace livegs::sample {
 namespace {
 
-// Random sequential packing saturates at 0.70 discs per spacing². Of the darts per saturated disc, the later ones
-// only fill holes.
+// Random sequential packing saturates at 0.70 discs per spacing². Of the darts per saturated disc, the later
+// ones only fill holes.
 constexpr double kSaturation = 0.70;
 constexpr double kDartsPerDisc = 6.5;
 constexpr double kFillFrom = 0.55;  // share of the darts after which holes are filled
@@ -62,7 +62,8 @@ void sample_surface(const ParametricSurface& surface, Random& random, SurfaceSam
       normals[j * nu + i] = cross.norm() > 1e-18 ? cross.normalized() : Eigen::Vector3d::Zero();
     }
   const auto centre = [&](int i, int j) {
-    return Eigen::Vector3d(0.25 * (corner(i, j) + corner(i + 1, j) + corner(i, j + 1) + corner(i + 1, j + 1)));
+    return Eigen::Vector3d(0.25 *
+                           (corner(i, j) + corner(i + 1, j) + corner(i, j + 1) + corner(i + 1, j + 1)));
   };
   std::vector<Cell> cells;
   cells.reserve(normals.size());
@@ -103,25 +104,28 @@ void sample_surface(const ParametricSurface& surface, Random& random, SurfaceSam
     const Eigen::Vector3d metric = surface.metric ? surface.metric(u, v, position_m) : position_m;
     const Eigen::Vector3d& side = normals[static_cast<size_t>(cell - cells.begin())];
     const bool filling = static_cast<double>(dart) > kFillFrom * static_cast<double>(dart_count);
-    if (!(filling ? board.fill(metric, side, cell->spacing_m) : board.take(metric, side, cell->spacing_m))) continue;
+    if (!(filling ? board.fill(metric, side, cell->spacing_m) : board.take(metric, side, cell->spacing_m)))
+      continue;
     const Frame frame = frame_at(surface, u, v);
-    samples.push_back({position_m, frame.normal, frame.tangent, u, v, cell->spacing_m, surface.stretch,
-                       surface.part});
+    samples.push_back(
+        {position_m, frame.normal, frame.tangent, u, v, cell->spacing_m, surface.stretch, surface.part});
   }
 }
 
 void sample_implicit(const ImplicitSurface& surface, Random& random, SurfaceSamples& samples) {
-  constexpr int kCells = 40;  // along the longest side
+  constexpr int kCells = 64;  // along the longest side
   const Eigen::Vector3d size = surface.max_m - surface.min_m;
   const double width_m = size.maxCoeff() / kCells;
-  std::vector<Eigen::Vector3d> corners;  // of cells that the surface may cross
+  // Darts start in a shell about the surface and fall on it along the gradient. A cell that the shell crosses
+  // has its centre within the shell and half a diagonal (0.87 widths) of the surface.
+  const double shell_m = 1.5 * surface.spacing_m;
+  std::vector<Eigen::Vector3d> corners;  // of those cells
   for (int k = 0; k * width_m < size.z(); ++k)
     for (int j = 0; j * width_m < size.y(); ++j)
       for (int i = 0; i * width_m < size.x(); ++i) {
         const Eigen::Vector3d low = surface.min_m + width_m * Eigen::Vector3d(i, j, k);
-        // Half the diagonal, and half again because blended distances overestimate.
-        if (std::abs(surface.distance_m(low + Eigen::Vector3d::Constant(0.5 * width_m))) < 1.3 * width_m)
-          corners.push_back(low);
+        const Eigen::Vector3d centre = low + Eigen::Vector3d::Constant(0.5 * width_m);
+        if (std::abs(surface.distance_m(centre)) < shell_m + 0.95 * width_m) corners.push_back(low);
       }
   // Tetrahedral differences: four evaluations.
   const auto gradient = [&](const Eigen::Vector3d& p) {
@@ -134,10 +138,8 @@ void sample_implicit(const ImplicitSurface& surface, Random& random, SurfaceSamp
     }
     return Eigen::Vector3d(g / (4 * kStep_m));
   };
-  // Darts start in a shell about the surface and fall on it along the gradient.
-  const double shell_m = 1.5 * surface.spacing_m;
   const double dart_area_m2 = surface.spacing_m * surface.spacing_m / (kSaturation * kDartsPerDisc);
-  const double dart_volume_m3 = dart_area_m2 * 2 * shell_m * (surface.refinement ? 0.5 : 1.0);
+  const double dart_volume_m3 = dart_area_m2 * 2 * shell_m * (surface.refinement ? 0.65 : 1.0);
   const size_t dart_count =
       static_cast<size_t>(static_cast<double>(corners.size()) * width_m * width_m * width_m / dart_volume_m3);
   DartBoard board(surface.spacing_m, dart_count / 16);

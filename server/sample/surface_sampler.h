@@ -9,8 +9,8 @@
 
 namespace livegs::sample {
 
-// A patch P(u, v) over a rectangle of parameters. The normal is dP/du x dP/dv, so the order of the parameters chooses
-// the side; `tangent` is along dP/du. Poles and creases are allowed.
+// A patch P(u, v) over a rectangle of parameters. The normal is dP/du x dP/dv, so the order of the parameters
+// chooses the side; `tangent` is along dP/du. Poles and creases are allowed.
 struct ParametricSurface {
   std::function<Eigen::Vector3d(double u, double v)> position_m;
   double u_min = 0.0, u_max = 1.0, v_min = 0.0, v_max = 1.0;
@@ -22,14 +22,14 @@ struct ParametricSurface {
   std::function<double(double u, double v)> refinement;
   // Points for which this is false are left out (hidden inside another part); empty keeps all.
   std::function<bool(const Eigen::Vector3d& position_m)> keep;
-  // Where distances between samples are measured, when that is not the surface itself: a stretched surface maps
-  // its long direction shorter by `stretch`. Empty for the position.
+  // Where distances between samples are measured, when that is not the surface itself: a stretched surface
+  // maps its long direction shorter by `stretch`. Empty for the position.
   std::function<Eigen::Vector3d(double u, double v, const Eigen::Vector3d& position_m)> metric;
 };
 
-// Appends an even, irregular covering of the surface: Poisson-disc darts (Cook 1986) over area-weighted candidates
-// until hardly any place is left, about 0.65 samples per spacing². Where the surface turns by more than a third of a
-// radian within one spacing, spacing shrinks (to a third at most).
+// Appends an even, irregular covering of the surface: Poisson-disc darts (Cook 1986) over area-weighted
+// candidates until hardly any place is left, about 0.65 samples per spacing². Where the surface turns by more
+// than a third of a radian within one spacing, spacing shrinks (to a third at most).
 void sample_surface(const ParametricSurface& surface, Random& random, SurfaceSamples& samples);
 
 // Zero set of a distance-like function (negative inside, gradient near unit length close to the surface).

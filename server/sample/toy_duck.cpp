@@ -32,7 +32,9 @@ double ellipsoid(const Vector3d& p, const Vector3d& radii) {
 // A turn about x that tips +z up by the angle.
 struct Tip {
   explicit Tip(double angle_rad) : c(std::cos(angle_rad)), s(std::sin(angle_rad)) {}
-  Vector3d operator()(const Vector3d& p) const { return {p.x(), c * p.y() - s * p.z(), s * p.y() + c * p.z()}; }
+  Vector3d operator()(const Vector3d& p) const {
+    return {p.x(), c * p.y() - s * p.z(), s * p.y() + c * p.z()};
+  }
   double c, s;
 };
 
@@ -44,7 +46,8 @@ double body_distance(const Vector3d& p) {
   static const Tip tail_tip(-0.78), wing_tip(-0.35);
   double d = ellipsoid(p - Vector3d(0, 0.0365, -0.003), {0.0425, 0.0375, 0.0525});
   d = smooth_min(d, ellipsoid(p - Vector3d(0, 0.036, 0.022), {0.036, 0.034, 0.034}), 0.02);  // breast
-  d = smooth_min(d, ellipsoid(tail_tip(p - Vector3d(0, 0.0570, -0.0480)), {0.0165, 0.0100, 0.0280}), 0.024);  // tail
+  d = smooth_min(d, ellipsoid(tail_tip(p - Vector3d(0, 0.0570, -0.0480)), {0.0165, 0.0100, 0.0280}),
+                 0.024);  // tail
   d = smooth_min(d, (p - kHeadCentre).norm() - kHeadRadius, 0.012);
   d = smooth_min(d, ellipsoid(p - Vector3d(0, 0.1125, 0.017), {0.0045, 0.0055, 0.008}), 0.008);  // tuft
   // Wings: pads that lift off towards the tail.
@@ -98,7 +101,8 @@ class Vinyl {
     a.albedo *= 1 + 0.03 * cloud;
     a.subsurface = Vector3d(0.34, 0.17, 0.0);
     const double eye_m = eye_distance_m(p);
-    a.albedo = blend(a.albedo, linear_from_hex(0xF6F4EC), smooth_step(kEyeWhite_m + 0.0002, kEyeWhite_m - 0.0002, eye_m));
+    a.albedo = blend(a.albedo, linear_from_hex(0xF6F4EC),
+                     smooth_step(kEyeWhite_m + 0.0002, kEyeWhite_m - 0.0002, eye_m));
     const double pupil = smooth_step(kPupil_m + 0.0002, kPupil_m - 0.0002, eye_m);
     a.albedo = blend(a.albedo, linear_from_hex(0x0C0A08), pupil);
     a.gloss *= 1 - 0.8 * pupil;
@@ -106,10 +110,12 @@ class Vinyl {
     if (eye_m < kEyeWhite_m) a.subsurface.setZero();
     const double sign = p.x() > 0 ? 1 : -1;
     const Vector3d catchlight = eye_centre(sign) + Vector3d(0.0013, 0.0018, 0.0006);
-    a.albedo = blend(a.albedo, linear_from_hex(0xFFFFFF), smooth_step(0.0017, 0.0011, (p - catchlight).norm()));
+    a.albedo =
+        blend(a.albedo, linear_from_hex(0xFFFFFF), smooth_step(0.0017, 0.0011, (p - catchlight).norm()));
     // Blush sprayed on the cheeks.
     const Vector3d cheek = kHeadCentre + kHeadRadius * Vector3d(sign * 0.80, -0.10, 0.58).normalized();
-    a.albedo = blend(linear_from_hex(0xF7902A), a.albedo, 0.62 + 0.38 * smooth_step(0.001, 0.010, (p - cheek).norm()));
+    a.albedo = blend(linear_from_hex(0xF7902A), a.albedo,
+                     0.62 + 0.38 * smooth_step(0.001, 0.010, (p - cheek).norm()));
     if (s.position_m.y() < 0.0008) a.gloss = 0.0;
     return a;
   }
@@ -128,12 +134,17 @@ class Vinyl {
 GaussianAsset make_toy_duck(uint64_t seed) {
   Random random(seed * 8 + 5);
   ImplicitSurface duck;
-  duck.distance_m = [](const Vector3d& p) { return smooth_min(body_distance(p), beak_distance(p), 0.0022); };
+  // The beak begins 20 mm before this plane: behind it only the body counts.
+  constexpr double kBehindBeak_m = 0.015;
+  duck.distance_m = [](const Vector3d& p) {
+    const double body_m = body_distance(p);
+    return p.z() < kBehindBeak_m ? body_m : smooth_min(body_m, beak_distance(p), 0.0022);
+  };
   duck.min_m = Vector3d(-0.055, -0.004, -0.080);
   duck.max_m = Vector3d(0.055, 0.124, 0.076);
   duck.spacing_m = 0.00098;
   duck.refinement = [](const Vector3d& p) {
-    if (p.y() < 0.0006) return 1.0;
+    if (p.z() < kBehindBeak_m) return 1.0;
     const double seam_m = std::abs(beak_distance(p) - body_distance(p));
     return std::min(0.50 + 0.50 * smooth_step(0.0066, 0.009, eye_distance_m(p)),
                     beak_distance(p) < 0.01 ? 0.60 + 0.40 * smooth_step(0.002, 0.004, seam_m) : 1.0);

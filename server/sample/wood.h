@@ -6,8 +6,8 @@
 
 namespace livegs::sample {
 
-// Solid wood: growth rings about the x axis of `grain_m`, cut wherever the surface happens to run, so that long grain,
-// cathedrals and end grain come out by themselves.
+// Solid wood: growth rings about the x axis of `grain_m`, cut wherever the surface happens to run, so that
+// long grain, cathedrals and end grain come out by themselves.
 struct WoodTone {
   Eigen::Vector3d early, late;  // spring and summer wood, linear light
   double ring_m = 0.006;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A workshop stool in oiled oak: dished round seat of three boards, four turned legs whose wedged tenons show as end
-// grain in the seat, a ring of stretchers.
+// A workshop stool in oiled oak: dished round seat of three boards, four turned legs whose wedged tenons show
+// as end grain in the seat, a ring of stretchers.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -36,20 +36,30 @@ Vector3d leg_at(int leg, double height_m) {
 }
 
 Profile seat_profile() {
-  return Profile({{0.0, kUnderside_m},      {0.060, kUnderside_m},  {0.130, kUnderside_m},   {0.147, 0.4190},
-                  {0.1590, 0.4255},         {0.1640, 0.4330},       {kSeatRadius_m, 0.4400}, {0.1638, 0.4462},
-                  {0.1600, 0.4492},         {0.1540, 0.4500},       {0.1380, 0.4492},        {0.100, 0.4462},
-                  {0.050, 0.4442},          {0.0, 0.4438}});
+  return Profile({{0.0, kUnderside_m},
+                  {0.060, kUnderside_m},
+                  {0.130, kUnderside_m},
+                  {0.147, 0.4190},
+                  {0.1590, 0.4255},
+                  {0.1640, 0.4330},
+                  {kSeatRadius_m, 0.4400},
+                  {0.1638, 0.4462},
+                  {0.1600, 0.4492},
+                  {0.1540, 0.4500},
+                  {0.1380, 0.4492},
+                  {0.100, 0.4462},
+                  {0.050, 0.4442},
+                  {0.0, 0.4438}});
 }
 
 // Radius against the share of the leg from foot to top: taper, two beads, a vase, the shoulder.
 Profile leg_profile() {
-  return Profile({{0.0, 0.0},       {0.0100, 0.0005}, {0.0118, 0.0035}, {0.0124, 0.012}, {0.0150, 0.070},
-                  {0.0172, 0.118},  {0.0178, 0.128},  {0.0150, 0.1345}, {0.0150, 0.138}, {0.0182, 0.144},
-                  {0.0188, 0.150},  {0.0182, 0.156},  {0.0152, 0.162},  {0.0152, 0.166}, {0.0185, 0.173},
-                  {0.0205, 0.190},  {0.0210, 0.215},  {0.0200, 0.250},  {0.0176, 0.300}, {0.0158, 0.335},
-                  {0.0150, 0.352},  {0.0175, 0.358},  {0.0180, 0.3635}, {0.0172, 0.369}, {0.0148, 0.375},
-                  {0.0150, 0.390},  {0.0155, 0.430}});
+  return Profile({{0.0, 0.0},      {0.0100, 0.0005}, {0.0118, 0.0035}, {0.0124, 0.012}, {0.0150, 0.070},
+                  {0.0172, 0.118}, {0.0178, 0.128},  {0.0150, 0.1345}, {0.0150, 0.138}, {0.0182, 0.144},
+                  {0.0188, 0.150}, {0.0182, 0.156},  {0.0152, 0.162},  {0.0152, 0.166}, {0.0185, 0.173},
+                  {0.0205, 0.190}, {0.0210, 0.215},  {0.0200, 0.250},  {0.0176, 0.300}, {0.0158, 0.335},
+                  {0.0150, 0.352}, {0.0175, 0.358},  {0.0180, 0.3635}, {0.0172, 0.369}, {0.0148, 0.375},
+                  {0.0150, 0.390}, {0.0155, 0.430}});
 }
 
 class OiledOak {
@@ -66,8 +76,10 @@ class OiledOak {
     a.sheen = 0.06;
     a.overlap = 0.78;
     a.opacity = 0.96;
-    if (s.part == kSeat) seat(s, a);
-    else turned(s, a);
+    if (s.part == kSeat)
+      seat(s, a);
+    else
+      turned(s, a);
     return a;
   }
 
@@ -196,13 +208,13 @@ GaussianAsset make_wooden_stool(uint64_t seed) {
     const double height_m = side % 2 == 0 ? 0.1500 : 0.2150;
     const Vector3d from = leg_at((side + 3) % 4, height_m), to = leg_at(side, height_m);
     const bool along_x = std::abs(from.x() - to.x()) > std::abs(from.z() - to.z());
-    ParametricSurface rail = sweep([from, to](double u) { return Vector3d(from + (to - from) * u); },
-                                   Vector3d::UnitY(),
-                                   [](double u) {
-                                     const double r = 0.0078 + 0.0035 * std::sin(kPi * u);
-                                     return Eigen::Vector2d(r, r);
-                                   },
-                                   0.0021, kStretcher + (along_x ? 0 : 1) + 2 * (side / 2));
+    ParametricSurface rail =
+        sweep([from, to](double u) { return Vector3d(from + (to - from) * u); }, Vector3d::UnitY(),
+              [](double u) {
+                const double r = 0.0078 + 0.0035 * std::sin(kPi * u);
+                return Eigen::Vector2d(r, r);
+              },
+              0.0021, kStretcher + (along_x ? 0 : 1) + 2 * (side / 2));
     rail.stretch = 1.5;
     rail.metric = [along_x](double, double, const Vector3d& p) {
       return along_x ? Vector3d(p.x() / 1.5, p.y(), p.z()) : Vector3d(p.x(), p.y(), p.z() / 1.5);

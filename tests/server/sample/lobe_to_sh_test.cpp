@@ -22,7 +22,8 @@ std::vector<Eigen::Vector3d> directions(int count) {
   return out;
 }
 
-double evaluate(const Eigen::Vector3d& dc, std::span<const Eigen::Vector3d> rest, const Eigen::Vector3d& direction) {
+double evaluate(const Eigen::Vector3d& dc, std::span<const Eigen::Vector3d> rest,
+                const Eigen::Vector3d& direction) {
   const std::array<double, 16> y = real_harmonics(direction);
   double value = y[0] * dc.x();
   for (size_t k = 0; k < rest.size(); ++k) value += y[k + 1] * rest[k].x();

@@ -16,7 +16,8 @@ constexpr double kPi = 3.14159265358979323846;
 ParametricSurface sphere(double radius_m, double spacing_m) {
   ParametricSurface surface;
   surface.position_m = [radius_m](double u, double v) {
-    return Eigen::Vector3d(radius_m * std::sin(v) * std::sin(u), -radius_m * std::cos(v), radius_m * std::sin(v) * std::cos(u));
+    return Eigen::Vector3d(radius_m * std::sin(v) * std::sin(u), -radius_m * std::cos(v),
+                           radius_m * std::sin(v) * std::cos(u));
   };
   surface.u_max = 2 * kPi;
   surface.v_max = kPi;
@@ -48,10 +49,12 @@ TEST(SurfaceSampler, SphereIsCoveredEvenlyPolesIncluded) {
     EXPECT_GT(s.normal.dot(s.position_m.normalized()), 0.99);
     EXPECT_NEAR(s.tangent.dot(s.normal), 0.0, 1e-9);
   }
-  // A tenth may pass at the worst place: candidates are random, so the last holes are only likely to be found.
+  // A tenth may pass at the worst place: candidates are random, so the last holes are only likely to be
+  // found.
   for (int i = 0; i < 2000; ++i) {
     const double z = 1 - (2 * i + 1.0) / 2000, r = std::sqrt(1 - z * z), a = 2.399963229728653 * i;
-    EXPECT_GT(depth_over(0.1 * Eigen::Vector3d(r * std::cos(a), z, r * std::sin(a)), samples), std::log(10.0));
+    EXPECT_GT(depth_over(0.1 * Eigen::Vector3d(r * std::cos(a), z, r * std::sin(a)), samples),
+              std::log(10.0));
   }
 }
 
@@ -61,7 +64,8 @@ TEST(SurfaceSampler, SharpBendsAreSampledFiner) {
   sample_surface(sphere(0.1, 0.002), random, wide);
   sample_surface(sphere(0.004, 0.002), random, narrow);
   EXPECT_DOUBLE_EQ(wide.front().spacing_m, 0.002);
-  for (const SurfaceSample& s : narrow) EXPECT_LT(s.spacing_m, 0.0017);  // a third of a radian on 4 mm is 1.4 mm
+  for (const SurfaceSample& s : narrow)
+    EXPECT_LT(s.spacing_m, 0.0017);  // a third of a radian on 4 mm is 1.4 mm
 }
 
 TEST(SurfaceSampler, ImplicitSphereLiesOnItsSurfaceAndIsClosed) {
@@ -74,12 +78,14 @@ TEST(SurfaceSampler, ImplicitSphereLiesOnItsSurfaceAndIsClosed) {
   SurfaceSamples samples;
   sample_implicit(surface, random, samples);
   for (const SurfaceSample& s : samples) {
-    EXPECT_NEAR(s.position_m.norm(), 0.05, 0.05 * 0.003);  // the sampler's own bound: a twentieth of the spacing
+    EXPECT_NEAR(s.position_m.norm(), 0.05,
+                0.05 * 0.003);  // the sampler's own bound: a twentieth of the spacing
     EXPECT_GT(s.normal.dot(s.position_m.normalized()), 0.999);
   }
   for (int i = 0; i < 1000; ++i) {
     const double z = 1 - (2 * i + 1.0) / 1000, r = std::sqrt(1 - z * z), a = 2.399963229728653 * i;
-    EXPECT_GT(depth_over(0.05 * Eigen::Vector3d(r * std::cos(a), z, r * std::sin(a)), samples), std::log(10.0));
+    EXPECT_GT(depth_over(0.05 * Eigen::Vector3d(r * std::cos(a), z, r * std::sin(a)), samples),
+              std::log(10.0));
   }
 }
 
@@ -99,7 +105,9 @@ TEST(SharpEdge, SamplesKeepTheirSideAndTheirDistance) {
     const double from = before[i].position_m.x() - 0.002, to = samples[i].position_m.x() - 0.002;
     EXPECT_EQ(from < 0, to < 0);
     EXPECT_GE(std::abs(to), 0.001 - 1e-9);  // the edge is straight: differences are exact to rounding
-    if (std::abs(from) >= 0.001) { EXPECT_EQ(from, to); }
+    if (std::abs(from) >= 0.001) {
+      EXPECT_EQ(from, to);
+    }
   }
 }
 
