@@ -15,8 +15,10 @@
 namespace livegs {
 namespace {
 
+// The small functions are inlined by order: a call passes hundreds of bytes of lanes through memory.
+
 // In Hadamard order: 1, x, y, xy, z, xz, yz, xyz.
-void hadamard(Lanes (&v)[8]) {
+[[gnu::always_inline]] inline void hadamard(Lanes (&v)[8]) {
   for (int bit = 1; bit < 8; bit *= 2) {
     for (int i = 0; i < 8; ++i) {
       if (i & bit) continue;
@@ -28,7 +30,7 @@ void hadamard(Lanes (&v)[8]) {
 }
 
 // The inverse without its factor: corner c gets sum of coefficient times sign.
-void hadamard_back(Lanes (&v)[8]) {
+[[gnu::always_inline]] inline void hadamard_back(Lanes (&v)[8]) {
   for (int bit = 1; bit < 8; bit *= 2) {
     for (int i = 0; i < 8; ++i) {
       if (i & bit) continue;
@@ -47,7 +49,7 @@ struct Symmetric {
   Lanes v[6];
 };
 
-Matrix matrix_of(const Lanes (&q)[4]) {
+[[gnu::always_inline]] inline Matrix matrix_of(const Lanes (&q)[4]) {
   const Lanes w = q[0], x = q[1], y = q[2], z = q[3];
   const Lanes one = all_lanes(1.0), two = all_lanes(2.0);
   return {{{one - two * (y * y + z * z), two * (x * y - w * z), two * (x * z + w * y)},
@@ -55,7 +57,7 @@ Matrix matrix_of(const Lanes (&q)[4]) {
            {two * (x * z - w * y), two * (y * z + w * x), one - two * (x * x + y * y)}}};
 }
 
-Matrix transposed_times(const Matrix& a, const Matrix& b) {
+[[gnu::always_inline]] inline Matrix transposed_times(const Matrix& a, const Matrix& b) {
   Matrix c;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) c.m[i][j] = a.m[0][i] * b.m[0][j] + a.m[1][i] * b.m[1][j] + a.m[2][i] * b.m[2][j];
@@ -75,7 +77,7 @@ constexpr double kLargestTurn = 0.5;
 constexpr double kConverged = 0.05;  // rad; the error left is about its cube
 constexpr int kMaxTurns = 8;
 
-Lanes turn(Lanes (&q)[4], const Matrix& f) {
+[[gnu::always_inline]] inline Lanes turn(Lanes (&q)[4], const Matrix& f) {
   const Matrix m = transposed_times(matrix_of(q), f);
   const Lanes tau[3] = {m.m[2][1] - m.m[1][2], m.m[0][2] - m.m[2][0], m.m[1][0] - m.m[0][1]};
   const Lanes half = all_lanes(0.5), zero = all_lanes(0.0), one = all_lanes(1.0);
@@ -114,7 +116,7 @@ Lanes turn(Lanes (&q)[4], const Matrix& f) {
 constexpr double kRoot2 = 1.41421356237309504880, kHalfRoot2 = 0.70710678118654752440;
 
 // sym(s G) in Mandel's notation.
-Symmetric times_mobility(const Symmetric& s, const Lanes (&g)[6]) {
+[[gnu::always_inline]] inline Symmetric times_mobility(const Symmetric& s, const Lanes (&g)[6]) {
   const Lanes down = all_lanes(kHalfRoot2), half = all_lanes(0.5);
   const Lanes yz = s.v[3] * down, xz = s.v[4] * down, xy = s.v[5] * down;
   const Lanes rows[3][3] = {{s.v[0], xy, xz}, {xy, s.v[1], yz}, {xz, yz, s.v[2]}};
@@ -127,7 +129,7 @@ Symmetric times_mobility(const Symmetric& s, const Lanes (&g)[6]) {
            up * (entry(0, 1) + entry(1, 0))}};
 }
 
-Symmetric times_shear(const Lanes (&h)[21], const Symmetric& s) {
+[[gnu::always_inline]] inline Symmetric times_shear(const Lanes (&h)[21], const Symmetric& s) {
   Symmetric r;
   for (int i = 0; i < 6; ++i) r.v[i] = all_lanes(0.0);
   int k = 0;
@@ -148,7 +150,7 @@ Lanes dot(const Symmetric& a, const Symmetric& b) {
 }
 
 // Cofactor matrix and determinant of a symmetric matrix, both Mandel.
-Symmetric cofactor(const Symmetric& s, Lanes& det) {
+[[gnu::always_inline]] inline Symmetric cofactor(const Symmetric& s, Lanes& det) {
   const Lanes down = all_lanes(kHalfRoot2), up = all_lanes(kRoot2);
   const Lanes yz = s.v[3] * down, xz = s.v[4] * down, xy = s.v[5] * down;
   const Lanes c00 = s.v[1] * s.v[2] - yz * yz, c01 = xz * yz - xy * s.v[2], c02 = xy * yz - s.v[1] * xz;

@@ -124,26 +124,32 @@ EmbeddedPoint Lattice::embed(const Vector3d& object_point_m) const {
   const auto local_in = [&](const LatticeCell& cell) -> Vector3d {
     return 2.0 * (point - cell.coordinates.cast<double>()) - Vector3d::Ones();
   };
-  // Within reach of int and finite, or it is far outside anyway.
-  if ((point.array().abs() < 1e9).all()) {
+  EmbeddedPoint nearest;
+  double least = std::numeric_limits<double>::infinity();
+  const auto consider = [&](uint32_t i) {
+    const double beyond = (local_in(cells[i]).cwiseAbs() - Vector3d::Ones()).cwiseMax(0.0).squaredNorm();
+    if (beyond >= least) return;
+    least = beyond;
+    nearest.cell = i;
+  };
+  const auto consider_at = [&](const Vector3i& coordinates) {
     LatticeCell sought;
-    sought.coordinates = Vector3i(static_cast<int>(std::floor(point.x())), static_cast<int>(std::floor(point.y())),
-                                  static_cast<int>(std::floor(point.z())));
+    sought.coordinates = coordinates;
     const auto found = std::lower_bound(cells.begin(), cells.end(), sought, [](const auto& a, const auto& b) {
       return cell_order(a) < cell_order(b);
     });
-    if (found != cells.end() && found->coordinates == sought.coordinates) {
-      return {static_cast<uint32_t>(found - cells.begin()), local_in(*found)};
-    }
+    if (found != cells.end() && found->coordinates == coordinates) consider(static_cast<uint32_t>(found - cells.begin()));
+  };
+  // Within reach of int and finite, or it is far outside anyway.
+  if ((point.array().abs() < 1e9).all()) {
+    const Vector3i own(static_cast<int>(std::floor(point.x())), static_cast<int>(std::floor(point.y())),
+                       static_cast<int>(std::floor(point.z())));
+    consider_at(own);
+    for (int k = 0; k < 27 && least > 0.0; ++k) consider_at(own + Vector3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
   }
-  EmbeddedPoint nearest;
-  double least = std::numeric_limits<double>::infinity();
-  for (uint32_t i = 0; i < cells.size(); ++i) {
-    const double beyond = (local_in(cells[i]).cwiseAbs() - Vector3d::Ones()).cwiseMax(0.0).squaredNorm();
-    if (beyond < least) {
-      least = beyond;
-      nearest.cell = i;
-    }
+  // Any other cell is a whole cell away: two local units.
+  if (least > 4.0) {
+    for (uint32_t i = 0; i < cells.size(); ++i) consider(i);
   }
   nearest.local = local_in(cells[nearest.cell]).cwiseMax(-kFurthestLocal).cwiseMin(kFurthestLocal);
   return nearest;
