@@ -35,6 +35,9 @@ constexpr int kRadiusTries = 7;
 constexpr double kLeastCovered = 0.8;
 // A larger radius that joins all pieces is taken if it swells the body no more than this.
 constexpr double kMostSwelling = 1.25;
+// A rigid body stands on its lowest points, so a few strays under a captured base would make it rock and fall: a
+// voxel of the coarse surface with less than this part of the usual number of kernels is left out.
+constexpr double kLeastVoxelShare = 0.15;
 // A hull thinner than a ball of this radius, over a diagonal of 1, is taken for flat.
 constexpr double kLeastVolume = 1e-7;
 // The least edge of a box put in place of a flat or straight cloud, in parts of its longest edge.
@@ -141,7 +144,7 @@ Result<Surface> reconstruct_surface(std::span<const Eigen::Vector3d> points_m,
   for (const auto& point_m : points_m) cloud.push_back((point_m - bounds.center()) / diagonal_m);
   const double voxel =
       options.downsample > 0.0 ? std::max(options.downsample, 1e-5) : kThinning * options.alpha_radius;
-  cloud = thin_by_voxels(cloud, voxel);
+  cloud = thin_by_voxels(cloud, voxel, options.downsample > 0.0 ? kLeastVoxelShare : 0.0);
   AlphaComplex complex(cloud);
   std::optional<Candidate> body;
   double radius = options.alpha_radius;

@@ -8,7 +8,8 @@
 
 namespace livegs {
 
-std::vector<Eigen::Vector3d> thin_by_voxels(std::span<const Eigen::Vector3d> points, double voxel) {
+std::vector<Eigen::Vector3d> thin_by_voxels(std::span<const Eigen::Vector3d> points, double voxel,
+                                            double least_share) {
   struct Candidate {
     uint64_t voxel_key;
     float distance2;  // from the voxel's centre, in voxels
@@ -28,9 +29,25 @@ std::vector<Eigen::Vector3d> thin_by_voxels(std::span<const Eigen::Vector3d> poi
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
     return std::tie(a.voxel_key, a.distance2, a.point) < std::tie(b.voxel_key, b.distance2, b.point);
   });
-  std::vector<uint32_t> kept;
+  struct Occupied {
+    uint32_t point;
+    size_t count;
+  };
+  std::vector<Occupied> voxels;
   for (size_t c = 0; c < candidates.size(); ++c) {
-    if (c == 0 || candidates[c].voxel_key != candidates[c - 1].voxel_key) kept.push_back(candidates[c].point);
+    if (c == 0 || candidates[c].voxel_key != candidates[c - 1].voxel_key) voxels.push_back({candidates[c].point, 0});
+    ++voxels.back().count;
+  }
+  double least_count = 0.0;
+  if (least_share > 0.0 && !voxels.empty()) {
+    std::vector<size_t> counts;
+    for (const Occupied& one : voxels) counts.push_back(one.count);
+    std::nth_element(counts.begin(), counts.begin() + counts.size() / 2, counts.end());
+    least_count = least_share * static_cast<double>(counts[counts.size() / 2]);
+  }
+  std::vector<uint32_t> kept;
+  for (const Occupied& one : voxels) {
+    if (static_cast<double>(one.count) >= least_count) kept.push_back(one.point);
   }
   std::sort(kept.begin(), kept.end());
   std::vector<Eigen::Vector3d> thinned;

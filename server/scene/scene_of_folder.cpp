@@ -18,7 +18,14 @@ namespace fs = std::filesystem;
 
 constexpr int kDeepest = 3;           // folders below the one that was named
 constexpr double kGap_m = 0.25;       // between neighbours
-constexpr double kDropHeight_m = 0.15;  // so that something happens at once
+
+// Things fall a little, so that something happens at once; but what is slender is set down gently, because a fall on a
+// captured, uneven base would tip it: toppling takes an energy that goes with (width / height)².
+constexpr double kDropHeight_m = 0.15;
+double drop_height_m(const Eigen::Vector3d& size_m) {
+  const double slenderness = std::min(size_m.x(), size_m.z()) / size_m.y();
+  return kDropHeight_m * std::clamp(0.5 * slenderness * slenderness, 0.02, 1.0);
+}
 
 // Of several files with one stem the first kind is taken: exact before quantised.
 constexpr const char* kEndings[] = {".ply", ".spz", ".sog", ".compressed.ply", ".splat"};
@@ -129,7 +136,7 @@ Result<v1::Scene> scene_of_folder(const fs::path& folder) {
       object.set_asset(fs::relative(one.path, folder).string());
       // A guess is made again, with its reason, when the object is built; only its outcome is needed here.
       const Eigen::Vector3d size = one.bounds.sizes();
-      const Eigen::Vector3d target(x + 0.5 * size.x(), 0.5 * size.y() + kDropHeight_m, z + 0.5 * depth);
+      const Eigen::Vector3d target(x + 0.5 * size.x(), 0.5 * size.y() + drop_height_m(size), z + 0.5 * depth);
       const Eigen::Vector3d position = target - one.bounds.center();
       for (double coordinate : position) object.mutable_pose()->add_position_m(coordinate);
       x += size.x() + kGap_m;

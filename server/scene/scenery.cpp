@@ -57,7 +57,7 @@ void append(GaussianAsset& all, const GaussianAsset& part, const Pose& pose) {
 
 // Square tiles of two greys around the objects, fading out towards the rim.
 GaussianAsset tiled_floor(double height_m, const Eigen::AlignedBox3d& objects_m) {
-  const Eigen::Vector3d centre = objects_m.isEmpty() ? Eigen::Vector3d::Zero() : objects_m.center();
+  const Eigen::Vector3d centre = objects_m.isEmpty() ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(objects_m.center());
   const double reach =
       (objects_m.isEmpty() ? 0.5 : 0.5 * std::max(objects_m.sizes().x(), objects_m.sizes().z())) + kFloorMargin_m;
   constexpr int kAcross = 150;  // kernels along an edge

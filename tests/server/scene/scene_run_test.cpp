@@ -70,7 +70,7 @@ TEST(SceneRun, SameBitsForAnyThreadCount) {
 TEST(SceneRun, EventsActWhenTheyAreDue) {
   Scene scene = busy_scene();
   const uint32_t soft = scene.find("soft")->id;
-  EXPECT_EQ(scene.find("soft")->mass_kg, 500 * 0.008);  // density times the box's volume, exact
+  EXPECT_NEAR(scene.find("soft")->mass_kg, 500 * 0.008, 1e-12);  // density times the box's volume
   for (int tick = 0; tick < 18; ++tick) scene.step();   // up to 0.3 s: tick 18 starts there
   EXPECT_EQ(scene.objects().size(), 4u);                // drawn floor and three objects
   EXPECT_NEAR(scene.world().material(soft)->friction, 0.5, 0.5);

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "analysis/estimate.h"
+#include "geometry/shape_mesh.h"
+
+namespace livegs {
+namespace {
+
+ObjectFacts facts_of_box(const char* name, const Eigen::Vector3d& size_m) {
+  ObjectFacts facts;
+  facts.name = name;
+  facts.mesh = mesh_facts(box_mesh(size_m));
+  facts.scale_known = true;
+  return facts;
+}
+
+void expect_sound(const v1::PhysicalParameters& p) {
+  const std::tuple<const char*, const v1::EstimatedValue*, double, double> values[] = {
+      {"mass_kg", &p.mass_kg(), 1e-5, 2000},
+      {"youngs_modulus_pa", &p.youngs_modulus_pa(), 1, 1e12},
+      {"poisson_ratio", &p.poisson_ratio(), 0, 0.49},
+      {"structure_coefficient", &p.structure_coefficient(), 1e-4, 1},
+      {"deformation_resistance", &p.deformation_resistance(), 0, 1},
+      {"plasticity", &p.plasticity(), 0, 1},
+      {"damping", &p.damping(), 0, 2},
+      {"friction", &p.friction(), 0, 2},
+      {"restitution", &p.restitution(), 0, 1},
+  };
+  for (const auto& [name, value, low, high] : values) {
+    EXPECT_TRUE(std::isfinite(value->low()) && std::isfinite(value->high())) << name;
+    EXPECT_LE(value->low(), value->best()) << name;
+    EXPECT_LE(value->best(), value->high()) << name;
+    EXPECT_GE(value->low(), low) << name;
+    EXPECT_LE(value->high(), high * (1 + 1e-12)) << name;
+    EXPECT_FALSE(value->reason().empty()) << name;
+    EXPECT_NE(value->source(), v1::EstimatedValue::SOURCE_UNKNOWN) << name;
+  }
+  EXPECT_NE(p.behavior(), v1::Physics::AUTO);
+  EXPECT_GT(p.confidence(), 0);
+  EXPECT_LE(p.confidence(), 0.6);  // an offline answer never claims more
+}
+
+TEST(EstimateOffline, ASolidsMassIsDensityTimesVolume) {
+  // Softwood, 500 kg/m3, a litre.
+  const auto p = estimate_offline(facts_of_box("wood block", {0.1, 0.1, 0.1}));
+  EXPECT_EQ(p.material(), "hardwood");  // "wood" names a class; the row's own softwood yields to the word
+  EXPECT_NEAR(p.mass_kg().best(), 0.72, 1e-9);
+  EXPECT_EQ(p.behavior(), v1::Physics::RIGID);
+  expect_sound(p);
+}
+
+TEST(EstimateOffline, AShellsMassIsItsWalls) {
+  // ABS, 1050 kg/m3, 5 mm of wall on six faces of 0.04 m2.
+  const auto p = estimate_offline(facts_of_box("lego", {0.2, 0.2, 0.2}));
+  EXPECT_NEAR(p.mass_kg().best(), 1050 * 0.005 * 6 * 0.04, 1e-9);
+  EXPECT_EQ(p.fill(), v1::Physics::SHELL);
+}
+
+TEST(EstimateOffline, SoftThingsAreElasticAndHardOnesRigid) {
+  for (const char* name : {"pillow", "sponge", "rubber duck", "felt hat", "potted plant", "teddy bear", "jelly", "football"}) {
+    EXPECT_EQ(estimate_offline(facts_of_box(name, {0.3, 0.3, 0.2})).behavior(), v1::Physics::ELASTIC) << name;
+  }
+  for (const char* name : {"mug", "guitar", "statue", "hammer", "lego house", "wine glass", "stool", "brick"}) {
+    EXPECT_EQ(estimate_offline(facts_of_box(name, {0.3, 0.3, 0.2})).behavior(), v1::Physics::RIGID) << name;
+  }
+}
+
+TEST(EstimateOffline, BrittleMaterialsAreFragileAndSayAtWhatImpulse) {
+  const auto mug = estimate_offline(facts_of_box("mug", {0.1, 0.1, 0.1}));
+  EXPECT_TRUE(mug.fragile());
+  EXPECT_GT(mug.break_impulse_n_s().best(), 0);
+  EXPECT_FALSE(estimate_offline(facts_of_box("pillow", {0.4, 0.1, 0.4})).fragile());
+}
+
+TEST(EstimateOffline, AGuessedScaleWidensTheMass) {
+  ObjectFacts facts = facts_of_box("mug", {0.1, 0.1, 0.1});
+  const auto known = estimate_offline(facts);
+  facts.scale_known = false;
+  const auto guessed = estimate_offline(facts);
+  EXPECT_GT(guessed.mass_kg().high() / guessed.mass_kg().low(), known.mass_kg().high() / known.mass_kg().low());
+  EXPECT_LT(guessed.confidence(), known.confidence());
+}
+
+// Whatever the facts are, the answer is sound.
+TEST(EstimateOffline, AnyFactsGiveASoundAnswer) {
+  std::mt19937_64 random(7);
+  const auto uniform = [&](double low, double high) {
+    return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1p-53);
+  };
+  for (int i = 0; i < 3000; ++i) {
+    ObjectFacts facts;
+    const size_t length = random() % 24;
+    for (size_t k = 0; k < length; ++k) facts.name += static_cast<char>(random() % 256);
+    if (i % 3 == 0) facts.name += " glass plant";
+    facts.mesh.size_m = Eigen::Vector3d::Constant(std::pow(10.0, uniform(-4, 3)));
+    facts.mesh.volume_m3 = std::pow(10.0, uniform(-15, 6));
+    facts.mesh.area_m2 = std::pow(10.0, uniform(-10, 5));
+    facts.mesh.mean_wall_m = 2 * facts.mesh.volume_m3 / facts.mesh.area_m2;
+    facts.mesh.openness = uniform(0, 1);
+    facts.mesh.solidity = uniform(0, 1);
+    facts.appearance.mean_rgb = Eigen::Vector3f(static_cast<float>(uniform(0, 1)), static_cast<float>(uniform(0, 1)), static_cast<float>(uniform(0, 1)));
+    facts.appearance.saturation = static_cast<float>(uniform(0, 1));
+    facts.appearance.mean_opacity = static_cast<float>(uniform(0, 1));
+    facts.scale_known = random() % 2;
+    expect_sound(estimate_offline(facts));
+    if (HasFailure()) break;
+  }
+}
+
+}  // namespace
+}  // namespace livegs

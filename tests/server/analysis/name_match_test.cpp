@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/name_match.h"
+
+#include <gtest/gtest.h>
+
+#include "analysis/estimate.h"
+
+namespace livegs {
+namespace {
+
+std::string label(const char* name) {
+  const ObjectRow* row = match_name(name);
+  return row ? row->label : "";
+}
+
+TEST(NameMatch, NamesAreComparedAsWords) {
+  EXPECT_EQ(normalised_name("Lego_House-50k.v2"), "lego house k v");
+  EXPECT_EQ(normalised_name("myCoffeeMug"), "my coffee mug");
+  EXPECT_EQ(label("myCoffeeMug"), "mug");
+  EXPECT_EQ(label("037_scissors"), "screwdriver");  // the row of hand tools
+  EXPECT_EQ(label("tennis_ball_01"), "tennis ball");  // the longer alias wins over "ball"
+  EXPECT_EQ(label("two mugs"), "mug");
+  EXPECT_EQ(label("smuggler"), "");   // no part of a word
+  EXPECT_EQ(label("capital"), "");
+  EXPECT_EQ(label(""), "");
+  EXPECT_EQ(label("\xff\x01\xfe"), "");
+}
+
+TEST(NameMatch, TheLastOfTwoEqualWordsIsTheThing) { EXPECT_EQ(label("cup bowl"), "bowl"); }
+
+TEST(NameMatch, MaterialsAreFoundByNameAndByClass) {
+  EXPECT_EQ(match_material("marble_bust")->name, "marble");
+  EXPECT_EQ(match_material("wooden spoon")->name, "hardwood");
+  EXPECT_EQ(match_material("carbon steel pan")->name, "carbon steel");
+  EXPECT_EQ(match_material("teddy"), nullptr);
+}
+
+TEST(Knowledge, TablesAreWholeAndConsistent) {
+  EXPECT_GE(material_table().size(), 90u);
+  for (const MaterialRow& row : material_table()) {
+    for (const Span3& span : {row.density_kg_m3, row.youngs_modulus_pa}) {
+      EXPECT_TRUE(0 < span.low && span.low <= span.best && span.best <= span.high) << row.name;
+    }
+    EXPECT_TRUE(row.poisson_ratio >= 0 && row.poisson_ratio <= 0.49) << row.name;
+    EXPECT_TRUE(row.restitution >= 0 && row.restitution <= 1 && row.friction >= 0 && row.friction <= 2) << row.name;
+    EXPECT_TRUE(row.plasticity >= 0 && row.plasticity <= 1 && row.loss_factor > 0 && row.loss_factor <= 2) << row.name;
+  }
+  for (const ObjectRow& row : object_table()) {
+    EXPECT_EQ(material_row(row.material).name, row.material) << row.label;
+    EXPECT_TRUE(0 < row.size_m.low && row.size_m.low <= row.size_m.best && row.size_m.best <= row.size_m.high) << row.label;
+    const bool shell = row.fill == v1::Physics::SHELL || row.fill == v1::Physics::OPEN_SHELL;
+    EXPECT_EQ(row.wall_m.best > 0, shell) << row.label;
+    EXPECT_TRUE(row.wall_m.low <= row.wall_m.best && row.wall_m.best <= row.wall_m.high) << row.label;
+    EXPECT_TRUE(0 < row.structure_coefficient.low && row.structure_coefficient.high <= 1) << row.label;
+    EXPECT_EQ(match_name(row.label), &row) << row.label;
+  }
+}
+
+TEST(SizePrior, IsTheTableRow) {
+  EXPECT_EQ(size_prior("red mug").label, "mug");
+  EXPECT_EQ(size_prior("qwerty").best_m, 0.0);
+}
+
+}  // namespace
+}  // namespace livegs
