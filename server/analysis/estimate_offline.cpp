@@ -86,8 +86,14 @@ Guess guess_by_looks(const ObjectFacts& facts) {
 
 v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
   v1::PhysicalParameters answer;
-  const ObjectRow* row = match_name(facts.name);
-  const MaterialRow* named = match_material(facts.name);
+  const NameMatch match = match_name(facts.name);
+  const ObjectRow* row = match.row;
+  const MaterialMatch material_match = match_material(facts.name);
+  const MaterialRow* named = material_match.row;
+  // "wooden" beside something that is of wood anyway adds nothing to what its kind says.
+  if (row && named && !material_match.outright && material_row(row->material).material_class == named->material_class) {
+    named = nullptr;
+  }
   Guess guess;
   if (row) {
     guess.material = named ? named : &material_row(row->material);
@@ -95,9 +101,9 @@ v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
     guess.wall_m = row->wall_m;
     guess.structure = row->structure_coefficient;
     guess.confidence = named ? 0.6 : 0.5;
-    guess.reason = text("the name \"%s\" says %s; a %s is usually %s", facts.name.c_str(), row->label.c_str(),
-                        row->label.c_str(), guess.material->name.c_str());
-    answer.set_label(row->label);
+    guess.reason = text("the name \"%s\" says %s; a %s is usually %s", facts.name.c_str(), match.alias.c_str(),
+                        match.alias.c_str(), guess.material->name.c_str());
+    answer.set_label(match.alias);
   } else {
     guess = guess_by_looks(facts);
     if (named) {
@@ -112,7 +118,7 @@ v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
   answer.set_confidence(facts.scale_known ? guess.confidence : 0.8 * guess.confidence);
   answer.set_fragile(material.fragile);
   answer.set_fill(guess.fill);
-  answer.set_fill_reason(row ? text("a %s usually is", row->label.c_str())
+  answer.set_fill_reason(row ? text("a %s usually is", match.alias.c_str())
                              : text("openness %.2f, filled share of the hull %.2f", facts.mesh.openness, facts.mesh.solidity));
 
   const Span3 structure = guess.structure;

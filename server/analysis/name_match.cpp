@@ -38,18 +38,17 @@ std::string normalised_name(std::string_view name) {
   return words;
 }
 
-const ObjectRow* match_name(std::string_view name) {
+NameMatch match_name(std::string_view name) {
   const std::string words = normalised_name(name);
-  const ObjectRow* best = nullptr;
-  size_t best_length = 0, best_end = 0;
+  NameMatch best;
+  size_t best_end = 0;
   for (const ObjectRow& row : object_table()) {
     for (const std::string& alias : row.names) {
       const size_t at = find_words(words, alias);
       if (at == std::string::npos) continue;
       const size_t end = at + alias.size();
-      if (alias.size() > best_length || (alias.size() == best_length && end > best_end)) {
-        best = &row;
-        best_length = alias.size();
+      if (alias.size() > best.alias.size() || (alias.size() == best.alias.size() && end > best_end)) {
+        best = {&row, alias};
         best_end = end;
       }
     }
@@ -57,30 +56,30 @@ const ObjectRow* match_name(std::string_view name) {
   return best;
 }
 
-const MaterialRow* match_material(std::string_view name) {
+MaterialMatch match_material(std::string_view name) {
   const std::string words = normalised_name(name);
   const MaterialRow* best = nullptr;
   for (const MaterialRow& row : material_table()) {
     if (find_words(words, normalised_name(row.name)) == std::string::npos) continue;
     if (!best || row.name.size() > best->name.size()) best = &row;
   }
+  if (best) return {best, true};
   // Words people use for a whole class.
-  if (best) return best;
   constexpr std::pair<const char*, const char*> kClassWords[] = {
       {"wooden", "hardwood"}, {"wood", "hardwood"},      {"metal", "aluminium"},  {"steel", "carbon steel"},
       {"glass", "soda-lime glass"}, {"ceramic", "stoneware"}, {"clay", "terracotta"},  {"stone", "granite"},
       {"plastic", "polypropylene"}, {"rubber", "natural rubber"}, {"felt", "wool felt"}, {"bronze", "brass"},
       {"foam", "polyurethane foam"}, {"fabric", "cotton fabric"}, {"paper", "paper stack"}};
   for (const auto& [word, material] : kClassWords) {
-    if (find_words(words, word) != std::string::npos) return &material_row(material);
+    if (find_words(words, word) != std::string::npos) return {&material_row(material), false};
   }
-  return nullptr;
+  return {};
 }
 
 SizePrior size_prior(std::string_view name) {
-  const ObjectRow* row = match_name(name);
-  if (!row) return {};
-  return {row->size_m.low, row->size_m.best, row->size_m.high, row->label};
+  const NameMatch match = match_name(name);
+  if (!match.row) return {};
+  return {match.row->size_m.low, match.row->size_m.best, match.row->size_m.high, match.alias};
 }
 
 }  // namespace livegs
