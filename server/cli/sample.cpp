@@ -17,7 +17,9 @@ constexpr const char* kSceneFile = R"({
   "substeps": 4,
   "environment": {
     "asset": "room.ply",
-    "colliders": [ { "plane": { "normal": [0, 1, 0] }, "friction": 0.6, "restitution": 0.2 } ]
+    "colliders": [ { "plane": { "point_m": [0, 0, 0],    "normal": [0, 1, 0] }, "friction": 0.6, "restitution": 0.2 },
+                   { "plane": { "point_m": [0, 0, -1.5], "normal": [0, 0, 1] }, "friction": 0.5, "restitution": 0.3 },
+                   { "plane": { "point_m": [-1.5, 0, 0], "normal": [1, 0, 0] }, "friction": 0.5, "restitution": 0.3 } ]
   },
   "objects": [
     { "name": "stool",  "asset": "stool.ply",  "scale": 1, "pose": { "position_m": [-0.62, 0.02, -0.45] } },
@@ -25,7 +27,7 @@ constexpr const char* kSceneFile = R"({
     { "name": "pillow", "asset": "pillow.ply", "scale": 1, "pose": { "position_m": [-0.02, 0.40, -0.30] } },
     { "name": "hat",    "asset": "hat.ply",    "scale": 1, "pose": { "position_m": [-0.42, 0.30,  0.12] } },
     { "name": "cup",    "asset": "cup.ply",    "scale": 1, "pose": { "position_m": [ 0.42, 0.20,  0.15] } },
-    { "name": "duck",   "asset": "duck.ply",   "scale": 1, "pose": { "position_m": [ 0.05, 0.12,  0.30] } }
+    { "name": "duck",   "asset": "duck.ply",   "scale": 1, "pose": { "position_m": [ 0.05, 0.05,  0.30] } }
   ]
 }
 )";
