@@ -17,6 +17,9 @@ function(livegs_add_test name)
   if(NOT TEST_LABELS)
     set(TEST_LABELS unit)
   endif()
+  # Several labels are one list-valued property, whose semicolons GoogleTest.cmake of CMake 3.25 expands that often.
+  string(REPEAT "\\" 7 escapes)
+  string(REPLACE ";" "${escapes};" TEST_LABELS "${TEST_LABELS}")
   add_executable(${name} ${TEST_SOURCES})
   target_link_libraries(${name} PRIVATE livegs::options ${TEST_LINK} GTest::gtest_main)
   target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests)
@@ -47,4 +50,22 @@ function(livegs_embed_text target file constant)
     VERBATIM)
   target_sources(${target} PRIVATE ${header})
   target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/embedded)
+endfunction()
+
+# livegs_add_pass(TARGET NAME)
+#   Compiles NAME.comp.glsl, beside the CMakeLists.txt, to SPIR-V in the build tree, where NAME.spv.h holds it as the
+#   array NAME_spirv. Shaders include with the room in the path, as C++ does.
+function(livegs_add_pass target name)
+  find_program(LIVEGS_GLSLANG glslangValidator REQUIRED)
+  set(source ${CMAKE_CURRENT_SOURCE_DIR}/${name}.comp.glsl)
+  set(header ${CMAKE_CURRENT_BINARY_DIR}/passes/${name}.spv.h)
+  file(MAKE_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/passes)
+  add_custom_command(OUTPUT ${header}
+    COMMAND ${LIVEGS_GLSLANG} --quiet --target-env vulkan1.3 -S comp -I${CMAKE_CURRENT_SOURCE_DIR}/..
+            --vn ${name}_spirv --depfile ${header}.d -o ${header} ${source}
+    DEPENDS ${source}
+    DEPFILE ${header}.d
+    VERBATIM)
+  target_sources(${target} PRIVATE ${header})
+  target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/passes)
 endfunction()

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "core/result.h"
+
+namespace livegs {
+
+struct VulkanHandles;
+
+struct VulkanDeviceOptions {
+  // Loads the Khronos validation layer with synchronization checks; LIVEGS_VULKAN_VALIDATION=1 in the
+  // environment does the same.
+  bool validation = false;
+  // Receives each warning and error of the layer, on any thread, until the device is destroyed. Default:
+  // log_warn.
+  std::function<void(const std::string& message)> on_validation_message;
+};
+
+// A Vulkan 1.3 device with one queue that can compute. The loader is opened when it is first needed, so
+// programs start on machines without Vulkan.
+class VulkanDevice {
+ public:
+  // Takes the best device there is: discrete, integrated, virtual, then software such as lavapipe; of equals
+  // the first. Unavailable, with the remedy, when there is no loader, no validation layer though asked for,
+  // or no device of Vulkan 1.3 with synchronization2 and maintenance4 (which 1.3 demands).
+  static Result<std::shared_ptr<VulkanDevice>> create(const VulkanDeviceOptions& options = {});
+
+  ~VulkanDevice();
+  VulkanDevice(const VulkanDevice&) = delete;
+  VulkanDevice& operator=(const VulkanDevice&) = delete;
+
+  const std::string& name() const;  // as the driver tells it: "llvmpipe (LLVM 15.0.6, 256 bits)"
+
+  // Inside the room.
+  const VulkanHandles& handles() const { return *handles_; }
+
+ private:
+  explicit VulkanDevice(std::unique_ptr<VulkanHandles> handles);
+  std::unique_ptr<VulkanHandles> handles_;
+};
+
+}  // namespace livegs

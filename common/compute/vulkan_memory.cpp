@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "compute/vulkan_memory.h"
+
+#include <algorithm>
+
+namespace livegs {
+
+namespace {
+
+// Large enough that a scene of a million kernels takes some tens of blocks' worth at most, small enough for
+// lavapipe's 2 GiB heap. A buffer that is larger gets a block of its own.
+constexpr VkDeviceSize kBlockBytes = VkDeviceSize{32} << 20;
+
+VkDeviceSize round_up(VkDeviceSize value, VkDeviceSize alignment) {
+  return (value + alignment - 1) / alignment * alignment;
+}
+
+// Takes bytes out of the first free range that holds them.
+bool take(std::map<VkDeviceSize, VkDeviceSize>& free, const VkMemoryRequirements& needs,
+          VkDeviceSize& offset) {
+  for (auto range = free.begin(); range != free.end(); ++range) {
+    const VkDeviceSize begin = range->first;
+    const VkDeviceSize end = begin + range->second;
+    offset = round_up(begin, needs.alignment);
+    if (offset > end || end - offset < needs.size) continue;
+    free.erase(range);
+    if (offset > begin) free[begin] = offset - begin;
+    if (offset + needs.size < end) free[offset + needs.size] = end - offset - needs.size;
+    return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+bool find_memory_type(const VulkanHandles& handles, uint32_t allowed, VkMemoryPropertyFlags wanted,
+                      uint32_t& type) {
+  for (type = 0; type < handles.memory.memoryTypeCount; ++type) {
+    if ((allowed >> type & 1u) && (handles.memory.memoryTypes[type].propertyFlags & wanted) == wanted)
+      return true;
+  }
+  return false;
+}
+
+VulkanMemory::~VulkanMemory() {
+  for (const Block& block : blocks_) handles_.vk.FreeMemory(handles_.device, block.memory, nullptr);
+}
+
+Result<VulkanMemory::Range> VulkanMemory::allocate(const VkMemoryRequirements& needs) {
+  uint32_t type = 0;
+  if (!find_memory_type(handles_, needs.memoryTypeBits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, type) &&
+      !find_memory_type(handles_, needs.memoryTypeBits, 0, type)) {
+    return Error{ErrorCode::Unavailable, "vulkan: the device has no memory for buffers; is the driver well?"};
+  }
+  Range range{0, 0, needs.size};
+  for (; range.block < blocks_.size(); ++range.block) {
+    Block& block = blocks_[range.block];
+    if (block.type == type && take(block.free, needs, range.offset)) return range;
+  }
+  auto info = vulkan_info<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
+  info.allocationSize = std::max(kBlockBytes, needs.size);
+  info.memoryTypeIndex = type;
+  Block block{VK_NULL_HANDLE, type, {{0, info.allocationSize}}};
+  if (const VkResult made = handles_.vk.AllocateMemory(handles_.device, &info, nullptr, &block.memory);
+      made != VK_SUCCESS) {
+    return vulkan_error("vkAllocateMemory", made);
+  }
+  take(block.free, needs, range.offset);
+  blocks_.push_back(std::move(block));
+  return range;
+}
+
+void VulkanMemory::free(const Range& range) {
+  auto& free = blocks_[range.block].free;
+  auto placed = free.emplace(range.offset, range.bytes).first;
+  if (const auto next = std::next(placed);
+      next != free.end() && placed->first + placed->second == next->first) {
+    placed->second += next->second;
+    free.erase(next);
+  }
+  if (placed != free.begin()) {
+    const auto previous = std::prev(placed);
+    if (previous->first + previous->second == placed->first) {
+      previous->second += placed->second;
+      free.erase(placed);
+    }
+  }
+}
+
+}  // namespace livegs

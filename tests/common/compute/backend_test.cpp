@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <cstdint>
+#include <cstdlib>
+#include <random>
+
+#include "common/compute/backends.h"
+#include "skin/pose_rigid_kernels.h"
+
+namespace livegs {
+namespace {
+
+using BackendTest = OnEveryBackend;
+INSTANTIATE_TEST_SUITE_P(Backend, BackendTest, testing::Values("cpu", "vulkan"), backend_name);
+
+std::vector<uint32_t> random_words(size_t count, uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::vector<uint32_t> words(count);
+  for (uint32_t& word : words) word = static_cast<uint32_t>(random());
+  return words;
+}
+
+TEST_P(BackendTest, BuffersGiveBackWhatWasUploaded) {
+  // One word, less than a staging buffer of 8 MiB, and more than one by an odd number of words.
+  for (const size_t words : {size_t{1}, size_t{1000}, (size_t{1} << 21) + 3}) {
+    const auto written = random_words(words, words);
+    const BufferId buffer = make_buffer_of(written);
+    EXPECT_EQ(read_all<uint32_t>(buffer, words), written);
+  }
+}
+
+TEST_P(BackendTest, UploadWritesTheFrontOnly) {
+  const auto written = random_words(100, 1);
+  const BufferId buffer = make_buffer_of(written);
+  const std::array<uint32_t, 2> front{1, 2};
+  ASSERT_TRUE(backend_->upload(buffer, std::as_bytes(std::span(front))));
+  auto expected = written;
+  expected[0] = 1;
+  expected[1] = 2;
+  EXPECT_EQ(read_all<uint32_t>(buffer, 100), expected);
+}
+
+TEST_P(BackendTest, BuffersDoNotOverlapAfterOthersWereDestroyed) {
+  std::vector<std::pair<BufferId, std::vector<uint32_t>>> live;
+  std::mt19937_64 random(7);
+  for (int round = 0; round < 60; ++round) {
+    if (live.size() > 6) {
+      const size_t victim = random() % live.size();
+      ASSERT_TRUE(backend_->destroy_buffer(live[victim].first));
+      live.erase(live.begin() + static_cast<std::ptrdiff_t>(victim));
+    }
+    const auto words = random_words(1 + random() % 5000, random());
+    live.emplace_back(make_buffer_of(words), words);
+  }
+  for (const auto& [buffer, words] : live) EXPECT_EQ(read_all<uint32_t>(buffer, words.size()), words);
+}
+
+TEST_P(BackendTest, TooLargeOrOddBuffersAreRefused) {
+  for (const size_t bytes : {kMaxBufferBytes + 4, SIZE_MAX - 3}) {
+    const auto made = backend_->create_buffer(bytes);
+    ASSERT_FALSE(made);
+    EXPECT_EQ(made.error().code, ErrorCode::TooLarge) << made.error().message;
+  }
+  for (const size_t bytes : {size_t{0}, size_t{3}, size_t{6}}) {
+    const auto made = backend_->create_buffer(bytes);
+    ASSERT_FALSE(made);
+    EXPECT_EQ(made.error().code, ErrorCode::InvalidArgument) << made.error().message;
+  }
+}
+
+TEST_P(BackendTest, TransfersPastTheEndAreRefused) {
+  const BufferId buffer = make_buffer(8);
+  std::array<std::byte, 12> bytes{};
+  for (const size_t count : {size_t{12}, size_t{3}}) {
+    const auto up = backend_->upload(buffer, std::span(bytes).first(count));
+    ASSERT_FALSE(up);
+    EXPECT_EQ(up.error().code, ErrorCode::InvalidArgument);
+    const auto down = backend_->read(buffer, std::span(bytes).first(count));
+    ASSERT_FALSE(down);
+    EXPECT_EQ(down.error().code, ErrorCode::InvalidArgument);
+  }
+}
+
+TEST_P(BackendTest, UnknownBuffersAreNamed) {
+  const BufferId destroyed = make_buffer(48);
+  ASSERT_TRUE(backend_->destroy_buffer(destroyed));
+  const BufferId known = make_buffer(48);
+  const BufferId other = make_buffer(48);
+  EXPECT_NE(known, destroyed);
+  std::array<std::byte, 4> bytes{};
+  for (const BufferId buffer : {destroyed, BufferId{0}, BufferId{1000000}}) {
+    const std::array results{backend_->destroy_buffer(buffer), backend_->upload(buffer, bytes),
+                             backend_->read(buffer, bytes),
+                             dispatch_pose_rigid_kernels(*backend_, {known, buffer, other, 1, 1})};
+    for (const auto& result : results) {
+      ASSERT_FALSE(result);
+      EXPECT_EQ(result.error().code, ErrorCode::NotFound) << result.error().message;
+    }
+  }
+}
+
+TEST_P(BackendTest, DispatchesThatDoNotFitThePassAreRefused) {
+  const Pass& pass = pose_rigid_kernels_pass();
+  const BufferId a = make_buffer(48);
+  const BufferId b = make_buffer(48);
+  const BufferId c = make_buffer(48);
+  const std::array<std::byte, sizeof(PoseRigidKernelsConstants)> constants{};
+  const auto code = [&](std::vector<BufferId> buffers, std::span<const std::byte> bytes) {
+    const auto done = backend_->dispatch(pass, buffers, bytes, 1);
+    return done ? ErrorCode::Internal : done.error().code;
+  };
+  EXPECT_EQ(code({a, b}, constants), ErrorCode::InvalidArgument);
+  EXPECT_EQ(code({a, b, b}, constants), ErrorCode::InvalidArgument);
+  EXPECT_EQ(code({a, b, c}, std::span(constants).first(4)), ErrorCode::InvalidArgument);
+  EXPECT_EQ(dispatch_pose_rigid_kernels(*backend_, {a, b, c, 1, 0}).error().code, ErrorCode::InvalidArgument);
+}
+
+// Holds with and without a loader: with one, it is shown no driver.
+TEST(VulkanDevice, SaysWhenThereIsNoDevice) {
+  const char* drivers = std::getenv("VK_ICD_FILENAMES");
+  const std::string before = drivers ? drivers : "";
+  setenv("VK_ICD_FILENAMES", "/nonexistent/driver.json", 1);
+  const auto device = VulkanDevice::create();
+  drivers ? setenv("VK_ICD_FILENAMES", before.c_str(), 1) : unsetenv("VK_ICD_FILENAMES");
+  ASSERT_FALSE(device);
+  EXPECT_EQ(device.error().code, ErrorCode::Unavailable);
+  EXPECT_NE(device.error().message.find("vulkan"), std::string::npos) << device.error().message;
+  EXPECT_EQ(device.error().message.find('\n'), std::string::npos) << device.error().message;
+}
+
+}  // namespace
+}  // namespace livegs
