@@ -55,8 +55,7 @@ class VulkanBackend final : public Backend {
   VulkanMemory memory_;
   std::map<BufferId, Buffer> buffers_;
   uint64_t last_id_ = 0;
-  std::map<const uint32_t*, VulkanPipeline>
-      pipelines_;  // by the pass's SPIR-V, which outlives the program's passes
+  std::map<const uint32_t*, VulkanPipeline> pipelines_;  // by the SPIR-V of the pass
 
   VkBuffer staging_ = VK_NULL_HANDLE;
   VkDeviceMemory staging_memory_ = VK_NULL_HANDLE;

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "compute/pass.h"
 #include "compute/vulkan_handles.h"
 #include "core/log.h"
 
@@ -152,6 +153,13 @@ bool has_features(const VulkanFunctions& vk, VkPhysicalDevice device) {
   return features13.synchronization2 && features13.maintenance4;
 }
 
+bool has_limits(const VkPhysicalDeviceLimits& limits) {
+  return limits.maxPerStageDescriptorStorageBuffers >= kMaxPassBuffers &&
+         limits.maxPushConstantsSize >= kMaxPassConstantsBytes &&
+         limits.maxComputeWorkGroupInvocations >= kMaxPassGroupSize &&
+         limits.maxComputeWorkGroupSize[0] >= kMaxPassGroupSize;
+}
+
 // The first queue family that can compute; a family that computes can copy.
 bool find_queue_family(const VulkanFunctions& vk, VkPhysicalDevice device, uint32_t& family) {
   uint32_t count = 0;
@@ -178,7 +186,8 @@ Result<void> choose_physical_device(VulkanHandles& handles) {
     vk.GetPhysicalDeviceProperties(device, &properties);
     uint32_t family = 0;
     if (properties.apiVersion < VK_API_VERSION_1_3 || preference(properties.deviceType) <= best ||
-        !has_features(vk, device) || !find_queue_family(vk, device, family)) {
+        !has_features(vk, device) || !has_limits(properties.limits) ||
+        !find_queue_family(vk, device, family)) {
       continue;
     }
     best = preference(properties.deviceType);

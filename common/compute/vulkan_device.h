@@ -26,7 +26,7 @@ class VulkanDevice {
  public:
   // Takes the best device there is: discrete, integrated, virtual, then software such as lavapipe; of equals
   // the first. Unavailable, with the remedy, when there is no loader, no validation layer though asked for,
-  // or no device of Vulkan 1.3 with synchronization2 and maintenance4 (which 1.3 demands).
+  // or no device of Vulkan 1.3 with the limits of pass.h.
   static Result<std::shared_ptr<VulkanDevice>> create(const VulkanDeviceOptions& options = {});
 
   ~VulkanDevice();
