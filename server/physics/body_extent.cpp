@@ -55,13 +55,25 @@ Matrix3d principal_axes(const ParticleSet& particles) {
   return axes;
 }
 
-// Whether the voxel centres alone describe the solid. Then mesh vertices, which would carry mass half outside the
-// body, are contact samples only.
-bool voxels_fill(const ParticleSet& particles, double volume) {
+// Whether the voxel centres alone describe the solid: they hold most of its volume, and reach to within a voxel of
+// every face. Then mesh vertices, which would carry mass half outside the body, are contact samples only. A potted
+// plant fails the second test: its leaves hold no voxel centre, and the pot must not be stretched over them.
+bool voxels_fill(const ParticleSet& particles, double volume, const Matrix3d& lattice_from_object) {
   if (particles.on_surface.size() != particles.positions_m.size()) return false;
-  const auto voxels = std::count(particles.on_surface.begin(), particles.on_surface.end(), false);
-  return static_cast<size_t>(voxels) < particles.on_surface.size() &&
-         voxels * std::pow(particles.spacing_m, 3) > 0.5 * volume;
+  Bounds voxels, all;
+  size_t count = 0;
+  for (size_t i = 0; i < particles.positions_m.size(); ++i) {
+    const Vector3d centre = lattice_from_object * particles.positions_m[i];
+    all.add(centre);
+    if (particles.on_surface[i]) continue;
+    voxels.add(centre, 0.5 * particles.spacing_m);
+    ++count;
+  }
+  if (count == 0 || count == particles.positions_m.size()) return false;
+  if (static_cast<double>(count) * std::pow(particles.spacing_m, 3) <= 0.5 * volume) return false;
+  const double reach = particles.spacing_m;
+  return ((voxels.min - all.min).cwiseAbs().array() <= reach).all() &&
+         ((voxels.max - all.max).cwiseAbs().array() <= reach).all();
 }
 
 }  // namespace
@@ -78,7 +90,7 @@ BodyExtent measure_extent(const ParticleSet& particles) {
 
   double volume = 0.0;
   for (const double v : particles.volumes_m3) volume += v;
-  const bool voxels_only = voxels_fill(particles, volume);
+  const bool voxels_only = voxels_fill(particles, volume, lattice_from_object);
   Bounds surface, material;
   double used = 0.0;
   for (size_t i = 0; i < particles.positions_m.size(); ++i) {
