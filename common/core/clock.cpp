@@ -14,7 +14,8 @@ int64_t now_ns() {
 }
 
 void sleep_until_ns(int64_t moment_ns) {
-  const timespec until{static_cast<time_t>(moment_ns / 1'000'000'000), static_cast<long>(moment_ns % 1'000'000'000)};
+  const timespec until{static_cast<time_t>(moment_ns / 1'000'000'000),
+                       static_cast<long>(moment_ns % 1'000'000'000)};
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
   }
 }

@@ -7,7 +7,8 @@
 
 namespace livegs {
 
-// SHA-256 of the bytes, as 64 lower-case hexadecimal digits: the name by which assets are cached and compared.
+// SHA-256 of the bytes, as 64 lower-case hexadecimal digits: the name by which assets are cached and
+// compared.
 std::string content_hash(std::span<const std::byte> bytes);
 
 }  // namespace livegs

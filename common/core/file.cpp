@@ -31,8 +31,8 @@ Result<Container> read_whole(const std::filesystem::path& path, uint64_t max_byt
   }
   const auto size = static_cast<uint64_t>(status.st_size);
   if (size > max_bytes) {
-    return Error{ErrorCode::TooLarge, path.string() + ": has " + std::to_string(size) + " bytes; the limit is " +
-                                          std::to_string(max_bytes)};
+    return Error{ErrorCode::TooLarge, path.string() + ": has " + std::to_string(size) +
+                                          " bytes; the limit is " + std::to_string(max_bytes)};
   }
   Container content;
   content.resize(size);
@@ -40,7 +40,8 @@ Result<Container> read_whole(const std::filesystem::path& path, uint64_t max_byt
   while (done < size) {
     const ssize_t got = ::read(file.fd, reinterpret_cast<char*>(content.data()) + done, size - done);
     if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return Error{ErrorCode::Internal, path.string() + ": reading failed: " + std::strerror(errno)};
+    if (got < 0)
+      return Error{ErrorCode::Internal, path.string() + ": reading failed: " + std::strerror(errno)};
     if (got == 0) break;  // the file shrank meanwhile
     done += static_cast<size_t>(got);
   }

@@ -8,7 +8,8 @@
 
 namespace livegs {
 
-// One hand at one moment, in the world frame. A hand that is not tracked is `active == false` and holds nothing.
+// One hand at one moment, in the world frame. A hand that is not tracked is `active == false` and holds
+// nothing.
 struct HandSample {
   bool active = false;
   Pose aim;              // the ray: origin and -Z
@@ -18,11 +19,11 @@ struct HandSample {
   bool shoot = false;    // a rising edge shoots one ball along the ray
 };
 
-// What a client's controllers did at one moment. Samples are numbered from 1 and travel three to a message, so that
-// a message that is skipped loses no button edge.
+// What a client's controllers did at one moment. Samples are numbered from 1 and travel three to a message,
+// so that a message that is skipped loses no button edge.
 struct InputSample {
   uint64_t sequence = 0;
-  int64_t sampled_ns = 0;  // the client's clock
+  int64_t sampled_ns = 0;           // the client's clock
   std::array<HandSample, 2> hands;  // left, right
 };
 

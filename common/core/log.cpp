@@ -36,17 +36,17 @@ void write(spdlog::level::level_enum level, const char* format, va_list argument
 }  // namespace
 
 void set_log_level(LogLevel level) {
-  constexpr spdlog::level::level_enum kLevels[] = {spdlog::level::debug, spdlog::level::info, spdlog::level::warn,
-                                                   spdlog::level::err, spdlog::level::off};
+  constexpr spdlog::level::level_enum kLevels[] = {
+      spdlog::level::debug, spdlog::level::info, spdlog::level::warn, spdlog::level::err, spdlog::level::off};
   logger().set_level(kLevels[static_cast<int>(level)]);
 }
 
-#define LIVEGS_LOG_FUNCTION(name, level_name)        \
-  void name(const char* format, ...) {          \
-    va_list arguments;                          \
-    va_start(arguments, format);                \
+#define LIVEGS_LOG_FUNCTION(name, level_name)            \
+  void name(const char* format, ...) {                   \
+    va_list arguments;                                   \
+    va_start(arguments, format);                         \
     write(spdlog::level::level_name, format, arguments); \
-    va_end(arguments);                          \
+    va_end(arguments);                                   \
   }
 LIVEGS_LOG_FUNCTION(log_debug, debug)
 LIVEGS_LOG_FUNCTION(log_info, info)

@@ -4,8 +4,8 @@
 #include <string_view>
 
 // The only way a library room speaks. Lines go to standard error, so that standard output stays the program's
-// answer. info is the story of a run and fits on a screen; debug may be verbose; warn means someone should look;
-// error means something was lost. Any thread may call; a line is never torn.
+// answer. info is the story of a run and fits on a screen; debug may be verbose; warn means someone should
+// look; error means something was lost. Any thread may call; a line is never torn.
 
 namespace livegs {
 

@@ -18,7 +18,8 @@ std::unique_ptr<tbb::global_control> control;
 }  // namespace
 
 void set_thread_count(int threads) {
-  const int count = threads > 0 ? threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  const int count =
+      threads > 0 ? threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   std::lock_guard lock(control_mutex);
   control.reset();
   control = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,

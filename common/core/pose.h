@@ -22,8 +22,8 @@ struct Pose {
   }
 };
 
-// A rotation, a uniform scale and a shift: `to = scale * (rotation * from) + translation_m`. Used once per object,
-// from the units and axes of its asset file to metres with +Y up.
+// A rotation, a uniform scale and a shift: `to = scale * (rotation * from) + translation_m`. Used once per
+// object, from the units and axes of its asset file to metres with +Y up.
 struct Similarity {
   double scale = 1.0;
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();

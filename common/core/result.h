@@ -17,9 +17,9 @@ enum class ErrorCode {
   InvalidArgument,  // the caller's or the user's words are off
   InvalidData,      // a file or message holds what its format forbids
   NotFound,
-  Unsupported,      // well-formed, but not something this build handles
-  TooLarge,         // over a stated limit
-  Unavailable,      // a peer or a device is not there
+  Unsupported,  // well-formed, but not something this build handles
+  TooLarge,     // over a stated limit
+  Unavailable,  // a peer or a device is not there
   PermissionDenied,
   Internal,
 };
@@ -31,7 +31,9 @@ struct Error {
   std::string message;
 };
 
-inline Error invalid_argument(std::string message) { return {ErrorCode::InvalidArgument, std::move(message)}; }
+inline Error invalid_argument(std::string message) {
+  return {ErrorCode::InvalidArgument, std::move(message)};
+}
 inline Error invalid_data(std::string message) { return {ErrorCode::InvalidData, std::move(message)}; }
 inline Error not_found(std::string message) { return {ErrorCode::NotFound, std::move(message)}; }
 inline Error unsupported(std::string message) { return {ErrorCode::Unsupported, std::move(message)}; }
@@ -48,7 +50,8 @@ class [[nodiscard]] Result {
  public:
   using value_type = T;
 
-  Result(T value) : state_(std::in_place_index<0>, std::move(value)) {}  // NOLINT: implicit like std::expected
+  Result(T value)
+      : state_(std::in_place_index<0>, std::move(value)) {}  // NOLINT: implicit like std::expected
   Result(Error error) : state_(std::in_place_index<1>, std::move(error)) {}  // NOLINT
 
   bool has_value() const { return state_.index() == 0; }

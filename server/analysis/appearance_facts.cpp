@@ -18,9 +18,12 @@ HueSaturation hue_saturation(const Eigen::Vector3f& rgb) {
   if (range <= 0.0f) return {0.0f, 0.0f};
   constexpr float kSixth = 1.04719755f;
   float hue = 0.0f;
-  if (high == rgb.x()) hue = (rgb.y() - rgb.z()) / range;
-  else if (high == rgb.y()) hue = 2.0f + (rgb.z() - rgb.x()) / range;
-  else hue = 4.0f + (rgb.x() - rgb.y()) / range;
+  if (high == rgb.x())
+    hue = (rgb.y() - rgb.z()) / range;
+  else if (high == rgb.y())
+    hue = 2.0f + (rgb.z() - rgb.x()) / range;
+  else
+    hue = 4.0f + (rgb.x() - rgb.y()) / range;
   return {hue * kSixth, range / std::max(high, 1e-6f)};
 }
 
@@ -28,7 +31,8 @@ HueSaturation hue_saturation(const Eigen::Vector3f& rgb) {
 
 AppearanceFacts appearance_facts(const GaussianAsset& asset) {
   AppearanceFacts facts;
-  double weight_sum = 0, opacity_sum = 0, saturation_sum = 0, gloss_sum = 0, cosine = 0, sine = 0, hue_weight = 0;
+  double weight_sum = 0, opacity_sum = 0, saturation_sum = 0, gloss_sum = 0, cosine = 0, sine = 0,
+         hue_weight = 0;
   Eigen::Vector3d rgb_sum = Eigen::Vector3d::Zero();
   const size_t rest_count = asset.sh_rest_count();
   for (size_t i = 0; i < asset.size(); ++i) {
@@ -38,7 +42,8 @@ AppearanceFacts appearance_facts(const GaussianAsset& asset) {
     std::sort(scale.data(), scale.data() + 3);
     const double area = scale[1] * scale[2], weight = opacity * area;
     if (!std::isfinite(weight) || weight <= 0) continue;
-    const Eigen::Vector3f rgb = (asset.sh_dc[i].array() * kShDc + 0.5f).cwiseMax(0.0f).cwiseMin(1.0f).matrix();
+    const Eigen::Vector3f rgb =
+        (asset.sh_dc[i].array() * kShDc + 0.5f).cwiseMax(0.0f).cwiseMin(1.0f).matrix();
     const HueSaturation colour = hue_saturation(rgb);
     double directional = 0;
     for (size_t k = 0; k < rest_count; ++k) directional += asset.sh_rest[i * rest_count + k].squaredNorm();

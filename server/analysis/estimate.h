@@ -12,18 +12,19 @@
 #include "livegs/v1/physics.pb.h"
 #include "physics/material.h"
 
-// What an object is made of, worked out without any network: first its name, then its geometry and colour, against a
-// table of materials and of everyday objects. An inspectable model with ranges and reasons, never a bare number.
+// What an object is made of, worked out without any network: first its name, then its geometry and colour,
+// against a table of materials and of everyday objects. An inspectable model with ranges and reasons, never a
+// bare number.
 
 namespace livegs {
 
 // How an asset looks: statistics over its kernels, weighted by opacity and area.
 struct AppearanceFacts {
   Eigen::Vector3f mean_rgb = Eigen::Vector3f::Zero();  // 0 … 1, display-encoded
-  float saturation = 0.0f;     // mean of the HSV saturation
-  float hue_spread = 0.0f;     // circular standard deviation of hue, radians
-  float mean_opacity = 0.0f;   // low for glass and haze
-  float gloss = 0.0f;          // share of colour that depends on the view direction, 0 … 1
+  float saturation = 0.0f;                             // mean of the HSV saturation
+  float hue_spread = 0.0f;                             // circular standard deviation of hue, radians
+  float mean_opacity = 0.0f;                           // low for glass and haze
+  float gloss = 0.0f;  // share of colour that depends on the view direction, 0 … 1
 };
 AppearanceFacts appearance_facts(const GaussianAsset& asset);
 
@@ -38,19 +39,19 @@ struct ObjectFacts {
 // Always answers. Every value carries low <= best <= high, its source and a reason. Pure; any thread.
 v1::PhysicalParameters estimate_offline(const ObjectFacts& facts);
 
-// The longest side, in metres, that an object of this name usually has: {low, best, high}; all zero when the name says
-// nothing. Used to guess the scale of an asset that is not metric.
+// The longest side, in metres, that an object of this name usually has: {low, best, high}; all zero when the
+// name says nothing. Used to guess the scale of an asset that is not metric.
 struct SizePrior {
   double low_m = 0, best_m = 0, high_m = 0;
   std::string label;
 };
 SizePrior size_prior(std::string_view name);
 
-// What a scene's author wrote wins over what was estimated, value by value (source SCENE), and what depends on it is
-// worked out again (mass from density and fill, E from d_R, …). Fails when the author's words contradict each other or
-// leave the physical ranges; the message names the field.
-Result<v1::PhysicalParameters> merge_scene_physics(const v1::PhysicalParameters& estimated, const v1::Physics& written,
-                                                   const ObjectFacts& facts);
+// What a scene's author wrote wins over what was estimated, value by value (source SCENE), and what depends
+// on it is worked out again (mass from density and fill, E from d_R, …). Fails when the author's words
+// contradict each other or leave the physical ranges; the message names the field.
+Result<v1::PhysicalParameters> merge_scene_physics(const v1::PhysicalParameters& estimated,
+                                                   const v1::Physics& written, const ObjectFacts& facts);
 
 // To what a body is made with.
 Material to_material(const v1::PhysicalParameters& parameters);

@@ -8,16 +8,17 @@
 #include "analysis/mass_model.h"
 #include "analysis/name_match.h"
 
-// Label first, then geometry, then colour: a name with written priors halves the error that geometry alone leaves, and
-// hollowness matters more than density. The steps below are in that order and each leaves a reason.
+// Label first, then geometry, then colour: a name with written priors halves the error that geometry alone
+// leaves, and hollowness matters more than density. The steps below are in that order and each leaves a
+// reason.
 
 namespace livegs {
 namespace {
 
 using v1::EstimatedValue;
 
-// Above this E* nothing deforms (LIVE-GS's own limit); between the two only things that are soft by nature do, since
-// hands cannot bend the rest visibly and the solver would spend its substeps on nothing.
+// Above this E* nothing deforms (LIVE-GS's own limit); between the two only things that are soft by nature
+// do, since hands cannot bend the rest visibly and the solver would spend its substeps on nothing.
 constexpr double kRigidYoungs_pa = 200e6;
 constexpr double kStiffYoungs_pa = 20e6;
 
@@ -66,19 +67,30 @@ Guess guess_by_looks(const ObjectFacts& facts) {
   const Span3 whole{1, 1, 1}, wall{1.5e-3, 3e-3, 8e-3};
   const bool open = facts.mesh.openness > 0.3;
   if (look.mean_opacity > 0 && look.mean_opacity < 0.35 && look.saturation < 0.25f) {
-    return {&material_row("soda-lime glass"), open ? v1::Physics::OPEN_SHELL : v1::Physics::SOLID, wall, whole, 0.3,
+    return {&material_row("soda-lime glass"),
+            open ? v1::Physics::OPEN_SHELL : v1::Physics::SOLID,
+            wall,
+            whole,
+            0.3,
             text("half transparent and colourless (mean opacity %.2f)", look.mean_opacity)};
   }
   if (rgb.y() > 1.1f * rgb.x() && rgb.y() > 1.2f * rgb.z() && look.saturation > 0.25f) {
-    return {&material_row("leaf"), v1::Physics::SOLID, wall, {0.05, 0.1, 0.3}, 0.35, "mostly green, like foliage"};
+    return {&material_row("leaf"),       v1::Physics::SOLID, wall, {0.05, 0.1, 0.3}, 0.35,
+            "mostly green, like foliage"};
   }
-  if (rgb.x() > 1.15f * rgb.y() && rgb.y() > 1.15f * rgb.z() && look.saturation > 0.3f && look.hue_spread < 0.5f) {
+  if (rgb.x() > 1.15f * rgb.y() && rgb.y() > 1.15f * rgb.z() && look.saturation > 0.3f &&
+      look.hue_spread < 0.5f) {
     return {&material_row("softwood"), v1::Physics::SOLID, wall, whole, 0.25, "brown throughout, like wood"};
   }
   if (look.saturation < 0.12f && look.gloss < 0.15f && facts.mesh.solidity > 0.5) {
-    return {&material_row("plaster"), v1::Physics::SHELL, {5e-3, 12e-3, 40e-3}, whole, 0.2, "grey, dull and compact"};
+    return {&material_row("plaster"), v1::Physics::SHELL, {5e-3, 12e-3, 40e-3}, whole, 0.2,
+            "grey, dull and compact"};
   }
-  return {&material_row("ABS"), open ? v1::Physics::OPEN_SHELL : v1::Physics::SHELL, wall, whole, 0.15,
+  return {&material_row("ABS"),
+          open ? v1::Physics::OPEN_SHELL : v1::Physics::SHELL,
+          wall,
+          whole,
+          0.15,
           "neither name nor looks tell; most things of no known kind are plastic shells"};
 }
 
@@ -91,7 +103,8 @@ v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
   const MaterialMatch material_match = match_material(facts.name);
   const MaterialRow* named = material_match.row;
   // "wooden" beside something that is of wood anyway adds nothing to what its kind says.
-  if (row && named && !material_match.outright && material_row(row->material).material_class == named->material_class) {
+  if (row && named && !material_match.outright &&
+      material_row(row->material).material_class == named->material_class) {
     named = nullptr;
   }
   Guess guess;
@@ -101,8 +114,8 @@ v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
     guess.wall_m = row->wall_m;
     guess.structure = row->structure_coefficient;
     guess.confidence = named ? 0.6 : 0.5;
-    guess.reason = text("the name \"%s\" says %s; a %s is usually %s", facts.name.c_str(), match.alias.c_str(),
-                        match.alias.c_str(), guess.material->name.c_str());
+    guess.reason = text("the name \"%s\" says %s; a %s is usually %s", facts.name.c_str(),
+                        match.alias.c_str(), match.alias.c_str(), guess.material->name.c_str());
     answer.set_label(match.alias);
   } else {
     guess = guess_by_looks(facts);
@@ -118,11 +131,13 @@ v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
   answer.set_confidence(facts.scale_known ? guess.confidence : 0.8 * guess.confidence);
   answer.set_fragile(material.fragile);
   answer.set_fill(guess.fill);
-  answer.set_fill_reason(row ? text("a %s usually is", match.alias.c_str())
-                             : text("openness %.2f, filled share of the hull %.2f", facts.mesh.openness, facts.mesh.solidity));
+  answer.set_fill_reason(
+      row ? text("a %s usually is", match.alias.c_str())
+          : text("openness %.2f, filled share of the hull %.2f", facts.mesh.openness, facts.mesh.solidity));
 
   const Span3 structure = guess.structure;
-  const Span3 stiffness{structure.low * material.youngs_modulus_pa.low, structure.best * material.youngs_modulus_pa.best,
+  const Span3 stiffness{structure.low * material.youngs_modulus_pa.low,
+                        structure.best * material.youngs_modulus_pa.best,
                         structure.high * material.youngs_modulus_pa.high};
   const bool soft = soft_by_nature(material);
   const bool rigid = stiffness.best > kRigidYoungs_pa || (stiffness.best > kStiffYoungs_pa && !soft);
@@ -131,8 +146,8 @@ v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
                                   rigid ? "too stiff to deform visibly" : "soft enough to deform visibly"));
 
   set(*answer.mutable_wall_thickness_m(), guess.wall_m,
-      guess.wall_m.best > 0 ? text("%s; the mesh's mean wall is %.3g mm", row ? "usual for its kind" : "a guess",
-                                   facts.mesh.mean_wall_m * 1e3)
+      guess.wall_m.best > 0 ? text("%s; the mesh's mean wall is %.3g mm",
+                                   row ? "usual for its kind" : "a guess", facts.mesh.mean_wall_m * 1e3)
                             : "not a shell");
   const MassEstimate mass = estimate_mass(material.density_kg_m3, guess.fill, guess.wall_m, facts);
   set(*answer.mutable_mass_kg(), mass.mass_kg, mass.reason);
@@ -142,11 +157,15 @@ v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
   set(*answer.mutable_structure_coefficient(), structure,
       structure.best < 1 ? "thin or hollow things bend more easily than their material" : "bulk");
   set(*answer.mutable_plasticity(), around(material.plasticity, 0.4, 0.0, 1.0), material.name);
-  set(*answer.mutable_damping(), around(material.loss_factor, 0.5, 0.0, 2.0), text("loss factor of %s", material.material_class.c_str()));
-  set(*answer.mutable_friction(), around(material.friction, 0.3, 0.0, 2.0), text("%s on common surfaces", material.name.c_str()));
-  set(*answer.mutable_restitution(), around(material.restitution, 0.3, 0.0, 1.0), text("%s on a hard floor", material.name.c_str()));
+  set(*answer.mutable_damping(), around(material.loss_factor, 0.5, 0.0, 2.0),
+      text("loss factor of %s", material.material_class.c_str()));
+  set(*answer.mutable_friction(), around(material.friction, 0.3, 0.0, 2.0),
+      text("%s on common surfaces", material.name.c_str()));
+  set(*answer.mutable_restitution(), around(material.restitution, 0.3, 0.0, 1.0),
+      text("%s on a hard floor", material.name.c_str()));
   set(*answer.mutable_deformation_resistance(),
-      {deformation_resistance(stiffness.low), deformation_resistance(stiffness.best), deformation_resistance(stiffness.high)},
+      {deformation_resistance(stiffness.low), deformation_resistance(stiffness.best),
+       deformation_resistance(stiffness.high)},
       "from E* = s E by the paper's map");
   if (answer.fragile()) {
     // Falls of 0.2, 0.5 and 1.2 m onto a hard floor: the speeds at which such things usually break.

@@ -49,8 +49,8 @@ Span3 span(const std::vector<std::string>& row, size_t at, double factor = 1.0) 
 std::vector<MaterialRow> parse_materials() {
   std::vector<MaterialRow> table;
   for (const auto& row : rows_of(kMaterialsCsv, 15)) {
-    table.push_back({row[0], row[1], span(row, 2), span(row, 5), number(row[8]), number(row[9]), number(row[10]),
-                     number(row[12]), number(row[13]), row[11] == "1"});
+    table.push_back({row[0], row[1], span(row, 2), span(row, 5), number(row[8]), number(row[9]),
+                     number(row[10]), number(row[12]), number(row[13]), row[11] == "1"});
   }
   return table;
 }

@@ -7,9 +7,10 @@
 
 #include "livegs/v1/physics.pb.h"
 
-// The tables the offline estimator looks things up in: materials.csv and objects.csv beside this file, compiled in.
-// Sources of materials.csv: T handbook typical values, S F I M R public tables (see README.md of this room), Y known
-// masses, O our own judgement. objects.csv is our own: what everyday things are made of and how large they usually are.
+// The tables the offline estimator looks things up in: materials.csv and objects.csv beside this file,
+// compiled in. Sources of materials.csv: T handbook typical values, S F I M R public tables (see README.md of
+// this room), Y known masses, O our own judgement. objects.csv is our own: what everyday things are made of
+// and how large they usually are.
 
 namespace livegs {
 

@@ -21,10 +21,13 @@ MassEstimate estimate_mass(const Span3& density_kg_m3, v1::Physics::Fill fill, c
     // An open shell that was captured inside and out encloses little: its area counts each wall twice.
     const bool both_walls = fill == v1::Physics::OPEN_SHELL && facts.mesh.mean_wall_m < 3 * wall_m.high;
     const double wall_area = both_walls ? 0.5 * area : area;
-    const auto mass = [&](double density, double wall) { return std::min(density * wall * wall_area, density * std::max(volume, wall * wall_area)); };
+    const auto mass = [&](double density, double wall) {
+      return std::min(density * wall * wall_area, density * std::max(volume, wall * wall_area));
+    };
     estimate.mass_kg = {mass(density_kg_m3.low, wall_m.low), mass(density_kg_m3.best, wall_m.best),
                         mass(density_kg_m3.high, wall_m.high)};
-    std::snprintf(reason, sizeof reason, "%.4g kg/m3 x %.3g mm x %.4g m2 of wall", density_kg_m3.best, wall_m.best * 1e3, wall_area);
+    std::snprintf(reason, sizeof reason, "%.4g kg/m3 x %.3g mm x %.4g m2 of wall", density_kg_m3.best,
+                  wall_m.best * 1e3, wall_area);
   } else {
     estimate.mass_kg = {density_kg_m3.low * volume, density_kg_m3.best * volume, density_kg_m3.high * volume};
     std::snprintf(reason, sizeof reason, "%.4g kg/m3 x %.4g m3 enclosed", density_kg_m3.best, volume);

@@ -66,10 +66,11 @@ MaterialMatch match_material(std::string_view name) {
   if (best) return {best, true};
   // Words people use for a whole class.
   constexpr std::pair<const char*, const char*> kClassWords[] = {
-      {"wooden", "hardwood"}, {"wood", "hardwood"},      {"metal", "aluminium"},  {"steel", "carbon steel"},
-      {"glass", "soda-lime glass"}, {"ceramic", "stoneware"}, {"clay", "terracotta"},  {"stone", "granite"},
-      {"plastic", "polypropylene"}, {"rubber", "natural rubber"}, {"felt", "wool felt"}, {"bronze", "brass"},
-      {"foam", "polyurethane foam"}, {"fabric", "cotton fabric"}, {"paper", "paper stack"}};
+      {"wooden", "hardwood"},        {"wood", "hardwood"},         {"metal", "aluminium"},
+      {"steel", "carbon steel"},     {"glass", "soda-lime glass"}, {"ceramic", "stoneware"},
+      {"clay", "terracotta"},        {"stone", "granite"},         {"plastic", "polypropylene"},
+      {"rubber", "natural rubber"},  {"felt", "wool felt"},        {"bronze", "brass"},
+      {"foam", "polyurethane foam"}, {"fabric", "cotton fabric"},  {"paper", "paper stack"}};
   for (const auto& [word, material] : kClassWords) {
     if (find_words(words, word) != std::string::npos) return {&material_row(material), false};
   }

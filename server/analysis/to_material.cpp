@@ -8,15 +8,29 @@ namespace livegs {
 Material to_material(const v1::PhysicalParameters& parameters) {
   Material material;
   switch (parameters.behavior()) {
-    case v1::Physics::STATIC: material.behavior = Behavior::Static; break;
-    case v1::Physics::ELASTIC: material.behavior = Behavior::Elastic; break;
-    default: material.behavior = Behavior::Rigid; break;
+    case v1::Physics::STATIC:
+      material.behavior = Behavior::Static;
+      break;
+    case v1::Physics::ELASTIC:
+      material.behavior = Behavior::Elastic;
+      break;
+    default:
+      material.behavior = Behavior::Rigid;
+      break;
   }
   switch (parameters.fill()) {
-    case v1::Physics::SHELL: material.fill = Fill::Shell; break;
-    case v1::Physics::OPEN_SHELL: material.fill = Fill::OpenShell; break;
-    case v1::Physics::FILLED: material.fill = Fill::Filled; break;
-    default: material.fill = Fill::Solid; break;
+    case v1::Physics::SHELL:
+      material.fill = Fill::Shell;
+      break;
+    case v1::Physics::OPEN_SHELL:
+      material.fill = Fill::OpenShell;
+      break;
+    case v1::Physics::FILLED:
+      material.fill = Fill::Filled;
+      break;
+    default:
+      material.fill = Fill::Solid;
+      break;
   }
   material.mass_kg = parameters.mass_kg().best();
   material.wall_thickness_m = parameters.wall_thickness_m().best();

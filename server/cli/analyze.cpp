@@ -19,24 +19,34 @@ struct AnalyzeCommand {
 
 const char* source_text(v1::EstimatedValue::Source source) {
   switch (source) {
-    case v1::EstimatedValue::OFFLINE: return "offline";
-    case v1::EstimatedValue::MODEL: return "model";
-    case v1::EstimatedValue::SCENE: return "scene";
-    case v1::EstimatedValue::PERSON: return "person";
-    case v1::EstimatedValue::DEFAULT: return "default";
-    default: return "unknown";
+    case v1::EstimatedValue::OFFLINE:
+      return "offline";
+    case v1::EstimatedValue::MODEL:
+      return "model";
+    case v1::EstimatedValue::SCENE:
+      return "scene";
+    case v1::EstimatedValue::PERSON:
+      return "person";
+    case v1::EstimatedValue::DEFAULT:
+      return "default";
+    default:
+      return "unknown";
   }
 }
 
 void print_value(const char* name, const v1::EstimatedValue& value, double factor, const char* unit) {
-  std::printf("%-22s %10.4g %-4s %9.4g to %-9.4g %-8s %s\n", name, value.best() * factor, unit, value.low() * factor,
-              value.high() * factor, source_text(value.source()), value.reason().c_str());
+  std::printf("%-22s %10.4g %-4s %9.4g to %-9.4g %-8s %s\n", name, value.best() * factor, unit,
+              value.low() * factor, value.high() * factor, source_text(value.source()),
+              value.reason().c_str());
 }
 
 void print_parameters(const v1::PhysicalParameters& p) {
-  std::printf("taken for              %s, of %s (confidence %.2f)\n", p.label().c_str(), p.material().c_str(), p.confidence());
-  std::printf("behaves                %s: %s\n", v1::Physics::Behavior_Name(p.behavior()).c_str(), p.behavior_reason().c_str());
-  std::printf("filled                 %s: %s\n", v1::Physics::Fill_Name(p.fill()).c_str(), p.fill_reason().c_str());
+  std::printf("taken for              %s, of %s (confidence %.2f)\n", p.label().c_str(), p.material().c_str(),
+              p.confidence());
+  std::printf("behaves                %s: %s\n", v1::Physics::Behavior_Name(p.behavior()).c_str(),
+              p.behavior_reason().c_str());
+  std::printf("filled                 %s: %s\n", v1::Physics::Fill_Name(p.fill()).c_str(),
+              p.fill_reason().c_str());
   std::printf("fragile                %s\n", p.fragile() ? "yes" : "no");
   print_value("longest side", p.longest_side_m(), 1, "m");
   print_value("mass", p.mass_kg(), 1, "kg");
@@ -79,7 +89,8 @@ int run(const AnalyzeCommand& options) {
 
 void add_analyze(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<AnalyzeCommand>();
-  CLI::App* command = app.add_subcommand("analyze", "Work out what an object is made of, with ranges and reasons");
+  CLI::App* command =
+      app.add_subcommand("analyze", "Work out what an object is made of, with ranges and reasons");
   command->add_option("ASSET", options->asset, "A splat asset")->required();
   command->add_option("--name", options->name, "What it shows; the file's name when left out");
   command->add_option("--scale", options->scale, "Metres per unit of the asset; guessed when left out");

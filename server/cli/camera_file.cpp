@@ -34,7 +34,8 @@ Result<Camera> read_camera_file(const std::filesystem::path& path) {
   if ((*target - *position).cross(*up).norm() < 1e-9) {
     return invalid_data(name + ": up is along the view direction, or look_at_m is position_m");
   }
-  auto fov = number_value(file.has_vertical_fov_deg() ? file.vertical_fov_deg() : 45.0, 1, 170, "vertical_fov_deg");
+  auto fov =
+      number_value(file.has_vertical_fov_deg() ? file.vertical_fov_deg() : 45.0, 1, 170, "vertical_fov_deg");
   if (!fov) return fail(fov.error());
   auto width = number_value(file.has_width() ? file.width() : 640, 1, 16384, "width");
   if (!width) return fail(width.error());

@@ -13,15 +13,20 @@ void add_convert(CLI::App& app, int& exit_code) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("convert", "Write a splat asset in another format");
-  command->add_option("FROM", options->from, "A .ply, .compressed.ply, .spz, .sog or .splat file, or an unpacked .sog folder")
+  command
+      ->add_option("FROM", options->from,
+                   "A .ply, .compressed.ply, .spz, .sog or .splat file, or an unpacked .sog folder")
       ->required();
   command->add_option("TO", options->to, "A .ply or .spz file")->required();
   command->callback([options, &exit_code] {
     auto file = read_asset(options->from);
     if (!file) return void(exit_code = report(file.error()));
-    for (const std::string& note : file->notes) std::fprintf(stderr, "%s: %s\n", options->from.c_str(), note.c_str());
-    if (auto written = write_asset(options->to, file->asset); !written) return void(exit_code = report(written.error()));
-    std::printf("%s: %zu kernels, SH degree %d\n", options->to.c_str(), file->asset.size(), file->asset.sh_degree);
+    for (const std::string& note : file->notes)
+      std::fprintf(stderr, "%s: %s\n", options->from.c_str(), note.c_str());
+    if (auto written = write_asset(options->to, file->asset); !written)
+      return void(exit_code = report(written.error()));
+    std::printf("%s: %zu kernels, SH degree %d\n", options->to.c_str(), file->asset.size(),
+                file->asset.sh_degree);
   });
 }
 

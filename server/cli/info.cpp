@@ -20,11 +20,11 @@ int print_scene(const std::filesystem::path& path) {
               scene->environment().asset().empty() ? "no asset" : scene->environment().asset().c_str(),
               scene->environment().colliders_size());
   for (const v1::Object& object : scene->objects()) {
-    const char* form = object.form_case() == v1::Object::kShape ? "shape"
+    const char* form = object.form_case() == v1::Object::kShape    ? "shape"
                        : object.form_case() == v1::Object::kPoints ? object.points().c_str()
                                                                    : object.asset().c_str();
-    std::printf("object       %s: %s, %s\n", object.name().empty() ? "(unnamed)" : object.name().c_str(), form,
-                v1::Physics::Behavior_Name(object.physics().behavior()).c_str());
+    std::printf("object       %s: %s, %s\n", object.name().empty() ? "(unnamed)" : object.name().c_str(),
+                form, v1::Physics::Behavior_Name(object.physics().behavior()).c_str());
   }
   std::printf("events       %d\n", scene->events_size());
   return 0;
@@ -38,16 +38,18 @@ int print_asset(const std::filesystem::path& path) {
   if (file->format_version > 0) std::printf(" v%d", file->format_version);
   std::printf("\naxes         %s\n", file->y_up_in_file ? "y up in the file, turned to -y up here" : "-y up");
   std::printf("kernels      %zu\n", summary.count);
-  std::printf("SH degree    %d%s\n", summary.sh_degree, file->asset.antialiased ? ", trained antialiased" : "");
+  std::printf("SH degree    %d%s\n", summary.sh_degree,
+              file->asset.antialiased ? ", trained antialiased" : "");
   const auto vector = [](const char* name, const Eigen::Vector3f& v) {
     std::printf("%-12s %.5g %.5g %.5g\n", name, v.x(), v.y(), v.z());
   };
   vector("bounds min", summary.bounds_min);
   vector("bounds max", summary.bounds_max);
   vector("size", summary.bounds_max - summary.bounds_min);
-  std::printf("opacity      mean %.4f; 1 %% %.4f, 50 %% %.4f, 99 %% %.4f\n", summary.mean_opacity, summary.opacity.p1,
-              summary.opacity.p50, summary.opacity.p99);
-  std::printf("scale        1 %% %.4g, 50 %% %.4g, 99 %% %.4g\n", summary.scale.p1, summary.scale.p50, summary.scale.p99);
+  std::printf("opacity      mean %.4f; 1 %% %.4f, 50 %% %.4f, 99 %% %.4f\n", summary.mean_opacity,
+              summary.opacity.p1, summary.opacity.p50, summary.opacity.p99);
+  std::printf("scale        1 %% %.4g, 50 %% %.4g, 99 %% %.4g\n", summary.scale.p1, summary.scale.p50,
+              summary.scale.p99);
   for (const std::string& note : file->notes) std::printf("note         %s\n", note.c_str());
   return 0;
 }
@@ -56,10 +58,12 @@ int print_asset(const std::filesystem::path& path) {
 
 void add_info(CLI::App& app, int& exit_code) {
   auto path = std::make_shared<std::filesystem::path>();
-  CLI::App* command = app.add_subcommand("info", "Print what a splat asset or a scene file holds, or what is wrong with it");
+  CLI::App* command =
+      app.add_subcommand("info", "Print what a splat asset or a scene file holds, or what is wrong with it");
   command->add_option("FILE", *path, "A splat file, an unpacked .sog folder, or a *.scene.json")->required();
   command->callback([path, &exit_code] {
-    exit_code = path->extension() == ".json" && path->filename() != "meta.json" ? print_scene(*path) : print_asset(*path);
+    exit_code = path->extension() == ".json" && path->filename() != "meta.json" ? print_scene(*path)
+                                                                                : print_asset(*path);
   });
 }
 

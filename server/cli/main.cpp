@@ -14,8 +14,10 @@ int report(const Error& error) {
     case ErrorCode::InvalidData:
     case ErrorCode::NotFound:
     case ErrorCode::Unsupported:
-    case ErrorCode::TooLarge: return 2;
-    default: return 1;
+    case ErrorCode::TooLarge:
+      return 2;
+    default:
+      return 1;
   }
 }
 

@@ -33,8 +33,9 @@ std::string obj_text(const TriangleMesh& mesh) {
 }
 
 int run(const MeshCommand& options) {
-  auto placed = place_asset(options.asset, options.asset.stem().string(),
-                            options.scale > 0 ? std::optional(options.scale) : std::nullopt, options.up, "mesh");
+  auto placed =
+      place_asset(options.asset, options.asset.stem().string(),
+                  options.scale > 0 ? std::optional(options.scale) : std::nullopt, options.up, "mesh");
   if (!placed) return report(placed.error());
   auto surface = reconstruct_surface(placed->body_points_m,
                                      options.rigid ? rigid_surface_options() : elastic_surface_options());
@@ -42,8 +43,8 @@ int run(const MeshCommand& options) {
   const MassProperties properties = solid_mass_properties(surface->mesh);
   std::printf("scale        %.6g (%s)\n", placed->object_from_asset.scale, placed->scale_reason.c_str());
   std::printf("points       %zu of %zu kernels\n", placed->body_points_m.size(), placed->asset->size());
-  std::printf("surface      %zu vertices, %zu triangles, alpha radius %.4g m\n", surface->mesh.vertices_m.size(),
-              surface->mesh.triangles.size(), surface->alpha_radius_m);
+  std::printf("surface      %zu vertices, %zu triangles, alpha radius %.4g m\n",
+              surface->mesh.vertices_m.size(), surface->mesh.triangles.size(), surface->alpha_radius_m);
   std::printf("volume       %.6g m3, area %.6g m2\n", properties.volume_m3, properties.area_m2);
   if (!surface->note.empty()) std::printf("note         %s\n", surface->note.c_str());
   if (!options.output.empty()) {
@@ -59,7 +60,8 @@ int run(const MeshCommand& options) {
 
 void add_mesh(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<MeshCommand>();
-  CLI::App* command = app.add_subcommand("mesh", "Find the closed surface of an asset, as bodies are made from it");
+  CLI::App* command =
+      app.add_subcommand("mesh", "Find the closed surface of an asset, as bodies are made from it");
   command->add_option("ASSET", options->asset, "A splat asset")->required();
   command->add_option("--output", options->output, "Write the surface as .obj");
   command->add_option("--scale", options->scale, "Metres per unit of the asset; guessed when left out");

@@ -37,9 +37,11 @@ std::filesystem::path numbered(const std::filesystem::path& output, int turn, in
   return output.parent_path() / (output.stem().string() + number + output.extension().string());
 }
 
-int draw(const RenderCommand& options, std::span<const DrawnObject> objects, const Eigen::AlignedBox3d& bounds) {
+int draw(const RenderCommand& options, std::span<const DrawnObject> objects,
+         const Eigen::AlignedBox3d& bounds) {
   RasteriseOptions rasterise;
-  rasterise.background = Eigen::Vector3d(options.background[0], options.background[1], options.background[2]).cast<float>();
+  rasterise.background =
+      Eigen::Vector3d(options.background[0], options.background[1], options.background[2]).cast<float>();
   Rasteriser rasteriser;
   RasterisedView view;
   for (int turn = 0; turn < options.turns; ++turn) {
@@ -86,7 +88,9 @@ int render_scene(const RenderCommand& options) {
     auto bytes = read_file(options.frame);
     if (!bytes) return report(bytes.error());
     auto decoded = decode_frame(*bytes);
-    if (!decoded) return report({decoded.error().code, options.frame.filename().string() + ": " + decoded.error().message});
+    if (!decoded)
+      return report(
+          {decoded.error().code, options.frame.filename().string() + ": " + decoded.error().message});
     frame = std::move(*decoded);
   }
   SceneDrawing drawing;
@@ -100,7 +104,8 @@ int run(const RenderCommand& options) {
   const bool unpacked_sog = std::filesystem::exists(options.input / "meta.json", ignored);
   const bool scene = options.input.string().ends_with(".scene.json") ||
                      (std::filesystem::is_directory(options.input, ignored) && !unpacked_sog);
-  if (!scene && !options.frame.empty()) return report(invalid_argument("--frame: needs a scene, not a single asset"));
+  if (!scene && !options.frame.empty())
+    return report(invalid_argument("--frame: needs a scene, not a single asset"));
   return scene ? render_scene(options) : render_asset(options);
 }
 
@@ -109,17 +114,25 @@ int run(const RenderCommand& options) {
 void add_render(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<RenderCommand>();
   CLI::App* command = app.add_subcommand("render", "Draw an asset or a scene's start to PNG");
-  command->add_option("INPUT", options->input, "A splat asset, a *.scene.json or a folder of assets")->required();
+  command->add_option("INPUT", options->input, "A splat asset, a *.scene.json or a folder of assets")
+      ->required();
   command->add_option("--output,-o", options->output, "The PNG to write")->capture_default_str();
   command->add_option("--camera", options->camera, "A camera file; all of it from in front when left out");
   command->add_option("--frame", options->frame, "Pose the scene by this recorded driver frame");
   command->add_option("--up", options->up, "An asset's up axis: x -x y -y z -z")->default_str("-y");
   command->add_option("--width", options->width)->check(CLI::Range(1, 16384))->capture_default_str();
   command->add_option("--height", options->height)->check(CLI::Range(1, 16384))->capture_default_str();
-  command->add_option("--azimuth", options->azimuth_deg, "Degrees around, to the right")->capture_default_str();
-  command->add_option("--elevation", options->elevation_deg, "Degrees up")->check(CLI::Range(-89.0, 89.0))->capture_default_str();
-  command->add_option("--turns", options->turns, "Pictures all around, numbered")->check(CLI::Range(1, 3600))->capture_default_str();
-  command->add_option("--background", options->background, "Red, green, blue, 0 to 1")->expected(3)->capture_default_str();
+  command->add_option("--azimuth", options->azimuth_deg, "Degrees around, to the right")
+      ->capture_default_str();
+  command->add_option("--elevation", options->elevation_deg, "Degrees up")
+      ->check(CLI::Range(-89.0, 89.0))
+      ->capture_default_str();
+  command->add_option("--turns", options->turns, "Pictures all around, numbered")
+      ->check(CLI::Range(1, 3600))
+      ->capture_default_str();
+  command->add_option("--background", options->background, "Red, green, blue, 0 to 1")
+      ->expected(3)
+      ->capture_default_str();
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -71,15 +71,16 @@ struct PhaseTimes {
   std::vector<double> steps_ms;
 };
 
-nlohmann::json run_summary(const SimulateCommand& options, const Scene& scene, const PhaseTimes& times, uint64_t frames) {
+nlohmann::json run_summary(const SimulateCommand& options, const Scene& scene, const PhaseTimes& times,
+                           uint64_t frames) {
   const WorldSettings& settings = scene.world().settings();
   nlohmann::json summary;
   summary["version"] = LIVEGS_VERSION;
   summary["scene"] = scene.name();
-  summary["settings"] = {{"rate_hz", settings.rate_hz},   {"substeps", settings.substeps},
-                         {"seconds", options.seconds},    {"elastic_solver", options.solver},
-                         {"skinning", options.skinning},  {"sleep", settings.sleep},
-                         {"threads", thread_count()},     {"seed", options.seed}};
+  summary["settings"] = {{"rate_hz", settings.rate_hz},  {"substeps", settings.substeps},
+                         {"seconds", options.seconds},   {"elastic_solver", options.solver},
+                         {"skinning", options.skinning}, {"sleep", settings.sleep},
+                         {"threads", thread_count()},    {"seed", options.seed}};
   size_t nodes = 0, particles = 0, kernels = 0, bodies = 0, clipped = 0;
   double node_substeps = 0;
   summary["objects"] = nlohmann::json::array();
@@ -103,8 +104,9 @@ nlohmann::json run_summary(const SimulateCommand& options, const Scene& scene, c
     }
     if (!object.surface_note.empty()) summary["warnings"].push_back(object.name + ": " + object.surface_note);
   }
-  summary["counts"] = {{"frames", frames},       {"objects", scene.objects().size()}, {"kernels", kernels},
-                       {"rigid_bodies", bodies}, {"nodes", nodes},                    {"particles", particles}};
+  summary["counts"] = {{"frames", frames},   {"objects", scene.objects().size()},
+                       {"kernels", kernels}, {"rigid_bodies", bodies},
+                       {"nodes", nodes},     {"particles", particles}};
   summary["times_ms"] = {{"load", times.load_ms},
                          {"step", times.step_ms},
                          {"elastic", times.elastic_ms},
@@ -137,7 +139,9 @@ int run(const SimulateCommand& options) {
   if (!scene) return report(scene.error());
   std::error_code error;
   std::filesystem::create_directories(options.output, error);
-  if (error) return report({ErrorCode::PermissionDenied, options.output.string() + ": cannot be made: " + error.message()});
+  if (error)
+    return report(
+        {ErrorCode::PermissionDenied, options.output.string() + ": cannot be made: " + error.message()});
   std::optional<Camera> camera;
   if (!options.camera.empty()) {
     auto read = read_camera_file(options.camera);
@@ -175,7 +179,8 @@ int run(const SimulateCommand& options) {
         rasteriser.draw(*drawn, *camera, {.background = {0.08f, 0.08f, 0.1f}}, view);
         char name[32];
         std::snprintf(name, sizeof name, "frame_%04lu.png", frame);
-        if (auto written = write_png(options.output / name, view.image, false, 3); !written) return report(written.error());
+        if (auto written = write_png(options.output / name, view.image, false, 3); !written)
+          return report(written.error());
         times.draw_ms += lap();
       }
     }
@@ -183,17 +188,19 @@ int run(const SimulateCommand& options) {
     times.write_ms += lap();
     if (mark_ns - told_ns > 2'000'000'000) {
       told_ns = mark_ns;
-      log_info("%.0f %%: %.2f s of %.2f s simulated", 100.0 * static_cast<double>(frame) / static_cast<double>(frames),
+      log_info("%.0f %%: %.2f s of %.2f s simulated",
+               100.0 * static_cast<double>(frame) / static_cast<double>(frames),
                static_cast<double>(frame) / rate_hz, options.seconds);
     }
   }
   if (auto closed = record->close(); !closed) return report(closed.error());
   const nlohmann::json summary = run_summary(options, *scene, times, frames);
-  if (auto written = write_file_atomically(options.output / "summary.json", summary.dump(2) + "\n"); !written) {
+  if (auto written = write_file_atomically(options.output / "summary.json", summary.dump(2) + "\n");
+      !written) {
     return report(written.error());
   }
-  std::printf("%s: %lu frames at %g Hz, step p50 %.2f ms, p99 %.2f ms\n", options.output.c_str(), frames, rate_hz,
-              percentile(times.steps_ms, 0.5), percentile(times.steps_ms, 0.99));
+  std::printf("%s: %lu frames at %g Hz, step p50 %.2f ms, p99 %.2f ms\n", options.output.c_str(), frames,
+              rate_hz, percentile(times.steps_ms, 0.5), percentile(times.steps_ms, 0.99));
   return 0;
 }
 
@@ -201,22 +208,35 @@ int run(const SimulateCommand& options) {
 
 void add_simulate(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<SimulateCommand>();
-  CLI::App* command = app.add_subcommand("simulate", "Simulate a scene without a network and write what moved");
+  CLI::App* command =
+      app.add_subcommand("simulate", "Simulate a scene without a network and write what moved");
   command->add_option("SCENE", options->scene, "A *.scene.json or a folder of assets")->required();
-  command->add_option("--seconds", options->seconds, "How long")->check(CLI::Range(0.0, 86400.0))->capture_default_str();
-  command->add_option("--output,-o", options->output, "Folder for the CSV files, pictures and summary.json")->required();
-  command->add_option("--rate", options->rate_hz, "Ticks a second, instead of the scene's")->check(CLI::Range(1.0, 1000.0));
-  command->add_option("--substeps", options->substeps, "Substeps a tick, instead of the scene's")->check(CLI::Range(1, 1024));
+  command->add_option("--seconds", options->seconds, "How long")
+      ->check(CLI::Range(0.0, 86400.0))
+      ->capture_default_str();
+  command->add_option("--output,-o", options->output, "Folder for the CSV files, pictures and summary.json")
+      ->required();
+  command->add_option("--rate", options->rate_hz, "Ticks a second, instead of the scene's")
+      ->check(CLI::Range(1.0, 1000.0));
+  command->add_option("--substeps", options->substeps, "Substeps a tick, instead of the scene's")
+      ->check(CLI::Range(1, 1024));
   command->add_option("--elastic-solver", options->solver, "cells, or the paper's baseline livegs-v1")
-      ->check(CLI::IsMember({"cells", "livegs-v1"}))->capture_default_str();
+      ->check(CLI::IsMember({"cells", "livegs-v1"}))
+      ->capture_default_str();
   command->add_option("--skinning", options->skinning, "lattice, or the paper's baseline livegs-v1")
-      ->check(CLI::IsMember({"lattice", "livegs-v1"}))->capture_default_str();
+      ->check(CLI::IsMember({"lattice", "livegs-v1"}))
+      ->capture_default_str();
   command->add_flag("--particles", options->particles, "Write particles.csv");
   command->add_flag("--kernels", options->kernels, "Write kernels.csv");
   command->add_option("--render", options->camera, "Draw PNGs with this camera file");
   command->add_flag("--pictures", options->draw, "Draw PNGs of everything from in front");
-  command->add_option("--every", options->every, "Draw every n-th frame")->check(CLI::Range(1, 100000))->capture_default_str();
-  command->add_option("--seed", options->seed, "Recorded in summary.json; nothing in this version draws random numbers")->capture_default_str();
+  command->add_option("--every", options->every, "Draw every n-th frame")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command
+      ->add_option("--seed", options->seed,
+                   "Recorded in summary.json; nothing in this version draws random numbers")
+      ->capture_default_str();
   command->add_flag("--no-sleep", options->no_sleep, "Keep simulating what has come to rest");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

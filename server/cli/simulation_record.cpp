@@ -18,20 +18,26 @@ std::string cell(const std::string& text) {
   return quoted + "\"";
 }
 
-void put(std::FILE* file, const Eigen::Vector3d& v) { std::fprintf(file, ",%.12g,%.12g,%.12g", v.x(), v.y(), v.z()); }
+void put(std::FILE* file, const Eigen::Vector3d& v) {
+  std::fprintf(file, ",%.12g,%.12g,%.12g", v.x(), v.y(), v.z());
+}
 
 template <class Matrix>
 void put_rows(std::FILE* file, const Matrix& matrix, int digits) {
   for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) std::fprintf(file, ",%.*g", digits, static_cast<double>(matrix(row, column)));
+    for (int column = 0; column < 3; ++column)
+      std::fprintf(file, ",%.*g", digits, static_cast<double>(matrix(row, column)));
   }
 }
 
 const char* event_name(WorldEventKind kind) {
   switch (kind) {
-    case WorldEventKind::Contact: return "contact";
-    case WorldEventKind::Sleep: return "sleep";
-    case WorldEventKind::Wake: return "wake";
+    case WorldEventKind::Contact:
+      return "contact";
+    case WorldEventKind::Sleep:
+      return "sleep";
+    case WorldEventKind::Wake:
+      return "wake";
   }
   return "";
 }
@@ -41,7 +47,8 @@ const char* event_name(WorldEventKind kind) {
 Result<SimulationRecord::File> SimulationRecord::create(const char* name, const char* header) {
   const auto path = folder_ / name;
   File file(std::fopen(path.c_str(), "w"));
-  if (!file) return Error{ErrorCode::PermissionDenied, path.string() + ": cannot be written: " + std::strerror(errno)};
+  if (!file)
+    return Error{ErrorCode::PermissionDenied, path.string() + ": cannot be written: " + std::strerror(errno)};
   std::setvbuf(file.get(), nullptr, _IOFBF, 1 << 20);
   std::fprintf(file.get(), "%s\n", header);
   return file;
@@ -58,15 +65,17 @@ Result<SimulationRecord> SimulationRecord::open(const std::filesystem::path& fol
   };
   Result<void> done = add(record.bodies_, "bodies.csv",
                           "frame,time_s,object,body,px,py,pz,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz,mass_kg,asleep");
-  if (done) done = add(record.energy_, "energy.csv", "frame,time_s,kinetic_j,elastic_j,gravity_j,px,py,pz,lx,ly,lz");
+  if (done)
+    done = add(record.energy_, "energy.csv", "frame,time_s,kinetic_j,elastic_j,gravity_j,px,py,pz,lx,ly,lz");
   if (done) done = add(record.events_, "events.csv", "frame,time_s,event,object,impulse_n_s,x,y,z");
   if (done && options.particles) {
     done = add(record.particles_, "particles.csv",
                "frame,time_s,object,particle_id,x,y,z,vx,vy,vz,mass_kg,F00,F01,F02,F10,F11,F12,F20,F21,F22");
   }
   if (done && options.kernels) {
-    done = add(record.kernels_, "kernels.csv",
-               "frame,time_s,object,kernel_id,x,y,z,sxx,sxy,sxz,syy,syz,szz,F00,F01,F02,F10,F11,F12,F20,F21,F22");
+    done = add(
+        record.kernels_, "kernels.csv",
+        "frame,time_s,object,kernel_id,x,y,z,sxx,sxy,sxz,syy,syz,szz,F00,F01,F02,F10,F11,F12,F20,F21,F22");
   }
   if (!done) return done.error();
   return record;
@@ -121,7 +130,8 @@ void SimulationRecord::write(Scene& scene, const SceneDrawing& drawing) {
     }
   }
   const BodyEnergy energy = world.energy();
-  std::fprintf(energy_.get(), "%lu,%.12g,%.12g,%.12g,%.12g", frame, time_s, energy.kinetic_j, energy.elastic_j, energy.gravity_j);
+  std::fprintf(energy_.get(), "%lu,%.12g,%.12g,%.12g,%.12g", frame, time_s, energy.kinetic_j,
+               energy.elastic_j, energy.gravity_j);
   put(energy_.get(), energy.linear_momentum);
   put(energy_.get(), energy.angular_momentum);
   std::fputc('\n', energy_.get());

@@ -12,8 +12,8 @@
 
 namespace livegs {
 
-// The CSV files of `livegs simulate`: one row a thing a frame, frame 0 before any step, world axes, SI units, enough
-// digits to give back the same double.
+// The CSV files of `livegs simulate`: one row a thing a frame, frame 0 before any step, world axes, SI units,
+// enough digits to give back the same double.
 class SimulationRecord {
  public:
   struct Options {
@@ -22,7 +22,8 @@ class SimulationRecord {
   };
   static Result<SimulationRecord> open(const std::filesystem::path& folder, const Options& options);
 
-  // Writes the scene as it is. `drawing` has just posed it when kernels are recorded. Takes the world's events.
+  // Writes the scene as it is. `drawing` has just posed it when kernels are recorded. Takes the world's
+  // events.
   void write(Scene& scene, const SceneDrawing& drawing);
   // Fails if anything could not be written (a full disk, say).
   Result<void> close();

@@ -35,7 +35,8 @@ std::vector<Eigen::Vector3d> thin_by_voxels(std::span<const Eigen::Vector3d> poi
   };
   std::vector<Occupied> voxels;
   for (size_t c = 0; c < candidates.size(); ++c) {
-    if (c == 0 || candidates[c].voxel_key != candidates[c - 1].voxel_key) voxels.push_back({candidates[c].point, 0});
+    if (c == 0 || candidates[c].voxel_key != candidates[c - 1].voxel_key)
+      voxels.push_back({candidates[c].point, 0});
     ++voxels.back().count;
   }
   double least_count = 0.0;

@@ -22,8 +22,8 @@ struct Form {
   std::shared_ptr<const GaussianAsset> asset;
   Similarity object_from_asset;
   std::vector<Eigen::Vector3d> points_m;  // for surfaces; empty for shapes
-  TriangleMesh mesh;                      // fine surface, object frame; empty for points until a rigid body needs it
-  ParticleSet particles;                  // points only
+  TriangleMesh mesh;      // fine surface, object frame; empty for points until a rigid body needs it
+  ParticleSet particles;  // points only
   std::vector<Eigen::Vector3d> particle_velocities_m_s;
   std::string surface_note;
   bool scale_known = true;
@@ -32,9 +32,12 @@ struct Form {
 
 TriangleMesh mesh_of(const v1::Shape& shape) {
   switch (shape.kind_case()) {
-    case v1::Shape::kSphere: return sphere_mesh(shape.sphere().radius_m(), 3);
-    case v1::Shape::kCylinder: return cylinder_mesh(shape.cylinder().radius_m(), shape.cylinder().height_m());
-    case v1::Shape::kCapsule: return capsule_mesh(shape.capsule().radius_m(), shape.capsule().height_m());
+    case v1::Shape::kSphere:
+      return sphere_mesh(shape.sphere().radius_m(), 3);
+    case v1::Shape::kCylinder:
+      return cylinder_mesh(shape.cylinder().radius_m(), shape.cylinder().height_m());
+    case v1::Shape::kCapsule:
+      return capsule_mesh(shape.capsule().radius_m(), shape.capsule().height_m());
     default: {
       const Numbers& size = shape.box().size_m();
       return box_mesh(Eigen::Vector3d(size[0], size[1], size[2]));
@@ -49,7 +52,8 @@ Result<Form> form_of_points(const v1::Object& object, const std::filesystem::pat
   ParticleSet& particles = form.particles;
   particles.spacing_m = object.has_spacing_m() ? object.spacing_m() : median_spacing_m(list->positions_m);
   if (!(particles.spacing_m > 0)) {
-    return invalid_data(object.points() + ": the spacing of its points is zero; give spacing_m or points that differ");
+    return invalid_data(object.points() +
+                        ": the spacing of its points is zero; give spacing_m or points that differ");
   }
   const double volume = particles.spacing_m * particles.spacing_m * particles.spacing_m;
   const size_t count = std::max(list->positions_m.size(), kFewestPointVolumes);
@@ -58,12 +62,13 @@ Result<Form> form_of_points(const v1::Object& object, const std::filesystem::pat
   particles.on_surface.assign(count, true);
   form.particle_velocities_m_s = std::move(list->velocities_m_s);
   form.points_m = particles.positions_m;
-  form.asset = std::make_shared<GaussianAsset>(point_asset(particles.positions_m, particles.spacing_m, palette_rgb(index)));
+  form.asset = std::make_shared<GaussianAsset>(
+      point_asset(particles.positions_m, particles.spacing_m, palette_rgb(index)));
   return form;
 }
 
-Result<Form> form_of(const v1::Object& object, const std::filesystem::path& folder, int index, const std::string& name,
-                     const std::string& field) {
+Result<Form> form_of(const v1::Object& object, const std::filesystem::path& folder, int index,
+                     const std::string& name, const std::string& field) {
   if (object.form_case() == v1::Object::kPoints) return form_of_points(object, folder, index);
   Form form;
   if (object.form_case() == v1::Object::kShape) {
@@ -86,7 +91,8 @@ Result<Form> form_of(const v1::Object& object, const std::filesystem::path& fold
   return form;
 }
 
-// The facts of a list of points come from its particles' volume and bounds; a surface is made for everything else.
+// The facts of a list of points come from its particles' volume and bounds; a surface is made for everything
+// else.
 Result<ObjectFacts> facts_of(Form& form, const std::string& name, bool points) {
   ObjectFacts facts;
   facts.name = name;
@@ -115,7 +121,8 @@ Result<TriangleMesh> rigid_mesh(const Form& form, bool shape) {
 }
 
 MassProperties properties_of(const TriangleMesh& mesh, Fill fill) {
-  return fill == Fill::Shell || fill == Fill::OpenShell ? shell_mass_properties(mesh) : solid_mass_properties(mesh);
+  return fill == Fill::Shell || fill == Fill::OpenShell ? shell_mass_properties(mesh)
+                                                        : solid_mass_properties(mesh);
 }
 
 }  // namespace
@@ -152,8 +159,10 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   BuiltObject built;
   const Material material = to_material(*parameters);
   const Pose pose = pose_value(object.pose(), field + ".pose").value();  // checked when the file was read
-  const Eigen::Vector3d velocity = vector_value(object.velocity_m_s(), Eigen::Vector3d::Zero(), field).value();
-  const Eigen::Vector3d spin = vector_value(object.angular_velocity_rad_s(), Eigen::Vector3d::Zero(), field).value();
+  const Eigen::Vector3d velocity =
+      vector_value(object.velocity_m_s(), Eigen::Vector3d::Zero(), field).value();
+  const Eigen::Vector3d spin =
+      vector_value(object.angular_velocity_rad_s(), Eigen::Vector3d::Zero(), field).value();
   switch (material.behavior) {
     case Behavior::Elastic: {
       ElasticBodyDescription body;
@@ -166,15 +175,18 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       body.particle_velocities_m_s = std::move(form->particle_velocities_m_s);
       for (const v1::Region& region : object.regions()) {
         body.fixed_regions.push_back(
-            {vector_value(region.box().min_m(), Eigen::Vector3d::Constant(-kLargestCoordinate), field).value(),
-             vector_value(region.box().max_m(), Eigen::Vector3d::Constant(kLargestCoordinate), field).value()});
+            {vector_value(region.box().min_m(), Eigen::Vector3d::Constant(-kLargestCoordinate), field)
+                 .value(),
+             vector_value(region.box().max_m(), Eigen::Vector3d::Constant(kLargestCoordinate), field)
+                 .value()});
       }
       built.drawn.rest_particles_m = body.particles.positions_m;
       built.body = std::move(body);
       break;
     }
     case Behavior::Static: {
-      built.body = StaticBodyDescription{pose, collision_field(form->mesh), material.friction, material.restitution};
+      built.body =
+          StaticBodyDescription{pose, collision_field(form->mesh), material.friction, material.restitution};
       break;
     }
     default: {

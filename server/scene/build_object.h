@@ -29,8 +29,9 @@ struct BuiltObject {
   double build_ms = 0;
 };
 
-// Asset, shape or points to surface, facts, parameters and body. Pure but for reading files: objects of a scene are
-// built in parallel. `index` picks a colour for what has none; `field` is what errors call the object.
+// Asset, shape or points to surface, facts, parameters and body. Pure but for reading files: objects of a
+// scene are built in parallel. `index` picks a colour for what has none; `field` is what errors call the
+// object.
 Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem::path& folder, int index,
                                  const std::string& field);
 

@@ -8,8 +8,8 @@
 
 namespace livegs {
 
-// What can be said about a scene without opening its assets: lengths of lists, ranges, names that refer to nothing or
-// stand twice. The error names the field.
+// What can be said about a scene without opening its assets: lengths of lists, ranges, names that refer to
+// nothing or stand twice. The error names the field.
 Result<void> check_scene(const v1::Scene& scene);
 
 // The name an object goes by: its own, or the stem of its asset's or points' file.

@@ -32,24 +32,27 @@ Guess guess_scale(double longest_units, std::string_view name) {
   const SizePrior prior = size_prior(name);
   if (prior.best_m > 0) {
     if (longest_units >= prior.low_m && longest_units <= prior.high_m) {
-      std::snprintf(reason, sizeof reason, "taken as metres: %.3g fits a %s", longest_units, prior.label.c_str());
+      std::snprintf(reason, sizeof reason, "taken as metres: %.3g fits a %s", longest_units,
+                    prior.label.c_str());
       return {1.0, reason};
     }
-    std::snprintf(reason, sizeof reason, "guessed: a %s is about %.3g m long", prior.label.c_str(), prior.best_m);
+    std::snprintf(reason, sizeof reason, "guessed: a %s is about %.3g m long", prior.label.c_str(),
+                  prior.best_m);
     return {prior.best_m / longest_units, reason};
   }
   if (longest_units >= kSmallestThing_m && longest_units <= kLargestThing_m) {
     std::snprintf(reason, sizeof reason, "guessed: %.3g units are taken as metres", longest_units);
     return {1.0, reason};
   }
-  std::snprintf(reason, sizeof reason, "guessed: nothing is known, the longest side is set to %.3g m", kUnknownSize_m);
+  std::snprintf(reason, sizeof reason, "guessed: nothing is known, the longest side is set to %.3g m",
+                kUnknownSize_m);
   return {kUnknownSize_m / longest_units, reason};
 }
 
 }  // namespace
 
-Result<PlacedAsset> place_asset(const std::filesystem::path& path, std::string_view name, std::optional<double> scale,
-                                std::string_view up, std::string_view field) {
+Result<PlacedAsset> place_asset(const std::filesystem::path& path, std::string_view name,
+                                std::optional<double> scale, std::string_view up, std::string_view field) {
   auto rotation = up_value(up, std::string(field) + ".up");
   if (!rotation) return rotation.error();
   auto file = read_asset(path);
@@ -61,7 +64,9 @@ Result<PlacedAsset> place_asset(const std::filesystem::path& path, std::string_v
   placed.object_from_asset.rotation = *rotation;
   placed.body_points_m = body_points(*asset, placed.object_from_asset);
   const double longest = longest_side(placed.body_points_m);
-  if (!(longest > 0)) return invalid_data(std::string(field) + ".asset: " + path.filename().string() + ": holds no kernels that make up a body");
+  if (!(longest > 0))
+    return invalid_data(std::string(field) + ".asset: " + path.filename().string() +
+                        ": holds no kernels that make up a body");
   if (scale) {
     placed.object_from_asset.scale = *scale;
     placed.scale_known = true;

@@ -27,9 +27,12 @@ Result<PointList> read_points_file(const std::filesystem::path& path) {
     while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
     if (line.empty()) continue;
     if (columns == 0) {
-      if (line == "x,y,z") columns = 3;
-      else if (line == "x,y,z,vx,vy,vz") columns = 6;
-      else return invalid_data(name + ": line 1 must be the header x,y,z or x,y,z,vx,vy,vz");
+      if (line == "x,y,z")
+        columns = 3;
+      else if (line == "x,y,z,vx,vy,vz")
+        columns = 6;
+      else
+        return invalid_data(name + ": line 1 must be the header x,y,z or x,y,z,vx,vy,vz");
       continue;
     }
     double values[6];
@@ -41,8 +44,9 @@ Result<PointList> read_points_file(const std::filesystem::path& path) {
       const bool last = column + 1 == columns;
       if (error != std::errc() || !std::isfinite(values[column]) || std::abs(values[column]) > 1e6 ||
           (last ? rest != stop : rest == stop || *rest != ',')) {
-        return invalid_data(name + ": line " + std::to_string(line_number) + ", column " + std::to_string(column + 1) +
-                            ": expected " + std::to_string(columns) + " numbers");
+        return invalid_data(name + ": line " + std::to_string(line_number) + ", column " +
+                            std::to_string(column + 1) + ": expected " + std::to_string(columns) +
+                            " numbers");
       }
       at = last ? rest : rest + 1;
     }

@@ -34,7 +34,8 @@ Result<v1::Scene> read_scene_file(const std::filesystem::path& path) {
     }
     return invalid_data(name + ": " + what + " (field names are those of proto/livegs/v1/scene.proto)");
   }
-  if (auto checked = check_scene(scene); !checked) return Error{checked.error().code, name + ": " + checked.error().message};
+  if (auto checked = check_scene(scene); !checked)
+    return Error{checked.error().code, name + ": " + checked.error().message};
   return scene;
 }
 

@@ -40,8 +40,8 @@ Result<WorldSettings> world_settings(const v1::Scene& file, const SceneOptions& 
 std::optional<std::filesystem::path> only_scene_file(const std::filesystem::path& folder) {
   std::optional<std::filesystem::path> found;
   std::error_code error;
-  for (auto at = std::filesystem::directory_iterator(folder, error); !error && at != std::filesystem::directory_iterator();
-       at.increment(error)) {
+  for (auto at = std::filesystem::directory_iterator(folder, error);
+       !error && at != std::filesystem::directory_iterator(); at.increment(error)) {
     if (!at->path().string().ends_with(".scene.json")) continue;
     if (found) return std::nullopt;
     found = at->path();
@@ -65,7 +65,8 @@ Result<Scene> Scene::load(const std::filesystem::path& path, const SceneOptions&
     if (const auto scene_file = only_scene_file(path)) return load(*scene_file, options);
     auto file = scene_of_folder(path);
     if (!file) return file.error();
-    return build(*file, path, std::filesystem::absolute(path).lexically_normal().filename().string(), options);
+    return build(*file, path, std::filesystem::absolute(path).lexically_normal().filename().string(),
+                 options);
   }
   auto file = read_scene_file(path);
   if (!file) return file.error();
@@ -110,7 +111,8 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
     drawn.name = "environment";
     drawn.environment = true;
     drawn.asset = scenery->asset;
-    if (auto added = scene.world_->add_static(drawn.id, scenery->world_from_object); !added) return added.error();
+    if (auto added = scene.world_->add_static(drawn.id, scenery->world_from_object); !added)
+      return added.error();
     scene.add_drawn(std::move(drawn), scenery->object_from_asset);
   }
   for (auto& object : built) {
@@ -118,7 +120,8 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
     one.drawn.id = scene.next_id_++;
     Result<void> added;
     if (auto* fixed = std::get_if<StaticBodyDescription>(&one.body)) {
-      scene.world_->add_collider({FieldShape{fixed->field}, fixed->world_from_object, fixed->friction, fixed->restitution});
+      scene.world_->add_collider(
+          {FieldShape{fixed->field}, fixed->world_from_object, fixed->friction, fixed->restitution});
       added = scene.world_->add_static(one.drawn.id, fixed->world_from_object);
     } else if (auto* rigid = std::get_if<RigidBodyDescription>(&one.body)) {
       rigid->object_id = one.drawn.id;
@@ -162,40 +165,49 @@ void Scene::step() {
 }
 
 void Scene::apply(const v1::Event& event, uint64_t event_id) {
-  const auto vector = [](const Numbers& numbers) { return vector_value(numbers, Eigen::Vector3d::Zero(), "").value(); };
+  const auto vector = [](const Numbers& numbers) {
+    return vector_value(numbers, Eigen::Vector3d::Zero(), "").value();
+  };
   switch (event.action_case()) {
     case v1::Event::kForce: {
       const SceneObject* object = find(event.force().object());
       const uint64_t force_id = kEventForceBit | event_id;
-      world_->set_force(force_id, object->id, {vector(event.force().point_m()), vector(event.force().force_n())});
+      world_->set_force(force_id, object->id,
+                        {vector(event.force().point_m()), vector(event.force().force_n())});
       const double ticks = std::max(1.0, std::round(event.force().duration_s() * world_->settings().rate_hz));
       running_forces_.emplace_back(world_->tick() + static_cast<uint64_t>(ticks), force_id);
       break;
     }
-    case v1::Event::kBall: shoot_ball(vector(event.ball().from_m()), vector(event.ball().velocity_m_s())); break;
+    case v1::Event::kBall:
+      shoot_ball(vector(event.ball().from_m()), vector(event.ball().velocity_m_s()));
+      break;
     case v1::Event::kSetPhysics: {
       const auto object = std::find_if(objects_.begin(), objects_.end(), [&](const SceneObject& one) {
         return one.name == event.set_physics().object() && one.facts;
       });
       auto merged = merge_scene_physics(object->physics, event.set_physics().physics(), *object->facts);
       if (!merged) {
-        log_warn("%s: set_physics at %.3f s: %s", object->name.c_str(), event.time_s(), merged.error().message.c_str());
+        log_warn("%s: set_physics at %.3f s: %s", object->name.c_str(), event.time_s(),
+                 merged.error().message.c_str());
         break;
       }
       if (auto set = world_->set_material(object->id, to_material(*merged)); !set) {
-        log_warn("%s: set_physics at %.3f s: %s", object->name.c_str(), event.time_s(), set.error().message.c_str());
+        log_warn("%s: set_physics at %.3f s: %s", object->name.c_str(), event.time_s(),
+                 set.error().message.c_str());
         break;
       }
       object->physics = std::move(*merged);
       object->mass_kg = object->physics.mass_kg().best();
       break;
     }
-    case v1::Event::ACTION_NOT_SET: break;
+    case v1::Event::ACTION_NOT_SET:
+      break;
   }
 }
 
 const SceneObject* Scene::find(std::string_view name) const {
-  const auto found = std::find_if(objects_.begin(), objects_.end(), [&](const auto& one) { return one.name == name; });
+  const auto found =
+      std::find_if(objects_.begin(), objects_.end(), [&](const auto& one) { return one.name == name; });
   return found == objects_.end() ? nullptr : &*found;
 }
 

@@ -17,8 +17,8 @@
 #include "physics/world.h"
 #include "skin/rest_body.h"
 
-// From a scene file, or a folder of assets, to a world that can be stepped and objects that can be drawn. Used the
-// same way by the server and by the offline tools.
+// From a scene file, or a folder of assets, to a world that can be stepped and objects that can be drawn.
+// Used the same way by the server and by the offline tools.
 
 namespace livegs {
 
@@ -34,8 +34,9 @@ struct SceneObject {
   v1::PhysicalParameters physics;  // with the source of each value
   double mass_kg = 0;
   std::vector<Eigen::Vector3d> rest_particles_m;  // of an elastic body, object frame; empty otherwise
-  std::string surface_note;        // how its surface was repaired or replaced; empty when it was not
-  std::shared_ptr<const ObjectFacts> facts;  // what the analysis looked at; empty for the environment and balls
+  std::string surface_note;  // how its surface was repaired or replaced; empty when it was not
+  std::shared_ptr<const ObjectFacts>
+      facts;  // what the analysis looked at; empty for the environment and balls
 };
 
 struct SceneOptions {
@@ -45,8 +46,8 @@ struct SceneOptions {
   bool sleep = true;
 };
 
-// A scene that runs. One thread owns it. `objects` grows when a ball is shot and shrinks when one is taken away; ids
-// are never used twice.
+// A scene that runs. One thread owns it. `objects` grows when a ball is shot and shrinks when one is taken
+// away; ids are never used twice.
 class Scene {
  public:
   // `path` is a *.scene.json or a folder of assets. Errors name the file, the field and the remedy.
@@ -68,7 +69,8 @@ class Scene {
   // World bounds of all objects as they started, without the environment.
   const Eigen::AlignedBox3d& bounds_m() const { return bounds_m_; }
 
-  // Shoots one of the scene's balls (all are alike). The oldest is taken away when there are more than kMaxBalls.
+  // Shoots one of the scene's balls (all are alike). The oldest is taken away when there are more than
+  // kMaxBalls.
   const SceneObject& shoot_ball(const Eigen::Vector3d& from_m, const Eigen::Vector3d& velocity_m_s);
   static constexpr size_t kMaxBalls = 16;
 
@@ -91,7 +93,7 @@ class Scene {
   Eigen::AlignedBox3d bounds_m_;
   size_t next_event_ = 0;
   std::vector<std::pair<uint64_t, uint64_t>> running_forces_;  // end tick, force id; in the order they began
-  std::deque<uint32_t> balls_;                                  // oldest first
+  std::deque<uint32_t> balls_;                                 // oldest first
   Changes changes_;
 };
 

@@ -13,7 +13,8 @@ RestBody particle_rest(const SceneObject& object) {
   RestBody rest;
   rest.kind = DriverKind::Particles;
   rest.object_from_asset = object.rest.object_from_asset;
-  for (const Eigen::Vector3d& particle : object.rest_particles_m) rest.particles_m.push_back(particle.cast<float>());
+  for (const Eigen::Vector3d& particle : object.rest_particles_m)
+    rest.particles_m.push_back(particle.cast<float>());
   return rest;
 }
 
@@ -42,9 +43,12 @@ Result<std::vector<DrawnObject>> SceneDrawing::pose(const Scene& scene, const Dr
   std::vector<DrawnObject> drawn;
   for (const ObjectDrivers& object : drivers.objects) {
     const SceneObject* of = scene.find(object.object_id);
-    if (!of) return not_found("object " + std::to_string(object.object_id) + ": is in the frame but not in the scene");
+    if (!of)
+      return not_found("object " + std::to_string(object.object_id) +
+                       ": is in the frame but not in the scene");
     const ElasticBody* elastic = scene.world().elastic_body(object.object_id);
-    const bool as_particles = skinning_ == Skinning::LivegsV1 && elastic && object.kind == DriverKind::Lattice && !frame;
+    const bool as_particles =
+        skinning_ == Skinning::LivegsV1 && elastic && object.kind == DriverKind::Lattice && !frame;
     std::vector<ParticleState> particles;
     if (as_particles) particles = elastic->particles();
 
@@ -56,7 +60,8 @@ Result<std::vector<DrawnObject>> SceneDrawing::pose(const Scene& scene, const Dr
       if (!bindings) return Error{bindings.error().code, of->name + ": " + bindings.error().message};
       bound.bindings = std::move(*bindings);
     }
-    const ObjectDrivers converted = as_particles ? particle_drivers(object.object_id, particles) : ObjectDrivers{};
+    const ObjectDrivers converted =
+        as_particles ? particle_drivers(object.object_id, particles) : ObjectDrivers{};
     const ObjectDrivers& used = as_particles ? converted : object;
     if (auto checked = check_drivers(bound.rest, used); !checked) {
       return Error{checked.error().code, of->name + ": " + checked.error().message};

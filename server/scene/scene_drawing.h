@@ -13,15 +13,16 @@ namespace livegs {
 
 enum class Skinning { Lattice, LivegsV1 };
 
-// A scene's kernels, posed by a frame of its drivers and ready for the rasteriser. Binds each object once; keeps its
-// buffers between frames.
+// A scene's kernels, posed by a frame of its drivers and ready for the rasteriser. Binds each object once;
+// keeps its buffers between frames.
 class SceneDrawing {
  public:
-  // LivegsV1 drives elastic objects by their particles and the paper's four nearest, whatever solver moves them.
+  // LivegsV1 drives elastic objects by their particles and the paper's four nearest, whatever solver moves
+  // them.
   explicit SceneDrawing(Skinning skinning = Skinning::Lattice) : skinning_(skinning) {}
 
-  // Poses every object of `scene`. With a `frame` (from a file, say) its drivers are used in place of the world's;
-  // fails if they do not fit the scene. The result is valid until the next call.
+  // Poses every object of `scene`. With a `frame` (from a file, say) its drivers are used in place of the
+  // world's; fails if they do not fit the scene. The result is valid until the next call.
   Result<std::vector<DrawnObject>> pose(const Scene& scene, const DriverFrame* frame = nullptr);
 
   // The F of each kernel of an object in the last pose(), kept only when asked for.

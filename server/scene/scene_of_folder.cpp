@@ -16,11 +16,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDeepest = 3;           // folders below the one that was named
-constexpr double kGap_m = 0.25;       // between neighbours
+constexpr int kDeepest = 3;      // folders below the one that was named
+constexpr double kGap_m = 0.25;  // between neighbours
 
-// Things fall a little, so that something happens at once; but what is slender is set down gently, because a fall on a
-// captured, uneven base would tip it: toppling takes an energy that goes with (width / height)².
+// Things fall a little, so that something happens at once; but what is slender is set down gently, because a
+// fall on a captured, uneven base would tip it: toppling takes an energy that goes with (width / height)².
 constexpr double kDropHeight_m = 0.15;
 double drop_height_m(const Eigen::Vector3d& size_m) {
   const double slenderness = std::min(size_m.x(), size_m.z()) / size_m.y();
@@ -96,7 +96,8 @@ Result<v1::Scene> scene_of_folder(const fs::path& folder) {
     standing.push_back(std::move(one));
   }
   if (standing.empty()) {
-    return not_found(folder.string() + ": holds no splat assets (.ply, .spz, .sog, .splat) and no *.scene.json");
+    return not_found(folder.string() +
+                     ": holds no splat assets (.ply, .spz, .sog, .splat) and no *.scene.json");
   }
   std::vector<std::string> failures(standing.size());
   parallel_for(standing.size(), 1, [&](size_t begin, size_t end) {

@@ -9,8 +9,8 @@ namespace {
 
 Result<void> check_list(const Numbers& numbers, int wanted, std::string_view field) {
   if (numbers.size() != wanted) {
-    return invalid_argument(std::string(field) + ": has " + std::to_string(numbers.size()) + " numbers; give " +
-                            std::to_string(wanted));
+    return invalid_argument(std::string(field) + ": has " + std::to_string(numbers.size()) +
+                            " numbers; give " + std::to_string(wanted));
   }
   for (int i = 0; i < wanted; ++i) {
     if (auto number = number_value(numbers[i], -kLargestCoordinate, kLargestCoordinate,
@@ -31,7 +31,8 @@ Result<double> number_value(double number, double low, double high, std::string_
   return invalid_argument(std::string(field) + range);
 }
 
-Result<Eigen::Vector3d> vector_value(const Numbers& numbers, const Eigen::Vector3d& fallback, std::string_view field) {
+Result<Eigen::Vector3d> vector_value(const Numbers& numbers, const Eigen::Vector3d& fallback,
+                                     std::string_view field) {
   if (numbers.empty()) return fallback;
   if (auto checked = check_list(numbers, 3, field); !checked) return checked.error();
   return Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
@@ -41,12 +42,14 @@ Result<Eigen::Quaterniond> quaternion_value(const Numbers& numbers, std::string_
   if (numbers.empty()) return Eigen::Quaterniond::Identity();
   if (auto checked = check_list(numbers, 4, field); !checked) return checked.error();
   Eigen::Quaterniond quaternion(numbers[0], numbers[1], numbers[2], numbers[3]);
-  if (quaternion.norm() < 1e-6) return invalid_argument(std::string(field) + ": is zero; give [w, x, y, z] of unit length");
+  if (quaternion.norm() < 1e-6)
+    return invalid_argument(std::string(field) + ": is zero; give [w, x, y, z] of unit length");
   return quaternion.normalized();
 }
 
 Result<Pose> pose_value(const v1::PlacedAt& pose, std::string_view field) {
-  auto position = vector_value(pose.position_m(), Eigen::Vector3d::Zero(), std::string(field) + ".position_m");
+  auto position =
+      vector_value(pose.position_m(), Eigen::Vector3d::Zero(), std::string(field) + ".position_m");
   if (!position) return position.error();
   auto orientation = quaternion_value(pose.orientation(), std::string(field) + ".orientation");
   if (!orientation) return orientation.error();
@@ -56,14 +59,16 @@ Result<Pose> pose_value(const v1::PlacedAt& pose, std::string_view field) {
 Result<Eigen::Quaterniond> up_value(std::string_view axis, std::string_view field) {
   using Eigen::Quaterniond;
   using Eigen::Vector3d;
-  if (axis.empty() || axis == "-y") return Quaterniond(Eigen::AngleAxisd(std::numbers::pi, Vector3d::UnitX()));
+  if (axis.empty() || axis == "-y")
+    return Quaterniond(Eigen::AngleAxisd(std::numbers::pi, Vector3d::UnitX()));
   if (axis == "y" || axis == "+y") return Quaterniond::Identity();
   const Vector3d y = Vector3d::UnitY();
   if (axis == "x" || axis == "+x") return Quaterniond::FromTwoVectors(Vector3d::UnitX(), y);
   if (axis == "-x") return Quaterniond::FromTwoVectors(-Vector3d::UnitX(), y);
   if (axis == "z" || axis == "+z") return Quaterniond::FromTwoVectors(Vector3d::UnitZ(), y);
   if (axis == "-z") return Quaterniond::FromTwoVectors(-Vector3d::UnitZ(), y);
-  return invalid_argument(std::string(field) + ": is \"" + std::string(axis) + "\"; give one of x -x y -y z -z");
+  return invalid_argument(std::string(field) + ": is \"" + std::string(axis) +
+                          "\"; give one of x -x y -y z -z");
 }
 
 }  // namespace livegs

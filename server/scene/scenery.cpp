@@ -18,7 +18,8 @@ namespace {
 const Eigen::Vector3f kSceneryRgb(0.62f, 0.6f, 0.57f);
 constexpr double kFloorMargin_m = 0.8;  // how far a drawn floor reaches beyond the objects
 
-Result<Collider> make_collider(const v1::Collider& file, const std::filesystem::path& folder, const std::string& field) {
+Result<Collider> make_collider(const v1::Collider& file, const std::filesystem::path& folder,
+                               const std::string& field) {
   Collider collider;
   auto pose = pose_value(file.pose(), field + ".pose");
   if (!pose) return pose.error();
@@ -26,9 +27,12 @@ Result<Collider> make_collider(const v1::Collider& file, const std::filesystem::
   if (file.has_friction()) collider.friction = file.friction();
   if (file.has_restitution()) collider.restitution = file.restitution();
   if (file.has_plane()) {
-    const Eigen::Vector3d point = vector_value(file.plane().point_m(), Eigen::Vector3d::Zero(), field).value();
-    const Eigen::Vector3d normal = vector_value(file.plane().normal(), Eigen::Vector3d::UnitY(), field).value();
-    const Pose plane{point, Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitY(), normal.normalized())};
+    const Eigen::Vector3d point =
+        vector_value(file.plane().point_m(), Eigen::Vector3d::Zero(), field).value();
+    const Eigen::Vector3d normal =
+        vector_value(file.plane().normal(), Eigen::Vector3d::UnitY(), field).value();
+    const Pose plane{point,
+                     Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitY(), normal.normalized())};
     collider.world_from_collider = *pose * plane;
     collider.shape = PlaneShape{};
   } else if (file.has_box()) {
@@ -57,9 +61,11 @@ void append(GaussianAsset& all, const GaussianAsset& part, const Pose& pose) {
 
 // Square tiles of two greys around the objects, fading out towards the rim.
 GaussianAsset tiled_floor(double height_m, const Eigen::AlignedBox3d& objects_m) {
-  const Eigen::Vector3d centre = objects_m.isEmpty() ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(objects_m.center());
+  const Eigen::Vector3d centre =
+      objects_m.isEmpty() ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(objects_m.center());
   const double reach =
-      (objects_m.isEmpty() ? 0.5 : 0.5 * std::max(objects_m.sizes().x(), objects_m.sizes().z())) + kFloorMargin_m;
+      (objects_m.isEmpty() ? 0.5 : 0.5 * std::max(objects_m.sizes().x(), objects_m.sizes().z())) +
+      kFloorMargin_m;
   constexpr int kAcross = 150;  // kernels along an edge
   const double step = 2 * reach / kAcross;
   const double tile = std::max(0.1, std::pow(2.0, std::round(std::log2(reach / 8))));
@@ -70,7 +76,9 @@ GaussianAsset tiled_floor(double height_m, const Eigen::AlignedBox3d& objects_m)
       const double rim = 1.0 - std::hypot(dx, dz) / reach;
       if (rim <= 0.0) continue;
       const Eigen::Vector3d point(centre.x() + dx, height_m, centre.z() + dz);
-      const bool dark = (static_cast<long>(std::floor(point.x() / tile)) + static_cast<long>(std::floor(point.z() / tile))) & 1;
+      const bool dark = (static_cast<long>(std::floor(point.x() / tile)) +
+                         static_cast<long>(std::floor(point.z() / tile))) &
+                        1;
       const size_t i = floor.size();
       floor.resize(i + 1);
       const float width = static_cast<float>(std::log(0.65 * step));
@@ -107,7 +115,8 @@ Eigen::AlignedBox3d built_bounds(const std::vector<std::optional<Result<BuiltObj
   Eigen::AlignedBox3d bounds;
   for (const auto& object : built) {
     const BuiltObject& one = **object;
-    const Pose& pose = std::visit([](const auto& body) -> const Pose& { return body.world_from_object; }, one.body);
+    const Pose& pose =
+        std::visit([](const auto& body) -> const Pose& { return body.world_from_object; }, one.body);
     for (const Eigen::Vector3d& point : one.body_points_m) bounds.extend(pose * point);
   }
   return bounds;
@@ -117,7 +126,8 @@ Result<Scenery> make_scenery(const v1::Environment& environment, const std::file
                              const Eigen::AlignedBox3d& objects_m) {
   Scenery scenery;
   for (int i = 0; i < environment.colliders_size(); ++i) {
-    auto collider = make_collider(environment.colliders(i), folder, "environment.colliders[" + std::to_string(i) + "]");
+    auto collider =
+        make_collider(environment.colliders(i), folder, "environment.colliders[" + std::to_string(i) + "]");
     if (!collider) return collider.error();
     scenery.colliders.push_back(std::move(*collider));
   }
@@ -137,7 +147,8 @@ Result<Scenery> make_scenery(const v1::Environment& environment, const std::file
   if (environment.has_scale()) scenery.object_from_asset.scale = environment.scale();
   auto asset = std::make_shared<GaussianAsset>(std::move(file->asset));
   if (environment.collide()) {
-    auto surface = reconstruct_surface(body_points(*asset, scenery.object_from_asset), elastic_surface_options());
+    auto surface =
+        reconstruct_surface(body_points(*asset, scenery.object_from_asset), elastic_surface_options());
     if (!surface) return Error{surface.error().code, "environment.asset: " + surface.error().message};
     scenery.colliders.push_back({FieldShape{collision_field(surface->mesh)}, *pose});
   }

@@ -15,8 +15,8 @@
 
 namespace livegs {
 
-// What a scene stands in: colliders, and something to draw. An environment without an asset is drawn as its colliders:
-// a tiled floor for a level plane, boxes and spheres as they are.
+// What a scene stands in: colliders, and something to draw. An environment without an asset is drawn as its
+// colliders: a tiled floor for a level plane, boxes and spheres as they are.
 struct Scenery {
   std::vector<Collider> colliders;
   std::shared_ptr<const GaussianAsset> asset;  // null when there is nothing to draw

@@ -7,16 +7,17 @@
 namespace livegs {
 namespace {
 
-constexpr float kShDc = 0.28209479f;         // Y_00
-constexpr float kOpacityLogit = 3.5f;        // 0.97
-constexpr float kFlatness = 0.12f;           // thickness of a surface kernel in parts of its width
+constexpr float kShDc = 0.28209479f;   // Y_00
+constexpr float kOpacityLogit = 3.5f;  // 0.97
+constexpr float kFlatness = 0.12f;     // thickness of a surface kernel in parts of its width
 
 Eigen::Vector3f dc_from_rgb(const Eigen::Vector3f& rgb) { return (rgb.array() - 0.5f).matrix() / kShDc; }
 
 // The n-th point of the R2 sequence (Roberts 2018): even, without a seed.
 Eigen::Vector2d even_point(size_t n) {
   constexpr double kPlastic = 1.32471795724474602596;
-  const double u = 0.5 + static_cast<double>(n) / kPlastic, v = 0.5 + static_cast<double>(n) / (kPlastic * kPlastic);
+  const double u = 0.5 + static_cast<double>(n) / kPlastic,
+               v = 0.5 + static_cast<double>(n) / (kPlastic * kPlastic);
   return {u - std::floor(u), v - std::floor(v)};
 }
 
@@ -26,18 +27,20 @@ GaussianAsset mesh_asset(const TriangleMesh& mesh, const Eigen::Vector3f& rgb, s
   std::vector<double> area_up_to;
   double area = 0.0;
   for (const auto& [a, b, c] : mesh.triangles) {
-    area += 0.5 * (mesh.vertices_m[b] - mesh.vertices_m[a]).cross(mesh.vertices_m[c] - mesh.vertices_m[a]).norm();
+    area +=
+        0.5 * (mesh.vertices_m[b] - mesh.vertices_m[a]).cross(mesh.vertices_m[c] - mesh.vertices_m[a]).norm();
     area_up_to.push_back(area);
   }
   GaussianAsset asset;
   asset.resize(kernel_count);
-  const float width = static_cast<float>(0.75 * std::sqrt(area / static_cast<double>(std::max<size_t>(kernel_count, 1))));
+  const float width =
+      static_cast<float>(0.75 * std::sqrt(area / static_cast<double>(std::max<size_t>(kernel_count, 1))));
   const Eigen::Vector3d light = Eigen::Vector3d(0.4, 0.8, 0.45).normalized();
   for (size_t i = 0; i < kernel_count; ++i) {
     const double at = (static_cast<double>(i) + 0.5) / static_cast<double>(kernel_count) * area;
-    const size_t triangle = static_cast<size_t>(
-        std::min<std::ptrdiff_t>(std::lower_bound(area_up_to.begin(), area_up_to.end(), at) - area_up_to.begin(),
-                                 static_cast<std::ptrdiff_t>(area_up_to.size()) - 1));
+    const size_t triangle = static_cast<size_t>(std::min<std::ptrdiff_t>(
+        std::lower_bound(area_up_to.begin(), area_up_to.end(), at) - area_up_to.begin(),
+        static_cast<std::ptrdiff_t>(area_up_to.size()) - 1));
     const auto& [a, b, c] = mesh.triangles[triangle];
     Eigen::Vector2d st = even_point(i);
     if (st.x() + st.y() > 1.0) st = Eigen::Vector2d::Ones() - st;
@@ -47,15 +50,18 @@ GaussianAsset mesh_asset(const TriangleMesh& mesh, const Eigen::Vector3f& rgb, s
     const Eigen::Vector3d point = pa + st.x() * (pb - pa) + st.y() * (pc - pa) - kFlatness * width * normal;
     asset.positions[i] = point.cast<float>();
     asset.log_scales[i] = Eigen::Vector3f(std::log(width), std::log(width), std::log(kFlatness * width));
-    asset.rotations[i] = Eigen::Quaternionf::FromTwoVectors(Eigen::Vector3f::UnitZ(), normal.cast<float>()).normalized();
+    asset.rotations[i] =
+        Eigen::Quaternionf::FromTwoVectors(Eigen::Vector3f::UnitZ(), normal.cast<float>()).normalized();
     asset.opacity_logits[i] = kOpacityLogit;
-    const float shade = static_cast<float>(0.55 + 0.25 * std::max(0.0, normal.dot(light)) + 0.2 * (0.5 + 0.5 * normal.y()));
+    const float shade =
+        static_cast<float>(0.55 + 0.25 * std::max(0.0, normal.dot(light)) + 0.2 * (0.5 + 0.5 * normal.y()));
     asset.sh_dc[i] = dc_from_rgb(rgb * shade);
   }
   return asset;
 }
 
-GaussianAsset point_asset(std::span<const Eigen::Vector3d> points_m, double spacing_m, const Eigen::Vector3f& rgb) {
+GaussianAsset point_asset(std::span<const Eigen::Vector3d> points_m, double spacing_m,
+                          const Eigen::Vector3f& rgb) {
   GaussianAsset asset;
   asset.resize(points_m.size());
   const float log_scale = static_cast<float>(std::log(std::max(0.5 * spacing_m, 1e-6)));

@@ -25,8 +25,8 @@ TEST(AppearanceFacts, MeansAreThoseOfTheKernels) {
   const AppearanceFacts facts = appearance_facts(painted({{1, 0, 0}, {0.5f, 0.5f, 0.5f}}, 0.0f));
   EXPECT_NEAR((facts.mean_rgb - Eigen::Vector3f(0.75f, 0.25f, 0.25f)).norm(), 0, 1e-6);
   EXPECT_NEAR(facts.mean_opacity, 0.5, 1e-6);
-  EXPECT_NEAR(facts.saturation, 0.5, 1e-6);   // one full, one none
-  EXPECT_NEAR(facts.hue_spread, 0.0, 1e-3);   // only one hue
+  EXPECT_NEAR(facts.saturation, 0.5, 1e-6);  // one full, one none
+  EXPECT_NEAR(facts.hue_spread, 0.0, 1e-3);  // only one hue
   EXPECT_EQ(facts.gloss, 0.0f);
 }
 

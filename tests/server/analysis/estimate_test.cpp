@@ -61,10 +61,12 @@ TEST(EstimateOffline, AShellsMassIsItsWalls) {
 }
 
 TEST(EstimateOffline, SoftThingsAreElasticAndHardOnesRigid) {
-  for (const char* name : {"pillow", "sponge", "rubber duck", "felt hat", "potted plant", "teddy bear", "jelly", "football"}) {
+  for (const char* name :
+       {"pillow", "sponge", "rubber duck", "felt hat", "potted plant", "teddy bear", "jelly", "football"}) {
     EXPECT_EQ(estimate_offline(facts_of_box(name, {0.3, 0.3, 0.2})).behavior(), v1::Physics::ELASTIC) << name;
   }
-  for (const char* name : {"mug", "guitar", "statue", "hammer", "lego house", "wine glass", "stool", "brick"}) {
+  for (const char* name :
+       {"mug", "guitar", "statue", "hammer", "lego house", "wine glass", "stool", "brick"}) {
     EXPECT_EQ(estimate_offline(facts_of_box(name, {0.3, 0.3, 0.2})).behavior(), v1::Physics::RIGID) << name;
   }
 }
@@ -81,7 +83,8 @@ TEST(EstimateOffline, AGuessedScaleWidensTheMass) {
   const auto known = estimate_offline(facts);
   facts.scale_known = false;
   const auto guessed = estimate_offline(facts);
-  EXPECT_GT(guessed.mass_kg().high() / guessed.mass_kg().low(), known.mass_kg().high() / known.mass_kg().low());
+  EXPECT_GT(guessed.mass_kg().high() / guessed.mass_kg().low(),
+            known.mass_kg().high() / known.mass_kg().low());
   EXPECT_LT(guessed.confidence(), known.confidence());
 }
 
@@ -102,7 +105,9 @@ TEST(EstimateOffline, AnyFactsGiveASoundAnswer) {
     facts.mesh.mean_wall_m = 2 * facts.mesh.volume_m3 / facts.mesh.area_m2;
     facts.mesh.openness = uniform(0, 1);
     facts.mesh.solidity = uniform(0, 1);
-    facts.appearance.mean_rgb = Eigen::Vector3f(static_cast<float>(uniform(0, 1)), static_cast<float>(uniform(0, 1)), static_cast<float>(uniform(0, 1)));
+    facts.appearance.mean_rgb =
+        Eigen::Vector3f(static_cast<float>(uniform(0, 1)), static_cast<float>(uniform(0, 1)),
+                        static_cast<float>(uniform(0, 1)));
     facts.appearance.saturation = static_cast<float>(uniform(0, 1));
     facts.appearance.mean_opacity = static_cast<float>(uniform(0, 1));
     facts.scale_known = random() % 2;

@@ -47,7 +47,7 @@ TEST_F(MergeScenePhysics, StiffnessToldIsThatOfTheWholeBody) {
   written.set_youngs_modulus_pa(1e6);
   const auto merged = merge();
   EXPECT_EQ(merged.structure_coefficient().best(), 1.0);
-  EXPECT_EQ(merged.behavior(), v1::Physics::ELASTIC);  // AUTO, and 1 MPa deforms
+  EXPECT_EQ(merged.behavior(), v1::Physics::ELASTIC);               // AUTO, and 1 MPa deforms
   EXPECT_NEAR(merged.deformation_resistance().best(), 0.5, 1e-12);  // a break point of the paper's map
 }
 
@@ -66,7 +66,8 @@ TEST_F(MergeScenePhysics, ContradictionsAndBadRangesNameTheField) {
       {[](v1::Physics& p) { p.set_restitution(1.5); }, "restitution"},
       {[](v1::Physics& p) { p.set_youngs_modulus_pa(1e300); }, "youngs_modulus_pa"},
       {[](v1::Physics& p) { p.set_mass_kg(1), p.set_density_kg_m3(1); }, "density_kg_m3"},
-      {[](v1::Physics& p) { p.set_youngs_modulus_pa(1e5), p.set_deformation_resistance(0.1); }, "deformation_resistance"},
+      {[](v1::Physics& p) { p.set_youngs_modulus_pa(1e5), p.set_deformation_resistance(0.1); },
+       "deformation_resistance"},
   };
   for (const auto& [write, field] : cases) {
     v1::Physics physics;

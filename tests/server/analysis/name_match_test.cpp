@@ -20,7 +20,7 @@ TEST(NameMatch, NamesAreComparedAsWords) {
   EXPECT_EQ(match_name("037_scissors").alias, "scissors");
   EXPECT_EQ(label("tennis_ball_01"), "tennis ball");  // the longer alias wins over "ball"
   EXPECT_EQ(label("two mugs"), "mug");
-  EXPECT_EQ(label("smuggler"), "");   // no part of a word
+  EXPECT_EQ(label("smuggler"), "");  // no part of a word
   EXPECT_EQ(label("capital"), "");
   EXPECT_EQ(label(""), "");
   EXPECT_EQ(label("\xff\x01\xfe"), "");
@@ -43,12 +43,15 @@ TEST(Knowledge, TablesAreWholeAndConsistent) {
       EXPECT_TRUE(0 < span.low && span.low <= span.best && span.best <= span.high) << row.name;
     }
     EXPECT_TRUE(row.poisson_ratio >= 0 && row.poisson_ratio <= 0.49) << row.name;
-    EXPECT_TRUE(row.restitution >= 0 && row.restitution <= 1 && row.friction >= 0 && row.friction <= 2) << row.name;
-    EXPECT_TRUE(row.plasticity >= 0 && row.plasticity <= 1 && row.loss_factor > 0 && row.loss_factor <= 2) << row.name;
+    EXPECT_TRUE(row.restitution >= 0 && row.restitution <= 1 && row.friction >= 0 && row.friction <= 2)
+        << row.name;
+    EXPECT_TRUE(row.plasticity >= 0 && row.plasticity <= 1 && row.loss_factor > 0 && row.loss_factor <= 2)
+        << row.name;
   }
   for (const ObjectRow& row : object_table()) {
     EXPECT_EQ(material_row(row.material).name, row.material) << row.label;
-    EXPECT_TRUE(0 < row.size_m.low && row.size_m.low <= row.size_m.best && row.size_m.best <= row.size_m.high) << row.label;
+    EXPECT_TRUE(0 < row.size_m.low && row.size_m.low <= row.size_m.best && row.size_m.best <= row.size_m.high)
+        << row.label;
     const bool shell = row.fill == v1::Physics::SHELL || row.fill == v1::Physics::OPEN_SHELL;
     EXPECT_EQ(row.wall_m.best > 0, shell) << row.label;
     EXPECT_TRUE(row.wall_m.low <= row.wall_m.best && row.wall_m.best <= row.wall_m.high) << row.label;

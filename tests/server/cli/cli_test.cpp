@@ -46,8 +46,9 @@ constexpr const char* kScene = R"({
 
 TEST(Cli, SimulateWritesEveryFileItPromises) {
   ScratchFolder folder;
-  const Said said = run({"simulate", folder.write("two.scene.json", kScene), "--seconds", "0.5", "--output", folder / "out",
-                         "--particles", "--kernels", "--pictures", "--every", "15", "--quiet"});
+  const Said said =
+      run({"simulate", folder.write("two.scene.json", kScene), "--seconds", "0.5", "--output", folder / "out",
+           "--particles", "--kernels", "--pictures", "--every", "15", "--quiet"});
   ASSERT_EQ(said.code, 0) << said.err;
   const fs::path out = folder / "out";
   // Frame 0 is the start; 30 steps follow; two bodies a frame.
@@ -60,8 +61,9 @@ TEST(Cli, SimulateWritesEveryFileItPromises) {
   EXPECT_EQ(lines_of(out / "energy.csv")[0], "frame,time_s,kinetic_j,elastic_j,gravity_j,px,py,pz,lx,ly,lz");
   EXPECT_EQ(lines_of(out / "particles.csv")[0],
             "frame,time_s,object,particle_id,x,y,z,vx,vy,vz,mass_kg,F00,F01,F02,F10,F11,F12,F20,F21,F22");
-  EXPECT_EQ(lines_of(out / "kernels.csv")[0],
-            "frame,time_s,object,kernel_id,x,y,z,sxx,sxy,sxz,syy,syz,szz,F00,F01,F02,F10,F11,F12,F20,F21,F22");
+  EXPECT_EQ(
+      lines_of(out / "kernels.csv")[0],
+      "frame,time_s,object,kernel_id,x,y,z,sxx,sxy,sxz,syy,syz,szz,F00,F01,F02,F10,F11,F12,F20,F21,F22");
   EXPECT_TRUE(fs::exists(out / "events.csv"));
   EXPECT_NE(read_text_file(out / "summary.json").value().find("\"ns_per_node_substep\""), std::string::npos);
   for (const char* picture : {"frame_0000.png", "frame_0015.png", "frame_0030.png"}) {
@@ -73,7 +75,10 @@ TEST(Cli, SimulatingTwiceWritesTheSameBytesForAnyThreadCount) {
   ScratchFolder folder;
   const std::string scene = folder.write("two.scene.json", kScene);
   for (const char* threads : {"1", "2", "3"}) {
-    ASSERT_EQ(run({"simulate", scene, "--seconds", "0.7", "--output", folder / threads, "--particles", "--quiet", "--threads", threads}).code, 0);
+    ASSERT_EQ(run({"simulate", scene, "--seconds", "0.7", "--output", folder / threads, "--particles",
+                   "--quiet", "--threads", threads})
+                  .code,
+              0);
   }
   for (const char* file : {"bodies.csv", "particles.csv", "energy.csv", "events.csv"}) {
     const std::string one = read_text_file(folder.path() / "1" / file).value();
@@ -87,8 +92,8 @@ TEST(Cli, BothSolversAndSkinningsRun) {
   const std::string scene = folder.write("two.scene.json", kScene);
   for (const char* solver : {"cells", "livegs-v1"}) {
     for (const char* skinning : {"lattice", "livegs-v1"}) {
-      const Said said = run({"simulate", scene, "--seconds", "0.2", "--output", folder / "out", "--kernels", "--quiet",
-                             "--elastic-solver", solver, "--skinning", skinning});
+      const Said said = run({"simulate", scene, "--seconds", "0.2", "--output", folder / "out", "--kernels",
+                             "--quiet", "--elastic-solver", solver, "--skinning", skinning});
       EXPECT_EQ(said.code, 0) << solver << " " << skinning << ": " << said.err;
     }
   }
@@ -160,9 +165,10 @@ TEST(Cli, MalformedFixturesAreRefusedInOneLine) {
     ++refused;
     EXPECT_EQ(said.code, 2) << entry.path();
     EXPECT_EQ(std::count(said.err.begin(), said.err.end(), '\n'), 1) << said.err;
-    EXPECT_NE(said.err.find(entry.path().filename() == "meta.json" ? entry.path().parent_path().filename().string()
-                                                                   : entry.path().filename().string()),
-              std::string::npos)
+    EXPECT_NE(
+        said.err.find(entry.path().filename() == "meta.json" ? entry.path().parent_path().filename().string()
+                                                             : entry.path().filename().string()),
+        std::string::npos)
         << said.err;
   }
   EXPECT_GE(refused, 40);

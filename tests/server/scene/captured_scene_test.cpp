@@ -16,9 +16,11 @@ std::vector<std::string> captured_assets() {
   const fs::path folder = fs::path(LIVEGS_SHARED_DATA_DIR) / "splats";
   std::vector<std::string> assets;
   std::error_code error;
-  for (auto at = fs::recursive_directory_iterator(folder, error); !error && at != fs::recursive_directory_iterator(); at.increment(error)) {
+  for (auto at = fs::recursive_directory_iterator(folder, error);
+       !error && at != fs::recursive_directory_iterator(); at.increment(error)) {
     const std::string path = at->path().string();
-    const bool asset = path.ends_with(".ply") || path.ends_with(".spz") || path.ends_with(".splat") || path.ends_with(".sog");
+    const bool asset = path.ends_with(".ply") || path.ends_with(".spz") || path.ends_with(".splat") ||
+                       path.ends_with(".sog");
     const bool unpacked = at->path().filename() == "meta.json" && path.find("fur_block") == std::string::npos;
     if (asset || unpacked) assets.push_back(fs::relative(at->path(), folder).string());
   }
@@ -68,7 +70,8 @@ TEST_P(CapturedAsset, FallsAndStaysFinite) {
 
 std::string test_name(const testing::TestParamInfo<std::string>& info) {
   std::string name = info.param.empty() ? "absent" : info.param;
-  std::replace_if(name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
   return name;
 }
 INSTANTIATE_TEST_SUITE_P(Captured, CapturedAsset, testing::ValuesIn(captured_assets()), test_name);

@@ -10,7 +10,8 @@ namespace {
 
 TEST(PointsFile, ReadsPositionsAndVelocitiesInOrder) {
   ScratchFolder folder;
-  const auto list = read_points_file(folder.write("a.csv", "x,y,z,vx,vy,vz\r\n1,2,3,0,0,-1\n-0.5, 1e-3,4,0,0,2\n"));
+  const auto list =
+      read_points_file(folder.write("a.csv", "x,y,z,vx,vy,vz\r\n1,2,3,0,0,-1\n-0.5, 1e-3,4,0,0,2\n"));
   ASSERT_TRUE(list) << list.error().message;
   ASSERT_EQ(list->positions_m.size(), 2u);
   EXPECT_EQ(list->positions_m[1], Eigen::Vector3d(-0.5, 1e-3, 4));
@@ -20,9 +21,14 @@ TEST(PointsFile, ReadsPositionsAndVelocitiesInOrder) {
 TEST(PointsFile, ErrorsNameFileLineAndColumn) {
   ScratchFolder folder;
   const std::pair<const char*, const char*> cases[] = {
-      {"x;y;z\n1,2,3\n", "line 1"},       {"x,y,z\n1,2\n", "line 2, column 2"}, {"x,y,z\n1,2,3,4\n", "line 2, column 3"},
-      {"x,y,z\n1,nan,3\n", "column 2"},   {"x,y,z\n1,2,1e9\n", "column 3"},     {"x,y,z\n", "no points"},
-      {"x,y,z\n1,2,3 metres\n", "line 2"}, {"", "no points"},
+      {"x;y;z\n1,2,3\n", "line 1"},
+      {"x,y,z\n1,2\n", "line 2, column 2"},
+      {"x,y,z\n1,2,3,4\n", "line 2, column 3"},
+      {"x,y,z\n1,nan,3\n", "column 2"},
+      {"x,y,z\n1,2,1e9\n", "column 3"},
+      {"x,y,z\n", "no points"},
+      {"x,y,z\n1,2,3 metres\n", "line 2"},
+      {"", "no points"},
   };
   for (const auto& [text, named] : cases) {
     const auto list = read_points_file(folder.write("b.csv", text));

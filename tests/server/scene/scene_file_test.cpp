@@ -20,7 +20,9 @@ std::string refusal(const std::string& text) {
 constexpr char kBox[] = R"("shape": { "box": { "size_m": [0.1, 0.1, 0.1] } })";
 
 TEST(SceneFile, CommentsAndDefaultsAreAllowed) {
-  EXPECT_EQ(refusal(std::string("{ // a box\n \"objects\": [ { \"name\": \"a\", ") + kBox + " } ] /* end */ }"), "");
+  EXPECT_EQ(
+      refusal(std::string("{ // a box\n \"objects\": [ { \"name\": \"a\", ") + kBox + " } ] /* end */ }"),
+      "");
   EXPECT_EQ(refusal("{}"), "");
 }
 
@@ -38,20 +40,28 @@ TEST(SceneFile, RefusalsNameFileAndField) {
       {R"({ "rate_hz": "fast" })", "rate_hz"},
       {R"({ "substeps": 100000 })", "substeps"},
       {R"({ "objects": [ { "name": "a" } ] })", "objects[0]: has no form"},
-      {R"({ "objects": [ { "name": "a", "shape": { "sphere": { "radius_m": -1 } } } ] })", "objects[0].shape.sphere.radius_m"},
-      {R"({ "objects": [ { "name": "a", )" + box + R"( }, { "name": "a", )" + box + " } ] }", "objects[1].name"},
+      {R"({ "objects": [ { "name": "a", "shape": { "sphere": { "radius_m": -1 } } } ] })",
+       "objects[0].shape.sphere.radius_m"},
+      {R"({ "objects": [ { "name": "a", )" + box + R"( }, { "name": "a", )" + box + " } ] }",
+       "objects[1].name"},
       {R"({ "objects": [ { "name": "a", )" + box + R"(, "up": "north" } ] })", "objects[0].up"},
-      {R"({ "objects": [ { "name": "a", )" + box + R"(, "pose": { "orientation": [0,0,0,0] } } ] })", "objects[0].pose.orientation"},
-      {R"({ "objects": [ { "name": "a", )" + box + R"(, "physics": { "friction": -1 } } ] })", "objects[0].physics.friction"},
-      {R"({ "objects": [ { "name": "a", )" + box + R"(, "physics": { "mass_kg": 1, "density_kg_m3": 1 } } ] })", "density_kg_m3"},
-      {R"({ "objects": [ { "name": "a", )" + box + R"(, "physics": { "behavior": "GASEOUS" } } ] })", "GASEOUS"},
+      {R"({ "objects": [ { "name": "a", )" + box + R"(, "pose": { "orientation": [0,0,0,0] } } ] })",
+       "objects[0].pose.orientation"},
+      {R"({ "objects": [ { "name": "a", )" + box + R"(, "physics": { "friction": -1 } } ] })",
+       "objects[0].physics.friction"},
+      {R"({ "objects": [ { "name": "a", )" + box +
+           R"(, "physics": { "mass_kg": 1, "density_kg_m3": 1 } } ] })",
+       "density_kg_m3"},
+      {R"({ "objects": [ { "name": "a", )" + box + R"(, "physics": { "behavior": "GASEOUS" } } ] })",
+       "GASEOUS"},
       {R"({ "objects": [ { "name": "a", "asset": "absent.ply" } ] })", "absent.ply"},
       {R"({ "objects": [ { "name": "a", "points": "absent.csv" } ] })", "absent.csv"},
       {R"({ "environment": { "asset": "absent.ply" } })", "absent.ply"},
       {R"({ "environment": { "colliders": [ {} ] } })", "environment.colliders[0]"},
       {R"({ "environment": { "colliders": [ { "plane": { "normal": [0,0,0] } } ] } })", "plane.normal"},
       {R"({ "environment": { "colliders": [ { "mesh": "absent.obj" } ] } })", "absent.obj"},
-      {R"({ "events": [ { "time_s": 1, "force": { "object": "nobody", "force_n": [1,0,0], "duration_s": 1 } } ] })", "nobody"},
+      {R"({ "events": [ { "time_s": 1, "force": { "object": "nobody", "force_n": [1,0,0], "duration_s": 1 } } ] })",
+       "nobody"},
       {R"({ "events": [ { "time_s": 1 } ] })", "events[0]"},
   };
   for (const auto& [text, field] : cases) {

@@ -19,7 +19,8 @@ Scene busy_scene() {
   ScratchFolder folder;
   std::string points = "x,y,z\n";
   for (int i = 0; i < 216; ++i) {
-    points += std::to_string(0.02 * (i % 6)) + "," + std::to_string(0.02 * (i / 6 % 6)) + "," + std::to_string(0.02 * (i / 36)) + "\n";
+    points += std::to_string(0.02 * (i % 6)) + "," + std::to_string(0.02 * (i / 6 % 6)) + "," +
+              std::to_string(0.02 * (i / 36)) + "\n";
   }
   folder.write("points.csv", points);
   const auto path = folder.write("busy.scene.json", R"({
@@ -49,7 +50,8 @@ std::string hash_after(int ticks, int threads) {
     scene.step();
     const DriverFrame frame = scene.world().drivers();
     for (const ObjectDrivers& object : frame.objects) {
-      states.append(reinterpret_cast<const char*>(object.positions_m.data()), object.positions_m.size() * sizeof(Eigen::Vector3f));
+      states.append(reinterpret_cast<const char*>(object.positions_m.data()),
+                    object.positions_m.size() * sizeof(Eigen::Vector3f));
       for (const Pose& pose : object.poses) {
         states.append(reinterpret_cast<const char*>(pose.position_m.data()), sizeof(Eigen::Vector3d));
         states.append(reinterpret_cast<const char*>(pose.orientation.coeffs().data()), 4 * sizeof(double));
@@ -71,8 +73,8 @@ TEST(SceneRun, EventsActWhenTheyAreDue) {
   Scene scene = busy_scene();
   const uint32_t soft = scene.find("soft")->id;
   EXPECT_NEAR(scene.find("soft")->mass_kg, 500 * 0.008, 1e-12);  // density times the box's volume
-  for (int tick = 0; tick < 18; ++tick) scene.step();   // up to 0.3 s: tick 18 starts there
-  EXPECT_EQ(scene.objects().size(), 4u);                // drawn floor and three objects
+  for (int tick = 0; tick < 18; ++tick) scene.step();            // up to 0.3 s: tick 18 starts there
+  EXPECT_EQ(scene.objects().size(), 4u);                         // drawn floor and three objects
   EXPECT_NEAR(scene.world().material(soft)->friction, 0.5, 0.5);
   scene.step();
   EXPECT_EQ(scene.objects().size(), 5u);
