@@ -38,8 +38,7 @@ class AlphaComplex {
   void thicken_plane(double thickness);
 
   // Sheets and threads of points that bound no volume at this radius get a thickness, by further points on
-  // both sides. Patches smaller than the ball's cross-section are left as they are: noise. Returns how many
-  // points were thickened.
+  // both sides. Returns how many points were thickened.
   size_t thicken_sheets(double radius, double thickness);
 
   struct Body {
