@@ -29,7 +29,7 @@ struct RestBox {
 
 struct LatticeCell {
   Eigen::Vector3i coordinates;
-  std::array<uint32_t, 8> nodes;
+  std::array<uint32_t, 8> nodes{};
   double volume_m3 = 0.0;    // of the material inside, at rest
   Eigen::Vector3d centroid;  // of the material, local coordinates
   Eigen::Vector3d spread;    // variance of the material along each axis over that of a full cell; 0 ... 1
