@@ -6,6 +6,7 @@
 
 #include "common/splat/synthetic_kernels.h"
 #include "core/file.h"
+#include "scratch_folder.h"
 #include "splat/image.h"
 
 namespace livegs {
@@ -23,11 +24,10 @@ Image noise(int width, int height, uint64_t seed) {
 std::filesystem::path scratch(const char* name) { return std::filesystem::path(::testing::TempDir()) / name; }
 
 std::vector<std::byte> encoded(const Image& image, bool with_alpha = true, int compression = 6) {
-  const auto path = scratch("livegs_png_test.png");
+  const ScratchFolder folder;  // tests run side by side
+  const auto path = folder / "a.png";
   EXPECT_TRUE(write_png(path, image, with_alpha, compression).has_value());
-  Result<std::vector<std::byte>> bytes = read_file(path);
-  std::filesystem::remove(path);
-  return std::move(bytes).value();
+  return read_file(path).value();
 }
 
 uint32_t crc32(std::span<const std::byte> bytes) {
