@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -27,6 +28,7 @@ struct Options {
   int threads = 0;
   double seconds = 0;
   bool print_port = false;
+  bool wait_for_client = false;
   bool verbose = false;
 };
 
@@ -46,22 +48,14 @@ sigset_t block_ending_signals() {
   return signals;
 }
 
-// Waits for one of them, for so long or, with 0, for ever. Says why it came back.
-std::string wait_for_end(const sigset_t& signals, double seconds) {
-  if (seconds <= 0) {
-    int signal_number = 0;
-    sigwait(&signals, &signal_number);
-    return std::string("the server was stopped (") + strsignal(signal_number) + ")";
+// Waits for one of them until `enough`, asked every so often, says so. Empty when it was not a signal.
+std::string wait_for_signal(const sigset_t& signals, const std::function<bool()>& enough) {
+  constexpr timespec kAskEvery{0, 20'000'000};
+  while (!enough()) {
+    const int signal_number = sigtimedwait(&signals, nullptr, &kAskEvery);
+    if (signal_number > 0) return std::string("the server was stopped (") + strsignal(signal_number) + ")";
   }
-  const int64_t end_ns = livegs::now_ns() + static_cast<int64_t>(seconds * 1e9);
-  for (;;) {
-    const int64_t left_ns = end_ns - livegs::now_ns();
-    if (left_ns <= 0) return "the server has run for its time";
-    const timespec left{left_ns / 1'000'000'000, left_ns % 1'000'000'000};
-    if (const int signal_number = sigtimedwait(&signals, nullptr, &left); signal_number > 0) {
-      return std::string("the server was stopped (") + strsignal(signal_number) + ")";
-    }
-  }
+  return "";
 }
 
 int run(const Options& options) {
@@ -85,14 +79,22 @@ int run(const Options& options) {
 
   SimulationLoop loop(std::move(*scene), (*server)->ticks());
   (*server)->open(loop.scene(), loop);
-  loop.start();
   log_info("ready: livegs-client 127.0.0.1:%d", (*server)->port());
   if (options.print_port) {
     std::printf("%d\n", (*server)->port());
     std::fflush(stdout);
   }
 
-  const std::string reason = wait_for_end(signals, options.seconds);
+  std::string reason;
+  if (options.wait_for_client) {
+    reason = wait_for_signal(signals, [&] { return (*server)->streaming_count() > 0; });
+  }
+  if (reason.empty()) {
+    loop.start();
+    const int64_t end_ns = now_ns() + static_cast<int64_t>(options.seconds * 1e9);
+    reason = wait_for_signal(signals, [&] { return options.seconds > 0 && now_ns() >= end_ns; });
+    if (reason.empty()) reason = "the server has run for its time";
+  }
   log_info("%s", reason.c_str());
   (*server)->shut_down(reason);
   loop.stop();
@@ -119,6 +121,8 @@ int main(int argc, char** argv) {
   app.add_option("--seconds", options.seconds, "Stop after so long; 0: when it is told to")
       ->check(CLI::NonNegativeNumber);
   app.add_flag("--print-port", options.print_port, "Print the port on standard output once clients may join");
+  app.add_flag("--wait-for-client", options.wait_for_client,
+               "Let the first tick wait until a client streams");
   app.add_flag("--verbose", options.verbose, "Log what the simulation does every second");
   app.set_version_flag("--version", LIVEGS_VERSION);
   try {

@@ -92,12 +92,12 @@ Result<void> SceneView::draw(const DriverFrame& frame, const Camera& camera, Ras
   return {};
 }
 
-Eigen::AlignedBox3d SceneView::object_bounds() const {
-  Eigen::AlignedBox3d box;
+std::vector<Eigen::AlignedBox3d> SceneView::object_boxes() const {
+  std::vector<Eigen::AlignedBox3d> boxes;
   for (uint32_t id : visible_) {
-    if (!objects_.at(id).environment) box.extend(bounds(id));
+    if (!objects_.at(id).environment && !bounds(id).isEmpty()) boxes.push_back(bounds(id));
   }
-  return box;
+  return boxes;
 }
 
 Eigen::AlignedBox3d SceneView::bounds(uint32_t object_id) const {

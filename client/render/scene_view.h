@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "core/result.h"
 #include "gaussian/gaussian_asset.h"
@@ -36,10 +37,10 @@ class SceneView {
   };
   const Times& last_times() const { return times_; }
 
-  // World bounds of the objects (never the environment) as they stand in the last picture, or after pose():
-  // from the 1st to the 99th percentile of their kernels along each axis, so that haze and floaters do not
+  // World bounds of each object (never the environment) as it stands in the last picture, or after pose():
+  // from the 1st to the 99th percentile of its kernels along each axis, so that haze and floaters do not
   // count.
-  Eigen::AlignedBox3d object_bounds() const;
+  std::vector<Eigen::AlignedBox3d> object_boxes() const;
   Eigen::AlignedBox3d bounds(uint32_t object_id) const;  // empty if unknown
   // The mean of the environment's kernels; nothing when there is none.
   std::optional<Eigen::Vector3d> environment_middle() const;

@@ -141,6 +141,7 @@ void LiveServer::shut_down(const std::string& reason) {
 
 SessionTable::Totals LiveServer::sessions() const { return parts_->table.totals(); }
 size_t LiveServer::client_count() const { return parts_->table.status().clients; }
+size_t LiveServer::streaming_count() const { return parts_->table.status().streaming; }
 PublisherSummary LiveServer::published() const { return parts_->publisher->summary(); }
 
 }  // namespace livegs

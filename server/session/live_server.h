@@ -43,6 +43,7 @@ class LiveServer {
 
   SessionTable::Totals sessions() const;
   size_t client_count() const;
+  size_t streaming_count() const;  // of those, with an open stream
   PublisherSummary published() const;
 
  private:

@@ -153,7 +153,9 @@ void SessionTable::hear(const ClientSession& session, std::span<const InputSampl
 
 SessionTable::Status SessionTable::status() const {
   std::lock_guard lock(mutex_);
-  return {scene_, rate_hz_, tick_, objects_.size(), sessions_.size(), open_};
+  size_t streaming = 0;
+  for (const auto& [id, session] : sessions_) streaming += session->streaming ? 1 : 0;
+  return {scene_, rate_hz_, tick_, objects_.size(), sessions_.size(), streaming, open_};
 }
 
 SessionTable::Totals SessionTable::totals() const {

@@ -54,7 +54,7 @@ class SessionTable {
     std::string scene;
     double rate_hz = 0;
     uint64_t tick = 0;
-    size_t objects = 0, clients = 0;
+    size_t objects = 0, clients = 0, streaming = 0;
     bool open = false;
   };
   Status status() const;
