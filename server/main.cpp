@@ -5,6 +5,7 @@
 #include <time.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <functional>
 #include <optional>
@@ -60,6 +61,10 @@ std::string wait_for_signal(const sigset_t& signals, const std::function<bool()>
 
 int run(const Options& options) {
   using namespace livegs;
+  // A range check lets NaN through.
+  if (!std::isfinite(options.seconds) || !std::isfinite(options.rate_hz.value_or(1.0))) {
+    return report(invalid_argument("--seconds, --rate: are not numbers"));
+  }
   const sigset_t signals = block_ending_signals();
   set_log_level(options.verbose ? LogLevel::Debug : LogLevel::Info);
   set_thread_count(options.threads);
