@@ -122,6 +122,10 @@ nlohmann::json run_summary(const SimulateCommand& options, const Scene& scene, c
 }
 
 int run(const SimulateCommand& options) {
+  // A range check lets NaN through.
+  if (!std::isfinite(options.seconds) || !std::isfinite(options.rate_hz)) {
+    return report(invalid_argument("--seconds, --rate: are not numbers"));
+  }
   SceneOptions scene_options;
   if (options.rate_hz > 0) scene_options.rate_hz = options.rate_hz;
   if (options.substeps > 0) scene_options.substeps = options.substeps;
