@@ -141,7 +141,8 @@ void StreamCall::OnCancel() { request_finish(grpc::Status::CANCELLED); }
 
 void StreamCall::request_finish(const grpc::Status& status) {
   std::lock_guard lock(mutex_);
-  if (!finish_status_) finish_status_ = status;
+  // A client that hangs up on hearing the farewell is still told why.
+  if (!finish_status_) finish_status_ = status.ok() && finish_when_flushed_ ? *finish_when_flushed_ : status;
   finish_if_idle(lock);
 }
 
