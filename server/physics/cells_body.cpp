@@ -32,7 +32,9 @@ CellsBody::CellsBody(const ElasticBodyDescription& description, double rate_hz, 
   choose_substeps(description.cell_width_m);
 
   std::vector<RestBox> regions;
-  for (const FixedRegion& region : description.fixed_regions) regions.push_back({region.min_m, region.max_m});
+  for (const BodyRegion& region : description.regions) {
+    if (region.fixed) regions.push_back({region.min_m, region.max_m});
+  }
   lattice_ = build_lattice(extent_, choice_.cell_width_m, regions);
   for (const Vector3d& particle : particle_rest_m_) particle_points_.push_back(lattice_.embed(particle));
   make_surface(description.particles);
@@ -140,7 +142,8 @@ void CellsBody::start_motion(const ElasticBodyDescription& description) {
 }
 
 void CellsBody::hold_regions(const ElasticBodyDescription& description) {
-  for (const FixedRegion& region : description.fixed_regions) {
+  for (const BodyRegion& region : description.regions) {
+    if (!region.fixed) continue;
     bool holds = false;
     for (const LatticeCell& cell : lattice_.cells) holds = holds || cell.fixed;
     for (size_t p = 0; p < particle_rest_m_.size(); ++p) {

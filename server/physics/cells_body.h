@@ -31,6 +31,7 @@ class CellsBody final : public ElasticBody {
   void substep(const SubstepContext& context) override;
   void end_frame(double frame_s) override;
 
+  bool release_region(const std::string&) override { return false; }
   void set_material(const Material& material) override;
   const Material& material() const override { return material_; }
   bool asleep() const override { return rest_clock_.asleep(); }

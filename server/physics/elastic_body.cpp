@@ -93,9 +93,9 @@ Result<void> check_motion(const ElasticBodyDescription& d) {
   if (!(std::abs(d.world_from_object.orientation.norm() - 1.0) < 1e-3)) {
     return not_physical(d, "the orientation is not a unit quaternion");
   }
-  for (const FixedRegion& region : d.fixed_regions) {
-    if (!region.min_m.allFinite() || !region.max_m.allFinite()) {
-      return not_physical(d, "a fixed region is not finite");
+  for (const BodyRegion& region : d.regions) {
+    if (!region.min_m.allFinite() || !region.max_m.allFinite() || !region.traction_pa.allFinite()) {
+      return not_physical(d, "region " + region.name + " is not finite");
     }
   }
   if (!(d.cell_width_m >= 0.0) || !std::isfinite(d.cell_width_m)) {
@@ -105,6 +105,15 @@ Result<void> check_motion(const ElasticBodyDescription& d) {
 }
 
 }  // namespace
+
+const char* name_of(ElasticBand band) {
+  switch (band) {
+    case ElasticBand::Exact: return "exact";
+    case ElasticBand::Band: return "band";
+    case ElasticBand::Clipped: return "clipped";
+    default: return "unknown";
+  }
+}
 
 Result<std::unique_ptr<ElasticBody>> make_elastic_body(const ElasticBodyDescription& description,
                                                        ElasticSolver solver, double rate_hz, int substeps,
@@ -118,7 +127,7 @@ Result<std::unique_ptr<ElasticBody>> make_elastic_body(const ElasticBodyDescript
   if (substeps < 1 || substeps > 10000) {
     return not_physical(description, "substeps is " + std::to_string(substeps) + "; it must be 1 to 10000");
   }
-  if (solver == ElasticSolver::LivegsV1) {
+  if (solver != ElasticSolver::Cells) {
     return std::unique_ptr<ElasticBody>(std::make_unique<LivegsV1Body>(description, rate_hz, substeps, may_sleep));
   }
   return std::unique_ptr<ElasticBody>(std::make_unique<CellsBody>(description, rate_hz, substeps, may_sleep));

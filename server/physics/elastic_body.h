@@ -12,6 +12,7 @@
 #include "core/pose.h"
 #include "core/result.h"
 #include "geometry/sample_particles.h"
+#include "physics/body_region.h"
 #include "physics/collider.h"
 #include "physics/material.h"
 #include "skin/driver_frame.h"
@@ -22,9 +23,11 @@
 
 namespace livegs {
 
-// A box of the object's rest frame whose particles do not move.
-struct FixedRegion {
-  Eigen::Vector3d min_m, max_m;
+// What studies switch off to show what it is worth; `cells` only.
+struct CellsOptions {
+  bool second_order = true;  // BDF2; false: BDF1 throughout
+  bool compensate = true;    // subtract the numerical compliance of the sweep
+  bool choose = true;        // more substeps, or a clipped stiffness, where it needs them; false: as given, however wrong
 };
 
 struct ElasticBodyDescription {
@@ -36,8 +39,9 @@ struct ElasticBodyDescription {
   Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero(); // world frame
   std::vector<Eigen::Vector3d> particle_velocities_m_s;             // added to the above; empty or one a particle
   Eigen::Matrix3d initial_deformation = Eigen::Matrix3d::Identity();  // of the rest shape about its centre
-  std::vector<FixedRegion> fixed_regions;
+  std::vector<BodyRegion> regions;  // of two materials in one place the later one counts
   double cell_width_m = 0.0;  // 0: chosen from the material and the rate
+  CellsOptions cells;
 };
 
 // A ball that is simulated by the world and touched by everything during one substep.
@@ -58,6 +62,7 @@ struct PointForce {
 };
 
 struct SubstepContext {
+  double start_s = 0.0;  // time of simulation when the substep begins
   double duration_s = 0.0;
   Eigen::Vector3d gravity_m_s2;
   std::span<const Collider> colliders;
@@ -77,15 +82,27 @@ struct BodyEnergy {
   Eigen::Vector3d angular_momentum = Eigen::Vector3d::Zero();  // kg m²/s about the world's origin
 };
 
-// How far the numbers can be trusted at the chosen cells and substeps (elastic-study.md 2.4, 2.7).
+// How far the numbers can be trusted at the chosen cells and substeps, known before anything runs (elastic-study.md
+// 2.4, 2.7).
+enum class ElasticBand {
+  Exact,    // Young's modulus within 2 %
+  Band,     // between modulus_ratio_low and modulus_ratio_high
+  Clipped,  // the stiffness asked for is out of reach; reached_youngs_modulus_pa is simulated
+  Unknown,  // no law is known for this solver
+};
 struct ElasticAccuracy {
   double cell_width_m = 0;
   int substeps = 0;                 // a frame, of this body
   double courant = 0;               // sqrt(E*/rho) h / a
-  double reached_youngs_modulus_pa = 0;  // less than asked for when clipped
+  ElasticBand band = ElasticBand::Unknown;
+  double youngs_modulus_pa = 0;          // E*, asked for
+  double reached_youngs_modulus_pa = 0;  // predicted; less than asked for when clipped
+  double modulus_ratio_low = 0, modulus_ratio_high = 0;  // E_app / E*, predicted
   bool clipped = false;
   size_t nodes = 0, cells = 0, particles = 0;
+  size_t bytes = 0;                 // of solver state: nodes, cells, contact samples
 };
+const char* name_of(ElasticBand band);
 
 // One elastic body. One thread at a time; different bodies may run on different threads. All lengths inside are
 // relative to an origin that follows the body, so precision does not depend on where it stands.
@@ -96,6 +113,8 @@ class ElasticBody {
   virtual void substep(const SubstepContext& context) = 0;
   virtual void end_frame(double frame_s) = 0;  // plasticity and the sleep test happen here
 
+  // Lets go of a fixed or moved region for good; its other properties stay. False when there is none of that name.
+  virtual bool release_region(const std::string& name) = 0;
   virtual void set_material(const Material& material) = 0;
   virtual const Material& material() const = 0;
   virtual bool asleep() const = 0;
@@ -123,7 +142,11 @@ class ElasticBody {
   virtual std::optional<RayHit> ray_cast(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction) const = 0;
 };
 
-enum class ElasticSolver { Cells, LivegsV1 };
+enum class ElasticSolver {
+  Cells,
+  LivegsV1,        // literally: the same blend whatever the substep
+  LivegsV1Steady,  // its blend converted once to a stiffness at the paper's own step, 1/240 s
+};
 
 // `rate_hz` and `substeps` are the scene's: a body may take more substeps inside each, never fewer.
 // Fails on a description that is not physical (no particles, mass <= 0, …), with the reason.

@@ -57,10 +57,8 @@ LivegsV1Body::LivegsV1Body(const ElasticBodyDescription& description, double rat
   for (size_t i = 0; i < count; ++i) {
     masses_kg_.push_back(material_.mass_kg * volumes_m3_[i] / volume);
     rest_centre += volumes_m3_[i] / volume * rest_m_[i];
-    for (const FixedRegion& region : description.fixed_regions) {
-      if (((rest_m_[i] - region.min_m).array() >= -1e-9).all() && ((region.max_m - rest_m_[i]).array() >= -1e-9).all()) {
-        fixed_[i] = held_ = true;
-      }
+    for (const BodyRegion& region : description.regions) {
+      if (region.fixed && region.contains(rest_m_[i], 1e-9)) fixed_[i] = held_ = true;
     }
   }
   make_clusters(description);

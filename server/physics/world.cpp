@@ -236,6 +236,16 @@ Result<void> World::set_material(uint32_t object_id, const Material& material) {
   return {};
 }
 
+Result<void> World::release_region(uint32_t object_id, const std::string& region) {
+  WorldObject* object = state_->find(object_id);
+  ElasticObject* elastic = object ? object->elastic() : nullptr;
+  if (!elastic || !elastic->body->release_region(region)) {
+    return not_found("object " + std::to_string(object_id) + ": it holds or moves no region called " + region);
+  }
+  object->wake();
+  return {};
+}
+
 const Material* World::material(uint32_t object_id) const {
   const WorldObject* object = state_->find(object_id);
   if (!object) return nullptr;

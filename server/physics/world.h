@@ -125,6 +125,8 @@ class World {
   // Where a material point is now; the rest point itself for an unknown object.
   Eigen::Vector3d world_point(uint32_t object_id, const Eigen::Vector3d& rest_point_m) const;
 
+  // Lets go of a fixed or moved region of an elastic object for good. Fails if there is none of that name.
+  Result<void> release_region(uint32_t object_id, const std::string& region);
   Result<void> set_material(uint32_t object_id, const Material& material);  // the same behaviour only
   const Material* material(uint32_t object_id) const;
 

@@ -89,7 +89,7 @@ struct World::State {
 
   void gather_loads(double duration_s);
   void meet_balls(ElasticObject& elastic, double duration_s);
-  void step_elastic(double duration_s);
+  void step_elastic(double start_s, double duration_s);
   void report_contacts();
   void report_sleep();
 };

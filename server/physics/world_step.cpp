@@ -72,12 +72,13 @@ void World::State::meet_balls(ElasticObject& elastic, double duration_s) {
   }
 }
 
-void World::State::step_elastic(double duration_s) {
+void World::State::step_elastic(double start_s, double duration_s) {
   for (ElasticObject* elastic : elastic_objects) meet_balls(*elastic, duration_s);
   parallel_for(elastic_objects.size(), 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       ElasticObject& elastic = *elastic_objects[i];
       SubstepContext context;
+      context.start_s = start_s;
       context.duration_s = duration_s;
       context.gravity_m_s2 = settings.gravity_m_s2;
       context.colliders = colliders;
@@ -143,7 +144,7 @@ void World::step() {
   for (int substep = 0; substep < state.settings.substeps; ++substep) {
     state.gather_loads(duration_s);
     const int64_t elastic_ns = now_ns();
-    state.step_elastic(duration_s);
+    state.step_elastic((state.tick - 1) * tick_s + substep * duration_s, duration_s);
     const int64_t rigid_ns = now_ns();
     step_rigid_bodies(state.rigid_bodies, state.loads, state.colliders, state.settings.gravity_m_s2, duration_s);
     state.times.elastic_ms += milliseconds_from_ns(rigid_ns - elastic_ns);

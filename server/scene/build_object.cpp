@@ -174,11 +174,9 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       body.angular_velocity_rad_s = spin;
       body.particle_velocities_m_s = std::move(form->particle_velocities_m_s);
       for (const v1::Region& region : object.regions()) {
-        body.fixed_regions.push_back(
-            {vector_value(region.box().min_m(), Eigen::Vector3d::Constant(-kLargestCoordinate), field)
-                 .value(),
-             vector_value(region.box().max_m(), Eigen::Vector3d::Constant(kLargestCoordinate), field)
-                 .value()});
+        body.regions.push_back(fixed_box(
+            vector_value(region.box().min_m(), Eigen::Vector3d::Constant(-kLargestCoordinate), field).value(),
+            vector_value(region.box().max_m(), Eigen::Vector3d::Constant(kLargestCoordinate), field).value()));
       }
       built.drawn.rest_particles_m = body.particles.positions_m;
       built.body = std::move(body);

@@ -10,7 +10,7 @@ double apparent_modulus_pa(int substeps) {
   Stage stage;
   stage.substeps = substeps;
   ElasticBodyDescription bar = describe_bar(1e6, 0.0, 0.0);
-  bar.fixed_regions.push_back({{-0.21, -0.06, -0.06}, {-0.175, 0.06, 0.06}});
+  bar.regions.push_back(fixed_box({-0.21, -0.06, -0.06}, {-0.175, 0.06, 0.06}));
   stage.make(bar, ElasticSolver::LivegsV1);
   const double traction_pa = 50.0;
   add_end_traction(stage.forces, 0.2, traction_pa);

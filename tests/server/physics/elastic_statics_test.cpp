@@ -71,7 +71,7 @@ TEST(ElasticStatics, CantileverSagsByTimoshenko) {
   for (const double scene_modulus : {1e4, 1e5}) {
     ElasticBodyDescription bar = describe_bar(scene_modulus, 0.0, 0.025);
     bar.material.loss_factor = 2.0;
-    bar.fixed_regions.push_back({{-0.21, -0.06, -0.06}, {-0.175, 0.06, 0.06}});
+    bar.regions.push_back(fixed_box({-0.21, -0.06, -0.06}, {-0.175, 0.06, 0.06}));
     const double length = 0.375, width = kBarWidth_m, g = 9.81e-7 * scene_modulus;
     const double area = width * width, inertia = area * area / 12.0, shear = 0.5 * scene_modulus;
     const double load = 1000.0 * g * area;
