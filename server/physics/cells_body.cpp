@@ -31,11 +31,7 @@ CellsBody::CellsBody(const ElasticBodyDescription& description, double rate_hz, 
   for (const double volume : particle_volumes_m3_) volume_m3_ += volume;
   choose_substeps(description.cell_width_m);
 
-  std::vector<RestBox> regions;
-  for (const BodyRegion& region : description.regions) {
-    if (region.fixed) regions.push_back({region.min_m, region.max_m});
-  }
-  lattice_ = build_lattice(extent_, choice_.cell_width_m, regions);
+  lattice_ = build_lattice(extent_, choice_.cell_width_m, description.regions);
   for (const Vector3d& particle : particle_rest_m_) particle_points_.push_back(lattice_.embed(particle));
   make_surface(description.particles);
 

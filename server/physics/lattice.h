@@ -9,6 +9,7 @@
 
 #include "core/pose.h"
 #include "geometry/sample_particles.h"
+#include "physics/body_region.h"
 
 // The lattice of cubic eight-node cells that an elastic body is embedded in. Its nodes are the unknowns of the
 // `cells` solver and the drivers of the kernels; particles ride in cells by trilinear weights.
@@ -22,9 +23,10 @@
 
 namespace livegs {
 
-// A box of the object's rest frame.
-struct RestBox {
-  Eigen::Vector3d min_m, max_m;
+// What part of a cell's material, by volume, is of one of the body's materials.
+struct MaterialShare {
+  uint16_t material;  // 0: the body's own; k: of the k-th region that has a material
+  double part;
 };
 
 struct LatticeCell {
@@ -33,7 +35,8 @@ struct LatticeCell {
   double volume_m3 = 0.0;    // of the material inside, at rest
   Eigen::Vector3d centroid;  // of the material, local coordinates
   Eigen::Vector3d spread;    // variance of the material along each axis over that of a full cell; 0 ... 1
-  bool fixed = false;        // all its material lies in a fixed region
+  bool fixed = false;        // all its material lies in fixed regions
+  std::vector<MaterialShare> materials;  // ascending, parts sum to 1
 };
 
 // A material point as its cell and local coordinates; slightly beyond -1 ... 1 for points outside every cell.
@@ -68,6 +71,8 @@ struct Lattice {
   double cell_width_m = 0.0;
   std::vector<Eigen::Vector3i> node_coordinates;  // >= 0
   std::vector<double> node_volumes_m3;            // sum to the body's
+  std::vector<std::vector<double>> material_node_volumes_m3;  // [material][node], sum over materials to the above
+  std::vector<double> material_volumes_m3;
   std::vector<LatticeCell> cells;                 // grouped by colour, then by z, y, x
   std::array<uint32_t, 9> colour_begin{};         // cells of one parity colour share no node
 
@@ -76,7 +81,9 @@ struct Lattice {
   EmbeddedPoint embed(const Eigen::Vector3d& object_point_m) const;
 };
 
-// A lattice plane is snapped to the inner face of the first fixed region along each axis where the axes agree.
-Lattice build_lattice(const BodyExtent& extent, double cell_width_m, std::span<const RestBox> fixed_regions);
+// Where the lattice lies along the object's axes, a lattice plane is snapped to the inner face of the first fixed or
+// moved region along each axis, and materials meet exactly at the faces of their regions (else within an eighth of a
+// box edge). Where regions with a material overlap, the last counts.
+Lattice build_lattice(const BodyExtent& extent, double cell_width_m, std::span<const BodyRegion> regions);
 
 }  // namespace livegs

@@ -15,7 +15,7 @@ namespace {
 using test::particle_grid;
 using test::Vector3d;
 
-Lattice lattice_of(const ParticleSet& particles, double width, std::vector<RestBox> regions = {}) {
+Lattice lattice_of(const ParticleSet& particles, double width, std::vector<BodyRegion> regions = {}) {
   return build_lattice(measure_extent(particles), width, regions);
 }
 
@@ -89,7 +89,7 @@ TEST(Lattice, LiesAlongARotatedBar) {
 }
 
 TEST(Lattice, PlaneSnapsToAFixedRegion) {
-  const RestBox clamp{{-0.2, -0.05, -0.05}, {-0.19, 0.05, 0.05}};
+  const BodyRegion clamp = fixed_box({-0.2, -0.05, -0.05}, {-0.19, 0.05, 0.05});
   const Lattice lattice = lattice_of(particle_grid({0.4, 0.1, 0.1}, 0.0125), 0.025, {clamp});
   size_t fixed = 0;
   for (const LatticeCell& cell : lattice.cells) {
@@ -98,6 +98,19 @@ TEST(Lattice, PlaneSnapsToAFixedRegion) {
     EXPECT_NEAR(lattice.node_position_m(cell.nodes[7]).x(), -0.19, 1e-12);
   }
   EXPECT_EQ(fixed, 16u);
+}
+
+TEST(Lattice, PlaneSnapsToAMovedRegion) {
+  BodyRegion pulled;
+  pulled.min_m = {0.187, -0.05, -0.05};
+  pulled.max_m = {0.2, 0.05, 0.05};
+  pulled.motion = DisplacementRamp{};
+  const Lattice lattice = lattice_of(particle_grid({0.4, 0.1, 0.1}, 0.0125), 0.025, {pulled});
+  double nearest = 1.0;
+  for (size_t i = 0; i < lattice.node_coordinates.size(); ++i) {
+    nearest = std::min(nearest, std::abs(lattice.node_position_m(i).x() - 0.187));
+  }
+  EXPECT_NEAR(nearest, 0.0, 1e-12);
 }
 
 TEST(Lattice, MeshVerticesSetTheFacesAndCarryNoMass) {
