@@ -1,88 +1,189 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <cstring>
-#include <limits>
+#include "physics/cell_batches.h"
 
-#include "physics/cell_sweep.h"
+#include <algorithm>
+#include <cmath>
+#include <cstring>
 
 namespace livegs {
 namespace {
 
-constexpr uint32_t kNoPlace = std::numeric_limits<uint32_t>::max();
+constexpr double kSame = 1e-6;  // relative: a mass, a centroid, a spread that is a full cell's
 
-CellBatch empty_batch(double cell_width, uint32_t spare_node) {
-  CellBatch batch;
-  std::memset(static_cast<void*>(&batch), 0, sizeof batch);
-  for (auto& corner : batch.nodes) corner.fill(spare_node);
-  batch.rotation[0] = all_lanes(1.0);
-  batch.inverse_four_widths = all_lanes(0.25 / cell_width);
-  return batch;
+std::array<double, 8> of_corners(const LatticeCell& cell, std::span<const double> values) {
+  std::array<double, 8> corners;
+  for (int c = 0; c < 8; ++c) corners[c] = values[cell.nodes[c]];
+  return corners;
 }
 
-bool movable(const LatticeCell& cell, std::span<const double> inverse_masses) {
-  for (const uint32_t node : cell.nodes) {
-    if (inverse_masses[node] > 0.0) return true;
+// Single precision; what is rounding beside `scale` is nothing, or its products are denormal, which cost a hundred
+// times as much.
+float significant(double value, double scale) {
+  return std::abs(value) > 1e-8 * scale ? static_cast<float>(value) : 0.0f;
+}
+
+bool movable(const std::array<double, 8>& inverse_masses) {
+  return std::any_of(inverse_masses.begin(), inverse_masses.end(), [](double w) { return w > 0.0; });
+}
+
+// Full of the body's own material, between nodes of one mass.
+bool full(const LatticeCell& cell, const std::array<double, 8>& inverse_masses, double full_inverse_mass) {
+  if (cell.materials.size() > 1 || (cell.materials.size() == 1 && cell.materials[0].material != 0)) return false;
+  if (cell.centroid.cwiseAbs().maxCoeff() > kSame || (cell.spread.array() - 1.0).abs().maxCoeff() > kSame) return false;
+  return std::all_of(inverse_masses.begin(), inverse_masses.end(), [&](double w) {
+    return std::abs(w - full_inverse_mass) <= kSame * full_inverse_mass;
+  });
+}
+
+// Eight places on the spare nodes: a cell at rest without mass or stiffness.
+template <class Cells>
+Cells spare_cells(uint32_t spare_nodes) {
+  Cells cells;
+  std::memset(static_cast<void*>(&cells), 0, sizeof cells);
+  for (uint32_t c = 0; c < 8; ++c) {
+    for (auto& node : cells.nodes[c]) node = spare_nodes + c;
   }
-  return false;
+  cells.rotation[0] = all_lanes(1.0f);
+  return cells;
+}
+
+// Places cells of one colour into eights of one kind.
+template <class Cells>
+CellPlace place(std::vector<Cells>& eights, size_t colour_begin, uint32_t& used, uint32_t spare_nodes,
+                CellPlace::Kind kind, const LatticeCell& cell, const Eigen::Quaterniond& rotation) {
+  const uint32_t lane = used % 8;
+  if (lane == 0) eights.push_back(spare_cells<Cells>(spare_nodes));
+  const auto index = static_cast<uint32_t>(colour_begin + used / 8);
+  ++used;
+  Cells& eight = eights[index];
+  for (int c = 0; c < 8; ++c) eight.nodes[c][lane] = cell.nodes[c];
+  const double q[4] = {rotation.w(), rotation.x(), rotation.y(), rotation.z()};
+  for (int k = 0; k < 4; ++k) eight.rotation[k][lane] = static_cast<float>(q[k]);
+  return {kind, static_cast<uint8_t>(lane), index};
+}
+
+// Of the nodes inside a full body, which are the heaviest.
+double heaviest_inverse_mass(std::span<const double> inverse_masses) {
+  double least = 0.0;
+  for (const double w : inverse_masses) {
+    if (w > 0.0 && (least == 0.0 || w < least)) least = w;
+  }
+  return least;
 }
 
 }  // namespace
 
 Eigen::Quaterniond CellBatches::rotation(size_t cell) const {
-  if (places[cell] == kNoPlace) return Eigen::Quaterniond::Identity();
-  const CellBatch& batch = batches[places[cell] / 4];
-  const int place = static_cast<int>(places[cell] % 4);
-  return {batch.rotation[0][place], batch.rotation[1][place], batch.rotation[2][place], batch.rotation[3][place]};
+  const CellPlace& at = places[cell];
+  if (at.kind == CellPlace::Kind::Held) return Eigen::Quaterniond::Identity();
+  const Lanes(&q)[4] = at.kind == CellPlace::Kind::Full ? full[at.index].rotation : cut[at.index].rotation;
+  return Eigen::Quaterniond(q[0][at.lane], q[1][at.lane], q[2][at.lane], q[3][at.lane]).normalized();
 }
 
-CellBatches make_cell_batches(const Lattice& lattice, std::span<const CellBlock> blocks,
-                              std::span<const double> inverse_masses, const Eigen::Quaterniond& rotation,
-                              uint32_t spare_node) {
+void CellBatches::set_rotations(const Eigen::Quaterniond& rotation) {
+  const double q[4] = {rotation.w(), rotation.x(), rotation.y(), rotation.z()};
+  for (const CellPlace& at : places) {
+    if (at.kind == CellPlace::Kind::Held) continue;
+    Lanes(&turned)[4] = at.kind == CellPlace::Kind::Full ? full[at.index].rotation : cut[at.index].rotation;
+    for (int k = 0; k < 4; ++k) turned[k][at.lane] = static_cast<float>(q[k]);
+  }
+}
+
+size_t CellBatches::bytes() const {
+  return full.capacity() * sizeof(FullCells) + cut.capacity() * sizeof(CutCells) + places.capacity() * sizeof(CellPlace);
+}
+
+IsotropicMaterial CellMaterials::of(const LatticeCell& cell) const {
+  if (cell.materials.size() < 2) return materials[cell.materials.empty() ? 0 : cell.materials[0].material];
+  double shear = 0.0, bulk = 0.0;
+  for (const MaterialShare& share : cell.materials) {
+    const IsotropicMaterial& one = materials[share.material];
+    shear += share.part * one.shear_modulus_pa();
+    bulk += share.part * one.youngs_modulus_pa / (3.0 * (1.0 - 2.0 * one.poisson_ratio));
+  }
+  const double youngs = 9.0 * bulk * shear / (3.0 * bulk + shear);
+  return {youngs, std::max(0.0, youngs / (2.0 * shear) - 1.0)};
+}
+
+CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> inverse_masses,
+                              std::span<const Eigen::Quaterniond> rotations, uint32_t spare_nodes, bool may_be_full) {
   CellBatches result;
-  result.places.assign(lattice.cells.size(), kNoPlace);
+  result.places.resize(lattice.cells.size());
+  result.full_inverse_mass = heaviest_inverse_mass(inverse_masses);
   for (int colour = 0; colour < 8; ++colour) {
-    int place = 4;  // a colour starts a batch of its own
+    result.colours.full_begin[colour] = result.full.size();
+    result.colours.cut_begin[colour] = result.cut.size();
+    uint32_t full_used = 0, cut_used = 0;
     for (uint32_t i = lattice.colour_begin[colour]; i < lattice.colour_begin[colour + 1]; ++i) {
       const LatticeCell& cell = lattice.cells[i];
-      if (!movable(cell, inverse_masses)) continue;
-      if (place == 4) {
-        result.batches.push_back(empty_batch(lattice.cell_width_m, spare_node));
-        place = 0;
+      const std::array<double, 8> inverse = of_corners(cell, inverse_masses);
+      if (!movable(inverse)) continue;
+      if (may_be_full && full(cell, inverse, result.full_inverse_mass)) {
+        result.places[i] = place(result.full, result.colours.full_begin[colour], full_used, spare_nodes,
+                                 CellPlace::Kind::Full, cell, rotations[i]);
+        continue;
       }
-      CellBatch& batch = result.batches.back();
-      result.places[i] = static_cast<uint32_t>(4 * (result.batches.size() - 1) + place);
-      for (int c = 0; c < 8; ++c) batch.nodes[c][place] = cell.nodes[c];
-      const Eigen::Matrix3d& g = blocks[i].mobility;
+      const CellPlace at = place(result.cut, result.colours.cut_begin[colour], cut_used, spare_nodes,
+                                 CellPlace::Kind::Cut, cell, rotations[i]);
+      result.places[i] = at;
+      CutCells& eight = result.cut[at.index];
+      const CellBlock block = make_cell_block(cell, lattice.cell_width_m, inverse);
+      const Eigen::Matrix3d& g = block.mobility;
       const double mobility[6] = {g(0, 0), g(1, 1), g(2, 2), g(1, 2), g(0, 2), g(0, 1)};
-      for (int k = 0; k < 6; ++k) batch.mobility[k][place] = mobility[k];
+      for (int k = 0; k < 6; ++k) eight.mobility[k][at.lane] = significant(mobility[k], g.trace());
+      const double coupling = std::sqrt(block.largest_inverse_mass * g.trace());
       for (int d = 0; d < 3; ++d) {
-        batch.centroid[d][place] = cell.centroid[d];
-        for (int j = 0; j < kModeCount; ++j) batch.mode_coupling[j][d][place] = blocks[i].mode_coupling[j][d];
+        eight.centroid[d][at.lane] = significant(cell.centroid[d], 1.0);
+        for (int j = 0; j < kModeCount; ++j) {
+          eight.mode_coupling[j][d][at.lane] = significant(block.mode_coupling[j][d], coupling);
+        }
       }
-      batch.rotation[0][place] = rotation.w();
-      batch.rotation[1][place] = rotation.x();
-      batch.rotation[2][place] = rotation.y();
-      batch.rotation[3][place] = rotation.z();
-      ++place;
     }
   }
+  result.colours.full_begin[8] = result.full.size();
+  result.colours.cut_begin[8] = result.cut.size();
   return result;
 }
 
-std::vector<BatchGains> make_batch_gains(const CellBatches& batches, std::span<const CellGains> gains) {
-  BatchGains empty;
-  std::memset(static_cast<void*>(&empty), 0, sizeof empty);
-  empty.volume_compliance = all_lanes(1e300);
-  std::vector<BatchGains> result(batches.batches.size(), empty);
-  for (size_t i = 0; i < gains.size(); ++i) {
-    if (batches.places[i] == kNoPlace) continue;
-    BatchGains& batch = result[batches.places[i] / 4];
-    const int place = static_cast<int>(batches.places[i] % 4);
-    for (int row = 0, k = 0; row < 6; ++row) {
-      for (int column = row; column < 6; ++column, ++k) batch.shear[k][place] = gains[i].shear(row, column);
+SweepGains make_sweep_gains(const Lattice& lattice, const CellBatches& batches, std::span<const double> inverse_masses,
+                            const CellMaterials& materials, std::span<const Eigen::Matrix3d> plastic_inverses,
+                            bool compensate, double step_s) {
+  SweepGains result;
+  CutGains nothing;
+  std::memset(static_cast<void*>(&nothing), 0, sizeof nothing);
+  nothing.volume_compliance = all_lanes(1.0f);
+  result.cut.assign(batches.cut.size(), nothing);
+  result.full.volume_compliance = 1.0f;
+  bool full_known = false;
+  for (size_t i = 0; i < lattice.cells.size(); ++i) {
+    const CellPlace& at = batches.places[i];
+    if (at.kind == CellPlace::Kind::Held || (at.kind == CellPlace::Kind::Full && full_known)) continue;
+    const LatticeCell& cell = lattice.cells[i];
+    CellBlock block = make_cell_block(cell, lattice.cell_width_m, of_corners(cell, inverse_masses));
+    if (!plastic_inverses.empty()) {
+      block.mobility = (plastic_inverses[i] * block.mobility * plastic_inverses[i]).eval();
     }
-    batch.volume_compliance[place] = gains[i].volume_compliance;
+    const CellGains gains =
+        make_cell_gains(cell, block, lattice.cell_width_m, materials.of(cell), step_s, compensate);
+    if (at.kind == CellPlace::Kind::Full) {
+      full_known = true;
+      result.full.mobility = static_cast<float>(block.mobility(0, 0));
+      result.full.shear = static_cast<float>(gains.shear(0, 0));
+      result.full.volume_compliance = static_cast<float>(gains.volume_compliance);
+      for (int j = 0; j < kModeCount; ++j) {
+        for (int d = 0; d < 3; ++d) result.full.mode[j][d] = static_cast<float>(gains.mode[j][d]);
+      }
+      continue;
+    }
+    CutGains& eight = result.cut[at.index];
+    for (int row = 0, k = 0; row < 6; ++row) {
+      for (int column = row; column < 6; ++column, ++k) {
+        eight.shear[k][at.lane] = significant(gains.shear(row, column), gains.shear.trace());
+      }
+    }
+    eight.volume_compliance[at.lane] = static_cast<float>(gains.volume_compliance);
     for (int j = 0; j < kModeCount; ++j) {
-      for (int d = 0; d < 3; ++d) batch.mode[j][d][place] = gains[i].mode[j][d];
+      for (int d = 0; d < 3; ++d) eight.mode[j][d][at.lane] = static_cast<float>(gains.mode[j][d]);
     }
   }
   return result;

@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 
 // Subtracted compliance leaves at least this part of a material's own.
 constexpr double kLeastCompliance = 0.02;
-constexpr double kRigid = 1e300;  // alpha_lambda of a material without lambda: its row does nothing
+constexpr double kNoVolumeRow = 1e12;  // alpha_lambda over A0 of a material without lambda: its row does nothing
 
 // One Gauss-Seidel sweep from zero multipliers leaves a cell softer by k A0, because its neighbours undo part of its
 // correction. k depends on Y, the material's compliance in units of the nodes' own: fitted on tension (study 2.4).
@@ -84,14 +84,14 @@ CellBlock make_cell_block(const LatticeCell& cell, double cell_width_m, const st
 }
 
 CellGains make_cell_gains(const LatticeCell& cell, const CellBlock& block, double cell_width_m,
-                          const IsotropicMaterial& material, double step_s) {
+                          const IsotropicMaterial& material, double step_s, bool compensate) {
   const double volume_step = cell.volume_m3 * step_s * step_s;
   const double own_mobility = block.mobility.trace() / 3.0;
   const double two_mu = 2.0 * material.shear_modulus_pa();
   const double three_k = material.youngs_modulus_pa / (1.0 - 2.0 * material.poisson_ratio);
 
   const double y_ratio = 1.0 / std::max(material.youngs_modulus_pa * volume_step * own_mobility, 1e-300);
-  const double softening = own_mobility * sweep_compliance(y_ratio);
+  const double softening = compensate ? own_mobility * sweep_compliance(y_ratio) : 0.0;
   const auto compensated = [&](double modulus) {
     const double compliance = 1.0 / (modulus * volume_step);
     return std::max(compliance - softening, kLeastCompliance * compliance);
@@ -107,7 +107,7 @@ CellGains make_cell_gains(const LatticeCell& cell, const CellBlock& block, doubl
     a.col(k) = mandel(0.5 * (product + product.transpose()));
   }
   gains.shear = (a + alpha_mu * Matrix6::Identity()).inverse();
-  gains.volume_compliance = material.poisson_ratio > 0.0 && lambda_step > 0.0 ? 1.0 / lambda_step : kRigid;
+  gains.volume_compliance = material.poisson_ratio > 0.0 && lambda_step > 0.0 ? 1.0 / lambda_step : kNoVolumeRow * own_mobility;
 
   const auto stiffness = mode_stiffness(cell, cell_width_m, material);
   for (int j = 0; j < kModeCount; ++j) {

@@ -44,11 +44,11 @@ CellBlock make_cell_block(const LatticeCell& cell, double cell_width_m, const st
 // What one sweep multiplies by, for a step whose velocity update divides by `step_s` (h, or 2h/3 of BDF2).
 struct CellGains {
   Matrix6 shear;                     // H = (A + alpha_mu)^-1, Mandel
-  double volume_compliance;          // alpha_lambda; huge when lambda is zero
+  double volume_compliance;          // alpha_lambda; a large multiple of G when lambda is zero
   std::array<std::array<double, 3>, kModeCount> mode;  // by mode and component: eta = -gain q
 };
 CellGains make_cell_gains(const LatticeCell& cell, const CellBlock& block, double cell_width_m,
-                          const IsotropicMaterial& material, double step_s);
+                          const IsotropicMaterial& material, double step_s, bool compensate = true);
 
 // Energy of a cell with mean strain S - I, mean volume ratio det F and mode amplitudes q_j in the cell's turned frame.
 double cell_energy(const LatticeCell& cell, double cell_width_m, const IsotropicMaterial& material,

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
+#include "physics/cell_batches.h"
 #include "physics/cell_choice.h"
-#include "physics/cell_sweep.h"
+#include "physics/cell_nodes.h"
 #include "physics/elastic_body.h"
 #include "physics/lattice.h"
 #include "physics/mass_motion.h"
@@ -14,12 +16,15 @@
 
 // The `cells` solver: an embedded lattice of eight-node cells, one sweep a substep, BDF2 (elastic-study.md).
 //
-// One substep:
+// One substep, in cells_step.cpp unless said:
 //   predict   velocities and positions by BDF2; damping; the momentum of the body as a whole is set exactly
-//   sweep     elasticity, cell by cell, into corrections that start at zero
-//   regions   particles of fixed regions that their nodes do not already hold
-//   contact   surface points against colliders and balls; after elasticity, so that nothing is left inside
+//   regions   nodes of moved regions go where they are told; loads push              cells_regions.cpp
+//   sweep     elasticity, cell by cell, into corrections that start at zero          cell_kernels.h
+//   regions   particles of held regions that their nodes do not already hold
+//   contact   surface points against colliders and balls; after elasticity,          cells_contact.cpp
+//             so that nothing is left inside
 //   advance   velocity = predicted + corrections / h_e, never a difference of positions; momentum ledger
+// Once a frame: plastic flow (cells_flow.cpp), the body's own untangling and rest (cells_rest.cpp).
 
 namespace livegs {
 
@@ -31,11 +36,11 @@ class CellsBody final : public ElasticBody {
   void substep(const SubstepContext& context) override;
   void end_frame(double frame_s) override;
 
-  bool release_region(const std::string&) override { return false; }
+  bool release_region(const std::string& name) override;
   void set_material(const Material& material) override;
   const Material& material() const override { return material_; }
   bool asleep() const override { return rest_clock_.asleep(); }
-  void wake() override { rest_clock_.wake(); }
+  void wake() override;
 
   RestBody rest_body() const override;
   void write_drivers(ObjectDrivers& drivers) const override;
@@ -51,90 +56,139 @@ class CellsBody final : public ElasticBody {
 
  private:
   using Vector3d = Eigen::Vector3d;
+  using Matrix3d = Eigen::Matrix3d;
+  using Quaterniond = Eigen::Quaterniond;
 
-  // A material point with its weights at hand.
-  struct Sample {
-    std::array<uint32_t, 8> nodes;
-    std::array<double, 8> weights;
+  // A region that holds or moves some of the body.
+  struct HeldRegion {
+    BodyRegion region;
+    std::vector<uint32_t> nodes;                // that it holds
+    std::vector<NodeSample> particles;          // that it holds by themselves
+    std::vector<Vector3d> node_rest_m, particle_rest_m;  // object frame
+    bool released = false;
   };
-  // The surface samples of one cell, to pass over them together.
+  struct Load {
+    NodeSample sample;
+    Vector3d force_n;  // world
+  };
   struct SurfaceCell {
     std::array<uint32_t, 8> nodes;
     uint32_t begin, end;  // surface_
   };
+  struct Candidate {
+    uint32_t cell, collider;
+  };
   struct Touch {
-    const Sample* sample;
+    uint32_t sample;  // surface_
     Vector3d impulse_n_s;
   };
-  struct HeldSample {
-    Sample sample;
-    Vector3d target_m;  // world
+  // A body that flies without deforming visibly moves as a rigid one.
+  struct RigidMotion {
+    Pose world_from_body;  // of the shape frozen in shape_m
+    std::vector<Eigen::Vector3f> shape_m;  // nodes about the centre of mass
+    Matrix3d inverse_inertia;              // body axes
   };
 
-  void choose_substeps(double cell_width_m);
+  void set_up_materials();
+  void choose(double cell_width_m);
   void set_masses();
-  void set_gains(double step_s);
+  void rebuild_cells();
+  void set_gains(double h);
   void start_motion(const ElasticBodyDescription& description);
   void make_surface(const ParticleSet& particles);
+
   void hold_regions(const ElasticBodyDescription& description);
+  bool in_region(const LatticeCell& cell, const BodyRegion& region) const;
+  void load_regions(const ElasticBodyDescription& description);
+  Vector3d region_target_m(const HeldRegion& held, const Vector3d& rest_m, double time_s) const;
+  void move_regions(double time_s, double h);
+  void hold_particles(double time_s);
 
-  void step(double h, const SubstepContext& context);
+  void step(double time_s, double h, const SubstepContext& context);
   void predict(double h, bool second_order, const SubstepContext& context);
-  void hold_particles();
-  void resolve_colliders(double step_s);
-  void resolve_balls(double h, double step_s, std::span<MovingSphere> spheres);
   void advance(double step_s);
+  void measure(const NodeSums& sums);
 
-  Sample sample_at(const EmbeddedPoint& point) const;
-  Vector3d at(const Sample& sample, const std::vector<Vector3d>& values) const;
-  Vector3d corrected(const Sample& sample) const;  // where the sample is after the corrections so far
-  Vector3d at(uint32_t node) const;                // and a node
-  double mobility(const Sample& sample) const;
-  void pull(const Sample& sample, const Vector3d& pull_kg_m);
-  void take_contact(const Sample& sample, const Vector3d& point_m, const Vector3d& pull_kg_m, double step_s);
+  void gather_point_loads(const SubstepContext& context);
+  void find_candidates(const SubstepContext& context);
+  void resolve_colliders(double step_s, const SubstepContext& context);
+  void resolve_balls(double h, double step_s, std::span<MovingSphere> spheres);
+  void take_contact(uint32_t sample, const Vector3d& point_m, const Vector3d& pull_kg_m, double step_s);
+
+  void flow();
+  void untangle();
+  bool rigid_substep(const SubstepContext& context);
+  void become_rigid();
+  void become_elastic();
+  void place_rigid();
+  void rest(double frame_s);
+  double fastest_m_s() const;
+
+  NodeSample sample_at(const EmbeddedPoint& point) const;
+  Vector3d velocity_of(const NodeSample& sample) const;
+  Vector3d node_velocity(size_t node) const;           // with what the ledger owes
+  double mobility(const NodeSample& sample) const;
+  void pull(const NodeSample& sample, const Vector3d& pull_kg_m);
   bool free() const { return !held_; }
   double damping_rate() const;
 
   Material material_;
+  CellsOptions options_;
   Lattice lattice_;
   BodyExtent extent_;
   std::vector<Vector3d> particle_rest_m_;
   std::vector<double> particle_volumes_m3_;
   std::vector<EmbeddedPoint> particle_points_;
-  std::vector<Sample> surface_;  // by cell
-  std::vector<SurfaceCell> surface_cells_;
-  std::vector<HeldSample> held_particles_;
-  bool held_ = false;  // some of it does not move
-  double volume_m3_ = 0.0;
+  std::vector<RegionMaterial> region_materials_;
+  CellMaterials cell_materials_;
+  std::vector<double> densities_kg_m3_, plasticities_;  // by material
+  double volume_m3_ = 0.0, mass_kg_ = 0.0;
   uint32_t object_id_;
 
   double rate_hz_;
   int scene_substeps_;
   CellChoice choice_;
-  double gains_step_s_ = 0.0;  // the h that gains_ are for
 
-  // Nodes. Positions are relative to origin_m_, which follows the body.
-  Vector3d origin_m_ = Vector3d::Zero();
+  CellNodes nodes_;
   std::vector<double> masses_kg_, inverse_masses_;  // inverse 0: held
-  std::vector<Vector3d> positions_m_, previous_positions_m_, velocities_m_s_, previous_velocities_m_s_;
-  std::vector<Vector3d> predicted_velocities_m_s_, accelerations_m_s2_;
-  std::vector<NodeLanes> predicted_, corrections_;
+  Vector3d origin_m_ = Vector3d::Zero();            // of the nodes' positions
   CellBatches batches_;
-  std::vector<BatchGains> gains_[2];  // of first-order and second-order steps
+  SweepGains gains_[2];         // of first-order and second-order steps
+  double gains_step_s_ = 0.0;   // the h that gains_ are for; 0: none
+  std::vector<PlasticCells> plastic_;             // as batches_.cut; empty while nothing has flowed
+  std::vector<Matrix3d> plastic_parts_, plastic_inverses_;  // by cell
+  double plastic_work_j_ = 0.0;
 
-  // The body as a whole, and what acted on it in this substep. Moments are about origin_m_.
+  Pose world_from_object_;  // at the start, for regions
+  std::vector<HeldRegion> held_regions_;
+  std::vector<Load> region_loads_, point_loads_;
+  bool held_ = false;   // some of it does not move, or moves as it is told
+  bool moved_ = false;  // as it is told
+
+  // The body as a whole, and what acted on it in this substep. Moments are about the origin.
   MassMotion motion_;
+  Vector3d momentum_before_ = Vector3d::Zero(), angular_before_ = Vector3d::Zero();  // of the last velocities, here
+  Vector3d owed_velocity_ = Vector3d::Zero(), owed_spin_ = Vector3d::Zero();         // to the nodes, by the ledger
   Vector3d contact_impulse_ = Vector3d::Zero(), contact_moment_ = Vector3d::Zero();
   Vector3d ledger_momentum_ = Vector3d::Zero(), ledger_angular_ = Vector3d::Zero();
 
+  std::vector<NodeSample> surface_;  // by cell
+  std::vector<float> surface_mobility_;
+  std::vector<SurfaceCell> surface_cells_;
+  std::vector<Candidate> candidates_;
+  double candidate_margin_m_ = 0.0;  // how far any node may still go before they are found anew
+  size_t candidate_colliders_ = 0;
   std::vector<Touch> touches_;  // of this substep
 
-  std::vector<const Collider*> reachable_;
   double reach_m_ = 0.0;        // radius about the centre that holds every node
   double deviation_m_s_ = 0.0;  // root mean square of velocities relative to the body as a whole
-  bool first_step_ = true, strained_ = false, touching_ = false;
+  double strain_squared_ = 0.0; // of the worst cell
+  bool first_step_ = true, strained_ = false, tangled_ = false, touching_ = false, backward_ = false;
   bool supported_ = false, forced_ = false;  // for the sleep test: held up or in no gravity; pushed
-  Eigen::Quaterniond orientation_;  // world from object, of the body as a whole
+  Quaterniond orientation_;  // world from object, of the body as a whole
+  std::optional<RigidMotion> rigid_;
+  double unstrained_s_ = 0.0;
+  bool may_rest_;
   RestClock rest_clock_;
 };
 

@@ -1,0 +1,496 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Corotated elasticity of an eight-node cell as one XPBD block (Macklin et al. 2016, XPBD; Müller and Chentanez 2022,
+// Physically based shape matching; elastic-study.md 2.2 to 2.5):
+//   F = sum x_i g_iᵀ, R its rotation, S = sym(Rᵀ F), energy V [ mu |S - I|² + lambda/2 (det F - 1)² ]
+//   d     = H (I - S)                                              the mu part, solved exactly
+//   S1    = S + sym(d G),  c = cof S1
+//   p     = (1 - det S1) / (c·A c - A c·H A c + alpha_lambda)      the volume part, Schur complement of the first
+//   sigma = d - p H A c + p c,   x_i += w_i R sigma g_i
+// then bending and twisting modes, which mean strain does not see, each with its own stiffness. The eight corner
+// sums, in and out, are one Hadamard transform of the corner signs.
+#include "physics/cell_kernels.h"
+
+namespace livegs {
+namespace {
+
+// In Hadamard order: 1, x, y, xy, z, xz, yz, xyz.
+LIVEGS_INLINE void hadamard(Lanes (&v)[8]) {
+  for (int bit = 1; bit < 8; bit *= 2) {
+    for (int i = 0; i < 8; ++i) {
+      if (i & bit) continue;
+      const Lanes low = v[i], high = v[i + bit];
+      v[i] = low + high;
+      v[i + bit] = high - low;
+    }
+  }
+}
+
+// The inverse without its factor: corner c gets the sum of coefficient times sign.
+LIVEGS_INLINE void hadamard_back(Lanes (&v)[8]) {
+  for (int bit = 1; bit < 8; bit *= 2) {
+    for (int i = 0; i < 8; ++i) {
+      if (i & bit) continue;
+      const Lanes low = v[i], high = v[i + bit];
+      v[i] = low - high;
+      v[i + bit] = low + high;
+    }
+  }
+}
+
+struct Matrix {
+  Lanes m[3][3];
+};
+// Mandel order 11, 22, 33, 23, 13, 12.
+struct Symmetric {
+  Lanes v[6];
+};
+
+LIVEGS_INLINE Matrix matrix_of(const Lanes (&q)[4]) {
+  const Lanes w = q[0], x = q[1], y = q[2], z = q[3];
+  const Lanes one = all_lanes(1.0f);
+  const Lanes x2 = x + x, y2 = y + y, z2 = z + z;
+  const Lanes xx = x * x2, yy = y * y2, zz = z * z2, xy = x * y2, xz = x * z2, yz = y * z2;
+  const Lanes wx = w * x2, wy = w * y2, wz = w * z2;
+  return {{{one - yy - zz, xy - wz, xz + wy}, {xy + wz, one - xx - zz, yz - wx}, {xz - wy, yz + wx, one - xx - yy}}};
+}
+
+LIVEGS_INLINE Matrix transposed_times(const Matrix& a, const Matrix& b) {
+  Matrix c;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) c.m[i][j] = a.m[0][i] * b.m[0][j] + a.m[1][i] * b.m[1][j] + a.m[2][i] * b.m[2][j];
+  }
+  return c;
+}
+
+// m times the symmetric s (11, 22, 33, 23, 13, 12, no factors).
+LIVEGS_INLINE Matrix times_symmetric(const Matrix& m, const Lanes (&s)[6]) {
+  const Lanes columns[3][3] = {{s[0], s[5], s[4]}, {s[5], s[1], s[3]}, {s[4], s[3], s[2]}};
+  Matrix c;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      c.m[i][j] = m.m[i][0] * columns[j][0] + m.m[i][1] * columns[j][1] + m.m[i][2] * columns[j][2];
+    }
+  }
+  return c;
+}
+
+LIVEGS_INLINE Lanes determinant(const Matrix& a) {
+  return a.m[0][0] * (a.m[1][1] * a.m[2][2] - a.m[1][2] * a.m[2][1]) -
+         a.m[0][1] * (a.m[1][0] * a.m[2][2] - a.m[1][2] * a.m[2][0]) +
+         a.m[0][2] * (a.m[1][0] * a.m[2][1] - a.m[1][1] * a.m[2][0]);
+}
+
+// A turn of R that makes Rᵀ F more symmetric, in R's own frame: Newton's step where the stretch is upright, the
+// bounded step of Müller et al. 2016 where it is not (flattened, inverted). Never more than kLargestTurn.
+constexpr float kLargestTurn = 0.5f;
+constexpr float kConverged = 0.05f;  // rad; the error left is about its cube
+constexpr int kMaxTurns = 8;
+
+LIVEGS_INLINE Lanes turn(Lanes (&q)[4], const Matrix& m) {
+  const Lanes tau[3] = {m.m[2][1] - m.m[1][2], m.m[0][2] - m.m[2][0], m.m[1][0] - m.m[0][1]};
+  const Lanes half = all_lanes(0.5f), zero = all_lanes(0.0f), one = all_lanes(1.0f);
+  // K = tr(S) I - S
+  const Lanes k00 = m.m[1][1] + m.m[2][2], k11 = m.m[0][0] + m.m[2][2], k22 = m.m[0][0] + m.m[1][1];
+  const Lanes k12 = -half * (m.m[1][2] + m.m[2][1]), k02 = -half * (m.m[0][2] + m.m[2][0]),
+              k01 = -half * (m.m[0][1] + m.m[1][0]);
+  const Lanes a00 = k11 * k22 - k12 * k12, a01 = k02 * k12 - k01 * k22, a02 = k01 * k12 - k02 * k11;
+  const Lanes a11 = k00 * k22 - k02 * k02, a12 = k01 * k02 - k00 * k12, a22 = k00 * k11 - k01 * k01;
+  const Lanes det = k00 * a00 + k01 * a01 + k02 * a02;
+  const auto upright = (k00 > all_lanes(0.1f)) & (a22 > all_lanes(0.01f)) & (det > all_lanes(0.001f));
+  const Lanes inverse_det = one / (upright ? det : one);
+  Lanes w[3] = {(a00 * tau[0] + a01 * tau[1] + a02 * tau[2]) * inverse_det,
+                (a01 * tau[0] + a11 * tau[1] + a12 * tau[2]) * inverse_det,
+                (a02 * tau[0] + a12 * tau[1] + a22 * tau[2]) * inverse_det};
+  const auto fallen = upright == 0;
+  bool any_fallen = false;
+  for (int l = 0; l < 8; ++l) any_fallen = any_fallen | (fallen[l] != 0);
+  if (__builtin_expect(any_fallen, false)) {
+    const Lanes trace = m.m[0][0] + m.m[1][1] + m.m[2][2];
+    const Lanes scale = one / ((trace < zero ? -trace : trace) + all_lanes(1e-3f));
+    // A half turn away there is no torque; a fixed small turn leaves that balance.
+    const Lanes torque = tau[0] * tau[0] + tau[1] * tau[1] + tau[2] * tau[2];
+    const auto balanced = fallen & (torque < all_lanes(1e-8f)) & (determinant(m) > all_lanes(0.01f));
+    const float kick[3] = {0.01f, 0.02f, 0.03f};
+    for (int d = 0; d < 3; ++d) {
+      w[d] = upright ? w[d] : tau[d] * scale;
+      w[d] = balanced ? all_lanes(kick[d]) : w[d];
+    }
+  }
+  const Lanes length = square_root(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
+  Lanes shrink = half;
+  if (__builtin_expect(any_above(length, kLargestTurn), false)) {
+    const Lanes limit = all_lanes(kLargestTurn);
+    shrink = half * (length > limit ? limit / length : one);
+  }
+  const Lanes x = w[0] * shrink, y = w[1] * shrink, z = w[2] * shrink;
+  const Lanes n[4] = {q[0] - q[1] * x - q[2] * y - q[3] * z, q[1] + q[0] * x + q[2] * z - q[3] * y,
+                      q[2] + q[0] * y + q[3] * x - q[1] * z, q[3] + q[0] * z + q[1] * y - q[2] * x};
+  const Lanes inverse = one / square_root(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] + n[3] * n[3]);
+  for (int k = 0; k < 4; ++k) q[k] = n[k] * inverse;
+  return length;
+}
+
+constexpr float kRoot2 = 1.41421356237309504880f, kHalfRoot2 = 0.70710678118654752440f;
+
+// sym(s G) in Mandel's notation.
+LIVEGS_INLINE Symmetric times_mobility(const Symmetric& s, const Lanes (&g)[6]) {
+  const Lanes down = all_lanes(kHalfRoot2), up = all_lanes(kHalfRoot2);
+  const Lanes yz = s.v[3] * down, xz = s.v[4] * down, xy = s.v[5] * down;
+  const Lanes rows[3][3] = {{s.v[0], xy, xz}, {xy, s.v[1], yz}, {xz, yz, s.v[2]}};
+  const Lanes cols[3][3] = {{g[0], g[5], g[4]}, {g[5], g[1], g[3]}, {g[4], g[3], g[2]}};
+  Lanes e[3][3];
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) e[i][j] = rows[i][0] * cols[j][0] + rows[i][1] * cols[j][1] + rows[i][2] * cols[j][2];
+  }
+  return {{e[0][0], e[1][1], e[2][2], up * (e[1][2] + e[2][1]), up * (e[0][2] + e[2][0]), up * (e[0][1] + e[1][0])}};
+}
+
+LIVEGS_INLINE Symmetric times_shear(const Lanes (&h)[21], const Symmetric& s) {
+  Symmetric r;
+  for (int i = 0; i < 6; ++i) r.v[i] = all_lanes(0.0f);
+  int k = 0;
+  for (int i = 0; i < 6; ++i) {
+    r.v[i] += h[k++] * s.v[i];
+    for (int j = i + 1; j < 6; ++j, ++k) {
+      r.v[i] += h[k] * s.v[j];
+      r.v[j] += h[k] * s.v[i];
+    }
+  }
+  return r;
+}
+
+LIVEGS_INLINE Lanes dot(const Symmetric& a, const Symmetric& b) {
+  Lanes sum = a.v[0] * b.v[0];
+  for (int i = 1; i < 6; ++i) sum += a.v[i] * b.v[i];
+  return sum;
+}
+
+// Cofactor matrix and determinant of a symmetric matrix, both Mandel.
+LIVEGS_INLINE Symmetric cofactor(const Symmetric& s, Lanes& det) {
+  const Lanes down = all_lanes(kHalfRoot2), up = all_lanes(kRoot2);
+  const Lanes yz = s.v[3] * down, xz = s.v[4] * down, xy = s.v[5] * down;
+  const Lanes c00 = s.v[1] * s.v[2] - yz * yz, c01 = xz * yz - xy * s.v[2], c02 = xy * yz - s.v[1] * xz;
+  det = s.v[0] * c00 + xy * c01 + xz * c02;
+  return {{c00, s.v[0] * s.v[2] - xz * xz, s.v[0] * s.v[1] - xy * xy, up * (xy * xz - s.v[0] * yz), up * c02,
+           up * c01}};
+}
+
+LIVEGS_INLINE NodeLanes load(const NodeLanes* p) { return *p; }
+
+// Where the corners are: y plus the corrections so far, and their inverse masses.
+LIVEGS_INLINE void gather(const uint32_t (&nodes)[8][8], const NodeLanes* predicted, const NodeLanes* corrections,
+                          Lanes (&position)[3][8], Lanes (&inverse_mass)[8]) {
+  for (int c = 0; c < 8; ++c) {
+    const uint32_t* n = nodes[c];
+    Lanes rows[4];
+    for (int l = 0; l < 4; ++l) {
+      rows[l] = pair_of(load(predicted + n[l]), load(predicted + n[l + 4])) +
+                pair_of(load(corrections + n[l]), load(corrections + n[l + 4]));
+    }
+    transpose(rows[0], rows[1], rows[2], rows[3]);
+    for (int d = 0; d < 3; ++d) position[d][c] = rows[d];
+    inverse_mass[c] = rows[3];
+  }
+}
+
+LIVEGS_INLINE void scatter(const uint32_t (&nodes)[8][8], const Lanes (&inverse_mass)[8], const Lanes (&pull)[3][8],
+                           NodeLanes* corrections) {
+  for (int c = 0; c < 8; ++c) {
+    const uint32_t* n = nodes[c];
+    const Lanes w = inverse_mass[c];
+    Lanes rows[4] = {w * pull[0][c], w * pull[1][c], w * pull[2][c], all_lanes(0.0f)};
+    transpose(rows[0], rows[1], rows[2], rows[3]);
+    for (int l = 0; l < 4; ++l) {
+      corrections[n[l]] += low_half(rows[l]);
+      corrections[n[l + 4]] += high_half(rows[l]);
+    }
+  }
+}
+
+// Turns `q` to F's rotation; gives R and Rᵀ F.
+LIVEGS_INLINE void follow_rotation(Lanes (&q)[4], const Matrix& f, Matrix& r, Matrix& m) {
+  r = matrix_of(q);
+  m = transposed_times(r, f);
+  for (int i = 0; i < kMaxTurns; ++i) {
+    const Lanes angle = turn(q, m);
+    r = matrix_of(q);
+    m = transposed_times(r, f);
+    if (!any_above(angle, kConverged)) break;
+  }
+}
+
+struct Worst {
+  Lanes strain, volume;
+};
+
+// S in Mandel's notation, and the worst of the eight cells for the report.
+LIVEGS_INLINE Symmetric strain_of(const Matrix& m, Symmetric& lack, Lanes& volume) {
+  const Lanes one = all_lanes(1.0f), up = all_lanes(kHalfRoot2);
+  const Symmetric s = {{m.m[0][0], m.m[1][1], m.m[2][2], up * (m.m[1][2] + m.m[2][1]), up * (m.m[0][2] + m.m[2][0]),
+                        up * (m.m[0][1] + m.m[1][0])}};
+  for (int k = 0; k < 3; ++k) lack.v[k] = one - s.v[k];
+  for (int k = 3; k < 6; ++k) lack.v[k] = -s.v[k];
+  volume = determinant(m);
+  return s;
+}
+
+LIVEGS_INLINE Matrix matrix_of_mandel(const Symmetric& s) {
+  const Lanes down = all_lanes(kHalfRoot2);
+  const Lanes yz = s.v[3] * down, xz = s.v[4] * down, xy = s.v[5] * down;
+  return {{{s.v[0], xy, xz}, {xy, s.v[1], yz}, {xz, yz, s.v[2]}}};
+}
+
+// Hadamard index of mode 0 ... 3: yz, xz, xy, xyz.
+constexpr int kModeIndex[4] = {6, 5, 3, 7};
+
+// Coefficients of the corner signs in the turned frame to pulls on the corners in world axes.
+LIVEGS_INLINE void to_corners(const Matrix& r, const Lanes (&coefficient)[8][3], Lanes (&out)[3][8]) {
+  for (int d = 0; d < 3; ++d) {
+    out[d][0] = all_lanes(0.0f);
+    for (int k = 1; k < 8; ++k) {
+      out[d][k] = r.m[d][0] * coefficient[k][0] + r.m[d][1] * coefficient[k][1] + r.m[d][2] * coefficient[k][2];
+    }
+    hadamard_back(out[d]);
+  }
+}
+
+LIVEGS_INLINE void solve_full(FullCells& cells, const FullGains& gains, const SweepArrays& arrays, Worst& worst) {
+  Lanes position[3][8], inverse_mass[8];
+  gather(cells.nodes, arrays.predicted, arrays.corrections, position, inverse_mass);
+  const Lanes q4 = all_lanes(arrays.inverse_four_widths);
+  Matrix f;
+  for (int d = 0; d < 3; ++d) {
+    hadamard(position[d]);
+    f.m[d][0] = position[d][1] * q4;
+    f.m[d][1] = position[d][2] * q4;
+    f.m[d][2] = position[d][4] * q4;
+  }
+  Matrix r, m;
+  follow_rotation(cells.rotation, f, r, m);
+  Symmetric lack;
+  Lanes volume;
+  const Symmetric s = strain_of(m, lack, volume);
+  const auto used = inverse_mass[0] > all_lanes(0.0f);
+  const Lanes strain = dot(lack, lack);
+  worst.strain = used & (strain > worst.strain) ? strain : worst.strain;
+  worst.volume = used & (volume < worst.volume) ? volume : worst.volume;
+
+  // G = g I: A and H are multiples of one.
+  const Lanes h = all_lanes(gains.shear), gh = all_lanes(gains.mobility * gains.shear);
+  const Lanes left = all_lanes(1.0f - gains.mobility * gains.shear);
+  Symmetric s1;
+  for (int k = 0; k < 6; ++k) s1.v[k] = s.v[k] + gh * lack.v[k];
+  Lanes det;
+  const Symmetric c = cofactor(s1, det);
+  const Lanes p = (all_lanes(1.0f) - det) /
+                  (dot(c, c) * all_lanes(gains.mobility) * left + all_lanes(gains.volume_compliance)) * left;
+  Symmetric sigma;
+  for (int k = 0; k < 6; ++k) sigma.v[k] = h * lack.v[k] + p * c.v[k];
+  const Matrix stress = matrix_of_mandel(sigma);
+
+  Lanes coefficient[8][3];
+  for (int d = 0; d < 3; ++d) {
+    coefficient[1][d] = stress.m[d][0] * q4;
+    coefficient[2][d] = stress.m[d][1] * q4;
+    coefficient[4][d] = stress.m[d][2] * q4;
+    for (int j = 0; j < 4; ++j) {
+      const int k = kModeIndex[j];
+      const Lanes turned = r.m[0][d] * position[0][k] + r.m[1][d] * position[1][k] + r.m[2][d] * position[2][k];
+      coefficient[k][d] = turned * all_lanes(-gains.mode[j][d] / 64.0f);
+    }
+  }
+  Lanes out[3][8];
+  to_corners(r, coefficient, out);
+  scatter(cells.nodes, inverse_mass, out, arrays.corrections);
+}
+
+template <bool kPlastic>
+LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const CutGains& gains,
+                             const SweepArrays& arrays, Worst& worst) {
+  Lanes position[3][8], inverse_mass[8];
+  gather(cells.nodes, arrays.predicted, arrays.corrections, position, inverse_mass);
+  const Lanes q4 = all_lanes(arrays.inverse_four_widths);
+  const Lanes(&xi)[3] = cells.centroid;
+  const Lanes yz = xi[1] * xi[2], xz = xi[0] * xi[2], xy = xi[0] * xi[1];
+  Matrix f;
+  for (int d = 0; d < 3; ++d) {
+    Lanes(&h)[8] = position[d];
+    hadamard(h);
+    f.m[d][0] = (h[1] + xi[1] * h[3] + xi[2] * h[5] + yz * h[7]) * q4;
+    f.m[d][1] = (h[2] + xi[0] * h[3] + xi[2] * h[6] + xz * h[7]) * q4;
+    f.m[d][2] = (h[4] + xi[0] * h[5] + xi[1] * h[6] + xy * h[7]) * q4;
+  }
+  if (kPlastic) f = times_symmetric(f, plastic->inverse);
+  Matrix r, m;
+  follow_rotation(cells.rotation, f, r, m);
+  Symmetric lack;
+  Lanes volume;
+  const Symmetric s = strain_of(m, lack, volume);
+  // Unused places have F = 0 and no stiffness; they are not strained.
+  const auto used = cells.mobility[0] + cells.mobility[1] + cells.mobility[2] > all_lanes(0.0f);
+  const Lanes strain = dot(lack, lack);
+  worst.strain = used & (strain > worst.strain) ? strain : worst.strain;
+  worst.volume = used & (volume < worst.volume) ? volume : worst.volume;
+
+  const Symmetric shear = times_shear(gains.shear, lack);
+  const Symmetric moved = times_mobility(shear, cells.mobility);
+  Symmetric s1;
+  for (int k = 0; k < 6; ++k) s1.v[k] = s.v[k] + moved.v[k];
+  Lanes det;
+  const Symmetric c = cofactor(s1, det);
+  const Symmetric ac = times_mobility(c, cells.mobility);
+  const Symmetric hac = times_shear(gains.shear, ac);
+  const Lanes p = (all_lanes(1.0f) - det) / (dot(c, ac) - dot(ac, hac) + gains.volume_compliance);
+  Symmetric sigma;
+  for (int k = 0; k < 6; ++k) sigma.v[k] = shear.v[k] + p * (c.v[k] - hac.v[k]);
+  Matrix stress = matrix_of_mandel(sigma);
+  if (kPlastic) stress = times_symmetric(stress, plastic->inverse);
+
+  // Mode amplitudes after the strain update, in the turned frame, and what their rows give back.
+  Lanes eta[4][3];
+  for (int j = 0; j < 4; ++j) {
+    const Lanes(&coupling)[3] = cells.mode_coupling[j];
+    const int k = kModeIndex[j];
+    for (int d = 0; d < 3; ++d) {
+      const Lanes turned = r.m[0][d] * position[0][k] + r.m[1][d] * position[1][k] + r.m[2][d] * position[2][k];
+      const Lanes pulled = stress.m[d][0] * coupling[0] + stress.m[d][1] * coupling[1] + stress.m[d][2] * coupling[2];
+      eta[j][d] = gains.mode[j][d] * (turned + pulled) * all_lanes(-1.0f / 64.0f);
+    }
+  }
+
+  Lanes coefficient[8][3];
+  for (int d = 0; d < 3; ++d) {
+    const Lanes tx = stress.m[d][0] * q4, ty = stress.m[d][1] * q4, tz = stress.m[d][2] * q4;
+    coefficient[1][d] = tx;
+    coefficient[2][d] = ty;
+    coefficient[3][d] = xi[1] * tx + xi[0] * ty + eta[2][d];
+    coefficient[4][d] = tz;
+    coefficient[5][d] = xi[2] * tx + xi[0] * tz + eta[1][d];
+    coefficient[6][d] = xi[2] * ty + xi[1] * tz + eta[0][d];
+    coefficient[7][d] = yz * tx + xz * ty + xy * tz + eta[3][d];
+  }
+  Lanes out[3][8];
+  to_corners(r, coefficient, out);
+  scatter(cells.nodes, inverse_mass, out, arrays.corrections);
+}
+
+LIVEGS_INLINE void flush(double (&sum)[3], Lanes& part) {
+  for (int d = 0; d < 3; ++d) sum[d] += static_cast<double>(part[d]) + static_cast<double>(part[d + 4]);
+  part = all_lanes(0.0f);
+}
+
+LIVEGS_INLINE Lanes twice(NodeLanes a) { return pair_of(a, a); }
+
+}  // namespace
+
+SweepReport sweep_cells(const SweepArrays& arrays, const SweepColours& colours) {
+  Worst worst{all_lanes(0.0f), all_lanes(1.0f)};
+  for (int i = 0; i < 8; ++i) {
+    const int colour = arrays.backward ? 7 - i : i;
+    for (size_t k = colours.full_begin[colour]; k < colours.full_begin[colour + 1]; ++k) {
+      solve_full(arrays.full[k], arrays.full_gains, arrays, worst);
+    }
+    for (size_t k = colours.cut_begin[colour]; k < colours.cut_begin[colour + 1]; ++k) {
+      if (arrays.plastic) {
+        solve_cut<true>(arrays.cut[k], arrays.plastic + k, arrays.gains[k], arrays, worst);
+      } else {
+        solve_cut<false>(arrays.cut[k], nullptr, arrays.gains[k], arrays, worst);
+      }
+    }
+  }
+  return {largest_lane(worst.strain), smallest_lane(worst.volume)};
+}
+
+void predict_nodes(const NodeArrays& nodes, const PredictStep& step) {
+  const Lanes memory = all_lanes(step.memory), kept = all_lanes(step.kept), step_s = all_lanes(step.step_s);
+  const Lanes centre = twice(step.centre), correction = twice(step.correction), correction_spin = twice(step.correction_spin);
+  const Lanes bias = twice(step.bias), spin = twice(step.spin), zero = all_lanes(0.0f);
+  typedef int Mask __attribute__((vector_size(32)));
+  const Mask xyz = {-1, -1, -1, 0, -1, -1, -1, 0};
+  for (size_t i = 0; i < nodes.count; i += 2) {
+    const Lanes x = pair_of(nodes.position[i], nodes.position[i + 1]);
+    const Lanes x_before = pair_of(nodes.predicted[i], nodes.predicted[i + 1]);
+    Lanes v = pair_of(nodes.velocity[i], nodes.velocity[i + 1]);
+    const Lanes v_before = pair_of(nodes.predicted_velocity[i], nodes.predicted_velocity[i + 1]);
+    const Lanes r = x - centre;
+    const Lanes inverse_mass = __builtin_shufflevector(x, x, 3, 3, 3, 3, 7, 7, 7, 7);
+    const Mask free = (inverse_mass > zero) & xyz;
+    v += free ? correction + cross_pairs(correction_spin, r) : zero;
+    // w: the mass stays, and its differences are nothing.
+    const Lanes carried = kept * (v + memory * (v - v_before)) + bias + cross_pairs(spin, r);
+    const Lanes predicted = free ? carried : zero;
+    const Lanes y = x + (free ? memory * (x - x_before) + step_s * predicted : zero);
+    const Lanes out = xyz ? predicted : v;
+    nodes.velocity[i] = low_half(v);
+    nodes.velocity[i + 1] = high_half(v);
+    nodes.predicted_velocity[i] = low_half(out);
+    nodes.predicted_velocity[i + 1] = high_half(out);
+    nodes.predicted[i] = low_half(y);
+    nodes.predicted[i + 1] = high_half(y);
+    nodes.corrections[i] = low_half(zero);
+    nodes.corrections[i + 1] = low_half(zero);
+  }
+}
+
+float shift_nodes(const NodeArrays& nodes, NodeLanes by, NodeLanes centre) {
+  const Lanes both = twice(by), middle = twice(centre);
+  Lanes furthest = all_lanes(0.0f);
+  for (size_t i = 0; i < nodes.count; i += 2) {
+    const Lanes x = pair_of(nodes.position[i], nodes.position[i + 1]) + both;
+    const Lanes before = pair_of(nodes.predicted[i], nodes.predicted[i + 1]) + both;
+    nodes.position[i] = low_half(x);
+    nodes.position[i + 1] = high_half(x);
+    nodes.predicted[i] = low_half(before);
+    nodes.predicted[i + 1] = high_half(before);
+    const Lanes r = x - middle, square = r * r;
+    const Lanes sum = square + __builtin_shufflevector(square, square, 1, 2, 0, 3, 5, 6, 4, 7) +
+                      __builtin_shufflevector(square, square, 2, 0, 1, 3, 6, 4, 5, 7);
+    furthest = sum > furthest ? sum : furthest;
+  }
+  return furthest[0] > furthest[4] ? furthest[0] : furthest[4];
+}
+
+void advance_nodes(const NodeArrays& nodes, float step_s, NodeSums& sums) {
+  const Lanes rate = all_lanes(1.0f / step_s), zero = all_lanes(0.0f);
+  constexpr size_t kBlock = 32;  // nodes summed in single precision before they join the double sums
+  sums = NodeSums{};
+  for (size_t begin = 0; begin < nodes.count; begin += kBlock) {
+    const size_t end = begin + kBlock < nodes.count ? begin + kBlock : nodes.count;
+    Lanes mass_position = zero, momentum = zero, angular = zero, before = zero, squares = zero, products = zero;
+    Lanes kinetic = zero;
+    for (size_t i = begin; i < end; i += 2) {
+      const Lanes d = pair_of(nodes.corrections[i], nodes.corrections[i + 1]);
+      const Lanes x = pair_of(nodes.predicted[i], nodes.predicted[i + 1]) + d;
+      const Lanes v = pair_of(nodes.predicted_velocity[i], nodes.predicted_velocity[i + 1]) + rate * d;
+      const Lanes v_before = pair_of(nodes.velocity[i], nodes.velocity[i + 1]);
+      nodes.predicted[i] = low_half(x);
+      nodes.predicted[i + 1] = high_half(x);
+      nodes.predicted_velocity[i] = low_half(v);
+      nodes.predicted_velocity[i + 1] = high_half(v);
+      const Lanes mass = __builtin_shufflevector(v, v, 3, 3, 3, 3, 7, 7, 7, 7);
+      const Lanes mv = mass * v, mx = mass * x;
+      mass_position += mx;
+      momentum += mv;
+      angular += cross_pairs(x, mv);
+      before += cross_pairs(x, mass * v_before);
+      squares += mx * x;
+      products += mx * __builtin_shufflevector(x, x, 1, 2, 0, 3, 5, 6, 4, 7);
+      kinetic += mv * v;
+    }
+    flush(sums.mass_position, mass_position);
+    flush(sums.momentum, momentum);
+    flush(sums.angular, angular);
+    flush(sums.angular_before, before);
+    double both[3] = {};
+    flush(both, squares);
+    for (int d = 0; d < 3; ++d) sums.second[d] += both[d];
+    double mixed[3] = {};
+    flush(mixed, products);
+    for (int d = 0; d < 3; ++d) sums.second[d + 3] += mixed[d];
+    double squared[3] = {};
+    flush(squared, kinetic);
+    sums.kinetic += 0.5 * (squared[0] + squared[1] + squared[2]);
+  }
+}
+
+}  // namespace livegs

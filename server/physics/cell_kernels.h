@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "physics/cell_lanes.h"
+
+// The inner loops of the `cells` solver, as plain functions over flat arrays: what a substep does to every node and
+// every cell. Single precision, lengths relative to an origin near the body.
+
+namespace livegs {
+
+// The nodes of a body. `position` and `predicted` hold the inverse mass in w (0: the node is held), `velocity` and
+// `predicted_velocity` the mass.
+//   before predict: position x, predicted x_ (a step ago), velocity v, predicted_velocity v_
+//   after predict:  predicted y, predicted_velocity v^; corrections 0
+//   after advance:  predicted x', predicted_velocity v'; the caller swaps
+// Arrays are a multiple of two nodes long; a padding node has mass and inverse mass 0.
+struct NodeArrays {
+  size_t count = 0;  // a multiple of 2
+  NodeLanes* position = nullptr;
+  NodeLanes* predicted = nullptr;
+  NodeLanes* velocity = nullptr;
+  NodeLanes* predicted_velocity = nullptr;
+  NodeLanes* corrections = nullptr;
+};
+
+// Vectors with w = 0.
+struct PredictStep {
+  float memory = 0;  // 1/3 of BDF2, 0 of BDF1
+  float step_s = 0;  // h_e
+  float kept = 1;    // of the deviation from rigid motion
+  NodeLanes centre;                 // of mass
+  NodeLanes correction, correction_spin;  // of v, before anything else: what the momentum ledger owes
+  NodeLanes bias, spin;             // v^ = kept (v + memory (v - v_)) + bias + spin x r
+};
+void predict_nodes(const NodeArrays& nodes, const PredictStep& step);
+
+// Sums over nodes after the step, about the arrays' origin.
+struct NodeSums {
+  double mass_position[3] = {}, momentum[3] = {}, angular[3] = {};
+  double angular_before[3] = {};  // sum m x' x v: of the velocities before the step where the nodes are now
+  double second[6] = {};          // sum m: xx, yy, zz, xy, yz, zx
+  double kinetic = 0;             // sum m v'^2 / 2
+};
+void advance_nodes(const NodeArrays& nodes, float step_s, NodeSums& sums);
+
+// Moves all nodes, now and a step ago, and gives the largest squared distance from `centre` (after it), m^2. Vectors
+// with w = 0; `nodes.count` may leave out the spare nodes but is a multiple of 2.
+float shift_nodes(const NodeArrays& nodes, NodeLanes by, NodeLanes centre);
+
+// Eight cells of one parity colour, which share no node. Unused places hold cells without stiffness on spare nodes.
+// A cell inside the body, full and between nodes of full mass, has no constants of its own.
+struct FullCells {
+  uint32_t nodes[8][8];  // by corner, then place
+  Lanes rotation[4];     // w, x, y, z: world from lattice, kept from substep to substep
+};
+struct CutCells {
+  uint32_t nodes[8][8];
+  Lanes rotation[4];
+  Lanes centroid[3];
+  Lanes mobility[6];         // G: 11, 22, 33, 23, 13, 12
+  Lanes mode_coupling[4][3];
+};
+// F P replaces F where the material has flowed: P the inverse of the plastic part, 11, 22, 33, 23, 13, 12.
+struct PlasticCells {
+  Lanes inverse[6];
+};
+
+// What a step multiplies by (cell_stiffness.h), for one h_e.
+struct FullGains {
+  float mobility, shear, volume_compliance, mode[4][3];
+};
+struct CutGains {
+  Lanes shear[21];  // H, upper triangle by rows, Mandel
+  Lanes volume_compliance;
+  Lanes mode[4][3];
+};
+
+// One colour after another, or from the last to the first: a sweep in a fixed order pulls a body sideways.
+struct SweepColours {
+  size_t full_begin[9], cut_begin[9];  // eights of cells by colour
+};
+struct SweepArrays {
+  const NodeLanes* predicted = nullptr;
+  NodeLanes* corrections = nullptr;
+  FullCells* full = nullptr;
+  CutCells* cut = nullptr;
+  const PlasticCells* plastic = nullptr;  // one a CutCells, or nullptr
+  const CutGains* gains = nullptr;        // one a CutCells
+  FullGains full_gains{};
+  float inverse_four_widths = 0;  // 1 / (4 a), 1/m
+  bool backward = false;
+};
+// How far from rest the worst cell was.
+struct SweepReport {
+  float strain_squared = 0;  // |S - I|^2
+  float volume_ratio = 1;    // least det F
+};
+SweepReport sweep_cells(const SweepArrays& arrays, const SweepColours& colours);
+
+}  // namespace livegs

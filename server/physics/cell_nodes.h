@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "physics/cell_kernels.h"
+
+// The nodes of a body's lattice: single precision, relative to an origin that follows the body, so that where it
+// stands costs no precision.
+
+namespace livegs {
+
+// A material point: its nodes with their weights.
+struct NodeSample {
+  uint32_t nodes[8];
+  float weights[8];
+};
+
+class CellNodes {
+ public:
+  CellNodes() = default;
+  // `count` nodes and eight spare ones behind them, which stand at the corners of a cell of width `cell_width_m`.
+  CellNodes(size_t count, double cell_width_m);
+
+  size_t count() const { return count_; }
+  uint32_t spare() const { return static_cast<uint32_t>(count_); }
+
+  // Inverse mass 0: the node is held.
+  void set_mass(size_t node, double mass_kg, double inverse_mass);
+  double inverse_mass(size_t node) const { return position_[node].value[3]; }
+  double mass_kg(size_t node) const { return velocity_[node].value[3]; }
+
+  Eigen::Vector3d position_m(size_t node) const { return vector(position_[node]); }
+  Eigen::Vector3d velocity_m_s(size_t node) const { return vector(velocity_[node]); }
+  // As if it had always been there and moved so.
+  void set_motion(size_t node, const Eigen::Vector3d& position_m, const Eigen::Vector3d& velocity_m_s);
+
+  // Between predict and advance.
+  // Where a material point is, and where after the corrections so far.
+  Eigen::Vector3d position_m(const NodeSample& sample) const;
+  Eigen::Vector3d corrected_m(const NodeSample& sample) const;
+  void correct(size_t node, const Eigen::Vector3d& by_m) { add(corrections_[node], by_m); }
+  void predict(size_t node, const Eigen::Vector3d& position_m, const Eigen::Vector3d& velocity_m_s);
+  void push(size_t node, const Eigen::Vector3d& way_m, const Eigen::Vector3d& velocity_m_s);
+  // After advance: of the velocity before the step.
+  void change_velocity_before(size_t node, const Eigen::Vector3d& by_m_s) { add(predicted_velocity_[node], by_m_s); }
+
+  // Now and a step ago. The largest distance from `centre_m` afterwards.
+  double move_all(const Eigen::Vector3d& by_m, const Eigen::Vector3d& centre_m);
+  void stop();                                 // no velocity, and none a step ago
+
+  NodeArrays arrays();
+  const NodeLanes* predicted() const { return &predicted_[0].value; }
+  NodeLanes* corrections() { return &corrections_[0].value; }
+  void swap() {  // after advance
+    position_.swap(predicted_);
+    velocity_.swap(predicted_velocity_);
+  }
+  size_t bytes() const { return 5 * position_.capacity() * sizeof(Node); }
+
+ private:
+  struct alignas(16) Node {
+    NodeLanes value;
+  };
+  static Eigen::Vector3d vector(const Node& n) { return {n.value[0], n.value[1], n.value[2]}; }
+  static void set(Node& n, const Eigen::Vector3d& v) {
+    n.value = NodeLanes{static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), n.value[3]};
+  }
+  static void add(Node& n, const Eigen::Vector3d& v) {
+    n.value += NodeLanes{static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0f};
+  }
+
+  size_t count_ = 0;
+  // As NodeArrays has them between steps: w is the inverse mass of positions, the mass of velocities.
+  std::vector<Node> position_, predicted_, velocity_, predicted_velocity_, corrections_;
+};
+
+}  // namespace livegs

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Contact of the body's surface points with colliders and balls, after the elastic sweep: one Gauss-Seidel pass,
+// forwards and backwards in turn, because a fixed order pulls a body sideways.
+#include <algorithm>
+#include <cmath>
+
+#include "physics/cells_body.h"
+
+namespace livegs {
+namespace {
+
+using Eigen::Vector3d;
+
+// Points ride in a cell at most this many half-widths from its middle (Lattice::embed).
+constexpr double kFurthestEmbedding = 2.0;
+// Candidates are found with room for the body to move this part of a cell at least.
+constexpr double kCandidateRoom = 0.25;
+
+}  // namespace
+
+// Which surface cells may meet which colliders before a node has moved by the margin.
+void CellsBody::find_candidates(const SubstepContext& context) {
+  const double speed = motion_.velocity_m_s().norm() + reach_m_ * motion_.angular_velocity_rad_s().norm() +
+                       4.0 * deviation_m_s_ + context.gravity_m_s2.norm() / rate_hz_;
+  const double margin = std::max(kCandidateRoom * lattice_.cell_width_m, speed / rate_hz_);
+  candidate_margin_m_ = margin;
+  candidate_colliders_ = context.colliders.size();
+  candidates_.clear();
+  std::vector<uint32_t> near;
+  for (uint32_t k = 0; k < context.colliders.size(); ++k) {
+    if (reaches(context.colliders[k], origin_m_ + motion_.centre_m, 1.5 * reach_m_ + extent_.box_edge_m + margin)) {
+      near.push_back(k);
+    }
+  }
+  if (near.empty()) return;
+  for (uint32_t i = 0; i < surface_cells_.size(); ++i) {
+    Vector3d centre = Vector3d::Zero();
+    for (const uint32_t node : surface_cells_[i].nodes) centre += 0.125 * nodes_.position_m(node);
+    double radius = 0.0;
+    for (const uint32_t node : surface_cells_[i].nodes) {
+      radius = std::max(radius, (nodes_.position_m(node) - centre).squaredNorm());
+    }
+    radius = kFurthestEmbedding * std::sqrt(radius) + margin;
+    for (const uint32_t k : near) {
+      if (reaches(context.colliders[k], origin_m_ + centre, radius)) candidates_.push_back({i, k});
+    }
+  }
+}
+
+void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) {
+  // How far a node may have gone in this step; deviations are several times their mean.
+  candidate_margin_m_ -= 2.0 * step_s * (motion_.velocity_m_s().norm() +
+                                         reach_m_ * motion_.angular_velocity_rad_s().norm() + 4.0 * deviation_m_s_ +
+                                         step_s * context.gravity_m_s2.norm());
+  if (candidate_margin_m_ <= 0.0 || candidate_colliders_ != context.colliders.size()) find_candidates(context);
+
+  const auto resolve = [&](const Collider& collider, double friction, uint32_t i) {
+    const NodeSample& sample = surface_[i];
+    const Vector3d point = nodes_.corrected_m(sample);
+    const SurfaceSample surface = sample_surface(collider, origin_m_ + point);
+    const double depth = -surface.distance_m;
+    if (depth <= 0.0) return;
+    touching_ = true;
+    const double w = surface_mobility_[i];
+    if (w <= 0.0) return;
+    const Vector3d moved = point - nodes_.position_m(sample);
+    take_contact(i, point, contact_correction(surface.normal, depth, moved, friction) / w, step_s);
+  };
+  for (size_t n = 0; n < candidates_.size(); ++n) {
+    const Candidate& candidate = candidates_[backward_ ? candidates_.size() - 1 - n : n];
+    const SurfaceCell& cell = surface_cells_[candidate.cell];
+    const Collider& collider = context.colliders[candidate.collider];
+    const double friction = mixed_friction(material_.friction, collider.friction);
+    const uint32_t count = cell.end - cell.begin;
+    for (uint32_t i = 0; i < count; ++i) resolve(collider, friction, backward_ ? cell.end - 1 - i : cell.begin + i);
+  }
+}
+
+void CellsBody::resolve_balls(double h, double step_s, std::span<MovingSphere> spheres) {
+  for (MovingSphere& sphere : spheres) {
+    const Vector3d start = sphere.position_m;
+    Vector3d end = start + h * sphere.velocity_m_s;
+    const double reach = 1.1 * (reach_m_ + h * motion_.velocity_m_s().norm()) + sphere.radius_m + extent_.box_edge_m;
+    if ((end - origin_m_ - motion_.centre_m).norm() < reach) {
+      const double ball_mobility = h / (step_s * sphere.mass_kg);
+      const double friction = mixed_friction(material_.friction, sphere.friction);
+      for (uint32_t n = 0; n < surface_.size(); ++n) {
+        const uint32_t i = backward_ ? static_cast<uint32_t>(surface_.size()) - 1 - n : n;
+        const NodeSample& sample = surface_[i];
+        const Vector3d point = nodes_.corrected_m(sample);
+        if ((origin_m_ + point - end).squaredNorm() > sphere.radius_m * sphere.radius_m) continue;
+        const auto contact = ball_contact(origin_m_ + point, 0.0, point - nodes_.position_m(sample), surface_mobility_[i], end,
+                                          end - start, sphere.radius_m, ball_mobility, friction);
+        if (!contact) continue;
+        const Vector3d impulse = contact->pull_kg_m / step_s;
+        take_contact(i, point, contact->pull_kg_m, step_s);
+        sphere.impulse_n_s -= impulse;
+        sphere.velocity_m_s -= impulse / sphere.mass_kg;
+        end -= h / sphere.mass_kg * impulse;
+      }
+    }
+    sphere.position_m = end;
+  }
+}
+
+double CellsBody::mobility(const NodeSample& sample) const {
+  double sum = 0.0;
+  for (int c = 0; c < 8; ++c) sum += sample.weights[c] * sample.weights[c] * inverse_masses_[sample.nodes[c]];
+  return sum;
+}
+
+void CellsBody::pull(const NodeSample& sample, const Vector3d& pull_kg_m) {
+  for (int c = 0; c < 8; ++c) {
+    const uint32_t node = sample.nodes[c];
+    nodes_.correct(node, sample.weights[c] * inverse_masses_[node] * pull_kg_m);
+  }
+}
+
+void CellsBody::take_contact(uint32_t sample, const Vector3d& point_m, const Vector3d& pull_kg_m, double step_s) {
+  const Vector3d impulse = pull_kg_m / step_s;
+  pull(surface_[sample], pull_kg_m);
+  contact_impulse_ += impulse;
+  contact_moment_ += point_m.cross(impulse);
+  touches_.push_back({sample, impulse});
+}
+
+}  // namespace livegs

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Regions that are fixed, moved or loaded. Nodes of cells that lie wholly in a held region are held themselves; where
+// a region ends inside a cell, its particles are held one by one after the sweep, which is softer
+// (elastic-study.md 5): hence lattice planes are snapped to regions where that can be.
+#include <algorithm>
+
+#include "core/log.h"
+#include "physics/cells_body.h"
+#include "physics/region_load.h"
+
+namespace livegs {
+namespace {
+
+using Eigen::Vector3d;
+
+bool holds(const BodyRegion& region) { return region.fixed || region.motion.has_value(); }
+
+}  // namespace
+
+// Whether all the material of a cell may lie in the region, by the cell cut to the body's bounds.
+bool CellsBody::in_region(const LatticeCell& cell, const BodyRegion& region) const {
+  const double margin = 1e-3 * lattice_.cell_width_m;
+  const Vector3d low_m = lattice_.object_from_lattice.position_m, width = Vector3d::Constant(lattice_.cell_width_m);
+  const Vector3d low = extent_.object_from_lattice.conjugate() * low_m +
+                       lattice_.cell_width_m * cell.coordinates.cast<double>();
+  const Vector3d from = low.cwiseMax(extent_.min_m), to = (low + width).cwiseMin(extent_.max_m);
+  for (int c = 0; c < 8; ++c) {
+    const Vector3d corner(c & 1 ? to.x() : from.x(), c & 2 ? to.y() : from.y(), c & 4 ? to.z() : from.z());
+    if (!region.contains(extent_.object_from_lattice * corner, margin)) return false;
+  }
+  return true;
+}
+
+void CellsBody::hold_regions(const ElasticBodyDescription& description) {
+  std::vector<bool> taken(lattice_.node_coordinates.size(), false);
+  std::vector<uint8_t> cells_around(taken.size(), 0);
+  for (const LatticeCell& cell : lattice_.cells) {
+    for (const uint32_t node : cell.nodes) ++cells_around[node];
+  }
+  for (const BodyRegion& region : description.regions) {
+    if (!holds(region)) continue;
+    HeldRegion held;
+    held.region = region;
+    const auto take = [&](uint32_t node) {
+      if (taken[node]) return;
+      taken[node] = true;
+      inverse_masses_[node] = 0.0;
+      held.nodes.push_back(node);
+      held.node_rest_m.push_back(lattice_.node_position_m(node));
+    };
+    if (region.boundary) {
+      for (uint32_t node = 0; node < taken.size(); ++node) {
+        if (cells_around[node] < 8) take(node);
+      }
+    } else {
+      for (const LatticeCell& cell : lattice_.cells) {
+        if (!(region.fixed ? cell.fixed && in_region(cell, region) : in_region(cell, region))) continue;
+        for (const uint32_t node : cell.nodes) take(node);
+      }
+      for (size_t p = 0; p < particle_rest_m_.size(); ++p) {
+        if (!region.contains(particle_rest_m_[p], 1e-6 * lattice_.cell_width_m)) continue;
+        const NodeSample sample = sample_at(particle_points_[p]);
+        bool nodes_hold_it = true;
+        for (int c = 0; c < 8; ++c) nodes_hold_it = nodes_hold_it && taken[sample.nodes[c]];
+        if (nodes_hold_it) continue;
+        held.particles.push_back(sample);
+        held.particle_rest_m.push_back(particle_rest_m_[p]);
+      }
+    }
+    if (held.nodes.empty() && held.particles.empty()) {
+      log_warn("object %u: region \"%s\" from (%.3g, %.3g, %.3g) to (%.3g, %.3g, %.3g) m holds no material", object_id_,
+               region.name.c_str(), region.min_m.x(), region.min_m.y(), region.min_m.z(), region.max_m.x(),
+               region.max_m.y(), region.max_m.z());
+      continue;
+    }
+    held_ = true;
+    moved_ = moved_ || region.motion.has_value();
+    held_regions_.push_back(std::move(held));
+  }
+}
+
+void CellsBody::load_regions(const ElasticBodyDescription& description) {
+  for (const BodyRegion& region : description.regions) {
+    if (region.traction_pa.isZero()) continue;
+    const std::vector<LoadPoint> points = load_points(extent_, lattice_, region);
+    if (points.empty()) {
+      log_warn("object %u: region \"%s\" has a traction and holds no material", object_id_, region.name.c_str());
+    }
+    for (const LoadPoint& point : points) {
+      region_loads_.push_back({sample_at(point.point), point.area_m2 * region.traction_pa});
+    }
+  }
+}
+
+Vector3d CellsBody::region_target_m(const HeldRegion& held, const Vector3d& rest_m, double time_s) const {
+  const Vector3d point = held.region.motion ? moved_point(*held.region.motion, rest_m, time_s) : rest_m;
+  return world_from_object_ * point - origin_m_;
+}
+
+void CellsBody::move_regions(double time_s, double h) {
+  for (const HeldRegion& held : held_regions_) {
+    if (held.released || !held.region.motion) continue;
+    for (size_t i = 0; i < held.nodes.size(); ++i) {
+      const Vector3d target = region_target_m(held, held.node_rest_m[i], time_s);
+      nodes_.predict(held.nodes[i], target, (target - nodes_.position_m(held.nodes[i])) / h);
+    }
+  }
+}
+
+void CellsBody::hold_particles(double time_s) {
+  for (const HeldRegion& held : held_regions_) {
+    if (held.released) continue;
+    for (size_t i = 0; i < held.particles.size(); ++i) {
+      const NodeSample& sample = held.particles[i];
+      const double w = mobility(sample);
+      if (w <= 0.0) continue;
+      pull(sample, (region_target_m(held, held.particle_rest_m[i], time_s) - nodes_.corrected_m(sample)) / w);
+    }
+  }
+}
+
+bool CellsBody::release_region(const std::string& name) {
+  bool found = false;
+  held_ = moved_ = false;
+  for (HeldRegion& held : held_regions_) {
+    if (held.region.name == name && !held.released) {
+      found = held.released = true;
+      for (const uint32_t node : held.nodes) inverse_masses_[node] = 1.0;
+    }
+    held_ = held_ || !held.released;
+    moved_ = moved_ || (!held.released && held.region.motion);
+  }
+  if (!found) return false;
+  set_masses();
+  // Its motion goes on from where it is, with a first-order step: the last one was not a free body's.
+  std::vector<Vector3d> positions(nodes_.count()), velocities(nodes_.count());
+  for (size_t i = 0; i < nodes_.count(); ++i) {
+    positions[i] = nodes_.position_m(i);
+    velocities[i] = nodes_.velocity_m_s(i);
+  }
+  motion_ = mass_motion(positions, velocities, masses_kg_);
+  momentum_before_ = motion_.momentum;
+  angular_before_ = motion_.angular_momentum;
+  first_step_ = true;
+  rebuild_cells();
+  wake();
+  return true;
+}
+
+}  // namespace livegs

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Less where less will do: a body that flies without deforming visibly moves as a rigid one, a still one sleeps.
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "physics/cells_body.h"
+#include "physics/rigid_motion.h"
+
+namespace livegs {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// A free body whose worst cell is strained less than this for so long is frozen into its shape.
+constexpr double kVisibleStrain = 1e-3;
+constexpr double kUnstrainedTime_s = 0.25;
+
+}  // namespace
+
+void CellsBody::end_frame(double frame_s) {
+  if (asleep()) return;
+  if (rigid_) {
+    place_rigid();
+    return;
+  }
+  // A held body's origin stays where it is, so that rounding does not move what is held.
+  Vector3d shift = Vector3d::Zero();
+  if (!held_ || motion_.centre_m.norm() > 4.0 * reach_m_) shift = motion_.centre_m.cast<float>().cast<double>();
+  origin_m_ += shift;
+  motion_.centre_m -= shift;
+  reach_m_ = nodes_.move_all(-shift, motion_.centre_m);
+  orientation_ = (rotation_exp(frame_s * motion_.angular_velocity_rad_s()) * orientation_).normalized();
+  candidate_margin_m_ -= 1e-6 * reach_m_;  // rounding of the shift
+
+  flow();
+  untangle();
+  rest(frame_s);
+}
+
+void CellsBody::rest(double frame_s) {
+  const bool unstrained = free() && may_rest_ && !touching_ && !forced_ && region_loads_.empty() &&
+                          strain_squared_ < kVisibleStrain * kVisibleStrain;
+  unstrained_s_ = unstrained ? unstrained_s_ + frame_s : 0.0;
+  if (unstrained_s_ >= kUnstrainedTime_s) {
+    become_rigid();
+    return;
+  }
+  if (!rest_clock_.tick(frame_s, fastest_m_s(), supported_, forced_)) return;
+  nodes_.stop();
+  motion_.momentum.setZero();
+  motion_.angular_momentum.setZero();
+  momentum_before_.setZero();
+  angular_before_.setZero();
+  owed_velocity_.setZero();
+  owed_spin_.setZero();
+  deviation_m_s_ = 0.0;
+  first_step_ = true;
+}
+
+// Of a node; of a body that moves or deforms as a whole anyway, that speed, which is cheap.
+double CellsBody::fastest_m_s() const {
+  const double mean = std::max(motion_.velocity_m_s().norm(), deviation_m_s_);
+  if (mean > RestClock::kStillSpeed_m_s) return mean;
+  double squared = 0.0;
+  for (size_t i = 0; i < nodes_.count(); ++i) squared = std::max(squared, node_velocity(i).squaredNorm());
+  return std::sqrt(squared);
+}
+
+void CellsBody::become_rigid() {
+  RigidMotion rigid;
+  rigid.world_from_body.position_m = origin_m_ + motion_.centre_m;
+  for (size_t i = 0; i < nodes_.count(); ++i) {
+    rigid.shape_m.push_back((nodes_.position_m(i) - motion_.centre_m).cast<float>());
+  }
+  if (!(motion_.inertia.determinant() > 0.0)) return;  // a single line of particles turns freely; it stays as it is
+  rigid.inverse_inertia = motion_.inertia.inverse();
+  rigid_ = std::move(rigid);
+}
+
+// One world substep as a rigid body; false when something is near, and the body is elastic again.
+bool CellsBody::rigid_substep(const SubstepContext& context) {
+  const double h = context.duration_s;
+  const Vector3d velocity = motion_.velocity_m_s();
+  const Vector3d centre = rigid_->world_from_body.position_m;
+  // It wakes one frame before anything can touch it.
+  const double reach = reach_m_ + extent_.box_edge_m + 2.0 / rate_hz_ * velocity.norm();
+  bool near = !context.forces.empty();
+  for (const Collider& collider : context.colliders) near = near || reaches(collider, centre, reach);
+  for (const MovingSphere& sphere : context.spheres) {
+    const double together = reach + sphere.radius_m + 2.0 / rate_hz_ * sphere.velocity_m_s.norm();
+    near = near || (sphere.position_m - centre).norm() < together;
+  }
+  if (near) {
+    become_elastic();
+    return false;
+  }
+  rigid_->world_from_body.position_m += h * velocity + 0.5 * h * h * context.gravity_m_s2;
+  rigid_->world_from_body.orientation =
+      turned_freely(rigid_->world_from_body.orientation, rigid_->inverse_inertia, motion_.angular_momentum, h);
+  motion_.momentum += h * mass_kg_ * context.gravity_m_s2;
+  motion_.inertia = rotated_tensor(rigid_->world_from_body.orientation, rigid_->inverse_inertia).inverse();
+  supported_ = context.gravity_m_s2.squaredNorm() == 0.0;
+  for (MovingSphere& sphere : context.spheres) sphere.position_m += h * sphere.velocity_m_s;
+  return true;
+}
+
+// The nodes where the rigid motion has taken them.
+void CellsBody::place_rigid() {
+  origin_m_ = rigid_->world_from_body.position_m;
+  motion_.centre_m.setZero();
+  const Matrix3d turn = rigid_->world_from_body.orientation.toRotationMatrix();
+  const Vector3d velocity = motion_.velocity_m_s(), spin = motion_.angular_velocity_rad_s();
+  for (size_t i = 0; i < nodes_.count(); ++i) {
+    const Vector3d r = turn * rigid_->shape_m[i].cast<double>();
+    nodes_.set_motion(i, r, velocity + spin.cross(r));
+  }
+  orientation_ = centre_pose().orientation;
+}
+
+void CellsBody::become_elastic() {
+  if (!rigid_) return;
+  place_rigid();
+  rigid_.reset();
+  // The sweep's rotations have stood still meanwhile; there is no strain to speak of, so all are the body's.
+  batches_.set_rotations(orientation_ * extent_.object_from_lattice);
+  momentum_before_ = motion_.momentum;
+  angular_before_ = motion_.angular_momentum;
+  owed_velocity_.setZero();
+  owed_spin_.setZero();
+  unstrained_s_ = 0.0;
+  candidate_margin_m_ = 0.0;
+  first_step_ = true;
+}
+
+}  // namespace livegs

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cost of the `cells` solver by size, on one core. Prints CSV: `elastic_bench > results/<machine>/elastic.csv`.
+// A block of cells drops 5 mm on a floor and rests there with sleep off, so that contact and the momentum ledger are
+// in the figure; 30 frames warm up, then at least 60 count; the least time over five parts of them is given, because
+// the machine is shared.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+
+#include "server/physics/elastic_bodies.h"
+
+using namespace livegs;
+using namespace livegs::test;
+
+namespace {
+
+double seconds_of(Stage& stage, int frames) {
+  const auto start = std::chrono::steady_clock::now();
+  for (int i = 0; i < frames; ++i) stage.frame();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void report(const char* name, const ElasticBodyDescription& description, bool floor) {
+  Stage stage;
+  stage.rate_hz = 90.0;
+  if (floor) {
+    stage.gravity_m_s2 = kGravity;
+    stage.add_floor();
+  }
+  auto made = make_elastic_body(description, ElasticSolver::Cells, stage.rate_hz, stage.substeps, false);
+  if (!made) {
+    std::fprintf(stderr, "%s: %s\n", name, made.error().message.c_str());
+    return;
+  }
+  stage.body = std::move(*made);
+  const ElasticAccuracy accuracy = stage.body->accuracy();
+  seconds_of(stage, 30);
+  const double work = static_cast<double>(accuracy.nodes) * accuracy.substeps;
+  const int frames = std::clamp(static_cast<int>(2e8 / (work * 20.0)), 12, 2000);
+  double best_s = 1e300;
+  for (int part = 0; part < 5; ++part) best_s = std::min(best_s, seconds_of(stage, frames) / frames);
+  std::printf("%s,%zu,%zu,%zu,%d,%.3f,%.4f,%.2f,%.0f\n", name, accuracy.nodes, accuracy.cells,
+              accuracy.particles, accuracy.substeps, accuracy.courant, 1e3 * best_s, 1e9 * best_s / work,
+              static_cast<double>(accuracy.bytes) / static_cast<double>(accuracy.nodes));
+  std::fflush(stdout);
+}
+
+ElasticBodyDescription block(int cells, double cell_m, double youngs_modulus_pa) {
+  ElasticBodyDescription description =
+      describe(particle_grid(Vector3d::Constant(cells * cell_m), cell_m), youngs_modulus_pa, 0.3, cell_m);
+  description.material.loss_factor = 0.1;
+  description.world_from_object.position_m.y() = 0.5 * cells * cell_m + 0.005;
+  return description;
+}
+
+}  // namespace
+
+int main() {
+  std::printf("scene,nodes,cells,particles,substeps,courant,ms_per_frame,ns_per_node_substep,bytes_per_node\n");
+  for (const int cells : {3, 5, 7, 14, 24, 36, 58}) {
+    const std::string size = "block " + std::to_string(cells) + "^3";
+    report((size + " free").c_str(), block(cells, 0.02, 1e4), false);
+    report((size + " on floor").c_str(), block(cells, 0.02, 1e4), true);
+  }
+  // LIVE-GS: at most about 15^3 particles an object; the body chooses its own cells and substeps.
+  for (const double youngs_modulus_pa : {1e4, 1e5, 1e6}) {
+    ElasticBodyDescription object = describe(particle_grid(Vector3d::Constant(0.3), 0.02), youngs_modulus_pa, 0.3);
+    object.material.loss_factor = 0.1;
+    object.world_from_object.position_m.y() = 0.155;
+    char name[64];
+    std::snprintf(name, sizeof name, "paper-size object E %g", youngs_modulus_pa);
+    report(name, object, true);
+  }
+}
