@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "core/log.h"
 #include "physics/region_load.h"
@@ -175,6 +176,8 @@ void CellsBody::start_motion(const ElasticBodyDescription& description) {
     }
   }
 
+  std::mt19937_64 random(description.cells.scramble);
+  const auto anywhere = [&] { return 2.0 * static_cast<double>(random() >> 11) * 0x1p-53 - 1.0; };
   Vector3d rest_centre = Vector3d::Zero();
   for (size_t i = 0; i < count; ++i) rest_centre += masses_kg_[i] / mass_kg_ * lattice_.node_position_m(i);
   origin_m_ = world_from_object_ * rest_centre;
@@ -182,6 +185,10 @@ void CellsBody::start_motion(const ElasticBodyDescription& description) {
     const Vector3d r = lattice_.node_position_m(i) - rest_centre;
     positions[i] = orientation_ * (description.initial_deformation * r);
     velocities[i] += description.velocity_m_s + description.angular_velocity_rad_s.cross(positions[i]);
+    if (description.cells.scramble > 0) {
+      const Vector3d far(anywhere(), anywhere(), anywhere());
+      positions[i] = orientation_ * (extent_.object_from_lattice * far.cwiseProduct(extent_.max_m - extent_.min_m));
+    }
     if (inverse_masses_[i] == 0.0) {
       positions[i] = orientation_ * r;
       velocities[i].setZero();
@@ -201,23 +208,26 @@ void CellsBody::set_material(const Material& material) {
   choose(choice_.cell_width_m);
   const double before = mass_kg_;
   set_masses();
-  // The velocities stay, so momentum follows the mass; of a body of several densities, as they are now.
-  if (std::abs(mass_kg_ - before) > 0.0) {
-    std::vector<Vector3d> positions(nodes_.count()), velocities(nodes_.count());
-    for (size_t i = 0; i < nodes_.count(); ++i) {
-      positions[i] = nodes_.position_m(i);
-      velocities[i] = node_velocity(i);
-      nodes_.set_motion(i, positions[i], velocities[i]);
-    }
-    motion_ = mass_motion(positions, velocities, masses_kg_);
-    momentum_before_ = motion_.momentum;
-    angular_before_ = motion_.angular_momentum;
-    owed_velocity_.setZero();
-    owed_spin_.setZero();
-    first_step_ = true;
-  }
+  // The velocities stay, so momentum follows the mass.
+  if (mass_kg_ != before) restart_motion();
   rebuild_cells();
   wake();
+}
+
+void CellsBody::restart_motion() {
+  std::vector<Vector3d> positions(nodes_.count()), velocities(nodes_.count());
+  for (size_t i = 0; i < nodes_.count(); ++i) {
+    positions[i] = nodes_.position_m(i);
+    velocities[i] = nodes_.velocity_m_s(i);
+    nodes_.set_motion(i, positions[i], velocities[i]);
+  }
+  motion_ = mass_motion(positions, velocities, masses_kg_);
+  momentum_before_ = motion_.momentum;
+  angular_before_ = motion_.angular_momentum;
+  owed_velocity_.setZero();
+  owed_spin_.setZero();
+  candidate_margin_m_ = 0.0;
+  first_step_ = true;
 }
 
 void CellsBody::wake() {
@@ -243,7 +253,10 @@ RestBody CellsBody::rest_body() const {
   rest.object_from_lattice = lattice_.object_from_lattice;
   rest.cell_width_m = lattice_.cell_width_m;
   rest.node_coordinates = lattice_.node_coordinates;
-  for (const LatticeCell& cell : lattice_.cells) rest.cells.push_back(cell.nodes);
+  for (const LatticeCell& cell : lattice_.cells) {
+    rest.cells.push_back(cell.nodes);
+    if (lattice_.has_virtual_cells) rest.cell_fills.push_back(cell.fill);
+  }
   return rest;
 }
 

@@ -24,7 +24,8 @@
 //   contact   surface points against colliders and balls; after elasticity,          cells_contact.cpp
 //             so that nothing is left inside
 //   advance   velocity = predicted + corrections / h_e, never a difference of positions; momentum ledger
-// Once a frame: plastic flow (cells_flow.cpp), the body's own untangling and rest (cells_rest.cpp).
+// Once a frame: plastic flow (cells_flow.cpp), the body's own untangling (cells_untangle.cpp)
+// and rest (cells_rest.cpp).
 
 namespace livegs {
 
@@ -116,7 +117,8 @@ class CellsBody final : public ElasticBody {
   void take_contact(uint32_t sample, const Vector3d& point_m, const Vector3d& pull_kg_m, double step_s);
 
   void flow();
-  void untangle();
+  void untangle(double frame_s);
+  void restart_motion();  // after nodes were set: the motion of the whole anew, a first-order step next
   bool rigid_substep(const SubstepContext& context);
   void become_rigid();
   void become_elastic();
@@ -183,11 +185,12 @@ class CellsBody final : public ElasticBody {
   double reach_m_ = 0.0;        // radius about the centre that holds every node
   double deviation_m_s_ = 0.0;  // root mean square of velocities relative to the body as a whole
   double strain_squared_ = 0.0; // of the worst cell
-  bool first_step_ = true, strained_ = false, tangled_ = false, touching_ = false, backward_ = false;
+  bool first_step_ = true, strained_ = false, tangled_ = false, untangling_ = false, touching_ = false, backward_ = false;
   bool supported_ = false, forced_ = false;  // for the sleep test: held up or in no gravity; pushed
   Quaterniond orientation_;  // world from object, of the body as a whole
   std::optional<RigidMotion> rigid_;
-  double unstrained_s_ = 0.0;
+  double unstrained_s_ = 0.0, tangled_s_ = 0.0;
+  int untangled_ = 0;  // times
   bool may_rest_;
   RestClock rest_clock_;
 };

@@ -4,6 +4,5 @@
 namespace livegs {
 
 void CellsBody::flow() {}
-void CellsBody::untangle() {}
 
 }  // namespace livegs

@@ -132,16 +132,7 @@ bool CellsBody::release_region(const std::string& name) {
   }
   if (!found) return false;
   set_masses();
-  // Its motion goes on from where it is, with a first-order step: the last one was not a free body's.
-  std::vector<Vector3d> positions(nodes_.count()), velocities(nodes_.count());
-  for (size_t i = 0; i < nodes_.count(); ++i) {
-    positions[i] = nodes_.position_m(i);
-    velocities[i] = nodes_.velocity_m_s(i);
-  }
-  motion_ = mass_motion(positions, velocities, masses_kg_);
-  momentum_before_ = motion_.momentum;
-  angular_before_ = motion_.angular_momentum;
-  first_step_ = true;
+  restart_motion();  // the last step was not a free body's
   rebuild_cells();
   wake();
   return true;

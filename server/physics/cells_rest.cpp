@@ -35,7 +35,7 @@ void CellsBody::end_frame(double frame_s) {
   candidate_margin_m_ -= 1e-6 * reach_m_;  // rounding of the shift
 
   flow();
-  untangle();
+  untangle(frame_s);
   rest(frame_s);
 }
 

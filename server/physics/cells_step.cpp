@@ -72,6 +72,9 @@ void CellsBody::step(double time_s, double h, const SubstepContext& context) {
   const bool quiet = touching_ && deviation_m_s_ < kQuiet * std::sqrt(context.gravity_m_s2.norm() * smallest_m);
   const bool second_order = options_.second_order && !first_step_ && !strained_ && !quiet;
   const double step_s = second_order ? 2.0 * h / 3.0 : h;
+  // Where a sweep from zero multipliers comes to rest depends on its order a little. In motion the order alternates, or
+  // it would drive the body sideways; a quiet body keeps one, or it would never be still.
+  backward_ = !quiet && !backward_;
   predict(h, second_order, context);
   if (moved_) move_regions(time_s, h);
 
@@ -98,7 +101,6 @@ void CellsBody::step(double time_s, double h, const SubstepContext& context) {
   resolve_colliders(step_s, context);
   if (!context.spheres.empty()) resolve_balls(h, step_s, context.spheres);
   advance(step_s);
-  backward_ = !backward_;
   first_step_ = false;
 }
 

@@ -27,6 +27,7 @@ namespace livegs {
 struct CellsOptions {
   bool second_order = true;  // BDF2; false: BDF1 throughout
   bool compensate = true;    // subtract the numerical compliance of the sweep
+  uint64_t scramble = 0;     // > 0: a seed; every free node starts anywhere in twice the body's box
   bool choose = true;        // more substeps, or a clipped stiffness, where it needs them; false: as given, however wrong
 };
 

@@ -62,8 +62,10 @@ Quaterniond extract_rotation(const Matrix3d& matrix, const Quaterniond& warm) {
     const Matrix3d m = q.toRotationMatrix().transpose() * matrix / size;
     const Vector3d tau(m(2, 1) - m(1, 2), m(0, 2) - m(2, 0), m(1, 0) - m(0, 1));
     const Matrix3d k = m.trace() * Matrix3d::Identity() - 0.5 * (m + m.transpose());
-    const bool upright = k(0, 0) > 1e-2 && k(0, 0) * k(1, 1) - k(0, 1) * k(0, 1) > 1e-4 && k.determinant() > 1e-6;
-    Vector3d w = upright ? Vector3d(k.inverse() * tau) : Vector3d(tau / (std::abs(m.trace()) + 1e-3));
+    // A cord sixteen times as long as thick has 4e-3 here.
+    const bool upright = k(0, 0) > 1e-5 && k(0, 0) * k(1, 1) - k(0, 1) * k(0, 1) > 1e-8 && k.determinant() > 1e-12;
+    // Elsewhere the torque gives the way but not how far: a slender body has next to none about its long axis.
+    Vector3d w = upright ? Vector3d(k.inverse() * tau) : Vector3d(tau * (0.3 / std::max(tau.norm(), 1e-9)));
     if (!upright && tau.norm() < 1e-6 && m.determinant() > 1e-6) w = Vector3d(0.01, 0.02, 0.03);  // half a turn away
     const double angle = w.norm();
     if (angle < 1e-13) break;

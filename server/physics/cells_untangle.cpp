@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A body wound twice round an axis is in a true local minimum: every cell is upright and nearly at rest, and nothing a
+// cell can see leads out (elastic-study.md 4). A folded edge may be another. The body as a whole can tell: its best
+// affine fit is far from upright, or it is strained, alone and has come to rest all the same.
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <cmath>
+
+#include "physics/cells_body.h"
+
+namespace livegs {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// det A / (|A| / sqrt 3)^3 is 1 for a rotation, 0 for what is flat or wound, negative for what is mirrored.
+constexpr double kTangled = 0.1, kUpright = 0.8;
+constexpr double kPatience_s = 0.5;  // most tangles come apart by themselves
+constexpr double kPull_per_s = 12.0; // of the way to the rigid shape
+constexpr double kStrainedSquared = 0.01;  // |S - I|² of the worst cell
+constexpr double kSettled = 0.02;          // kinetic energy of the deviation over elastic energy
+
+double uprightness(const Matrix3d& a) {
+  const double size = a.norm() / std::sqrt(3.0);
+  return size > 0.0 ? a.determinant() / (size * size * size) : 0.0;
+}
+
+Matrix3d nearest_rotation(const Matrix3d& a) {
+  const Eigen::JacobiSVD<Matrix3d> svd(a, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Matrix3d flip = Matrix3d::Identity();
+  flip(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
+  return svd.matrixU() * flip * svd.matrixV().transpose();
+}
+
+}  // namespace
+
+void CellsBody::untangle(double frame_s) {
+  if (!tangled_) return;
+  // Not while something presses it: then being strained is right.
+  const bool alone = free() && !touching_ && !forced_ && region_loads_.empty() && plastic_inverses_.empty();
+  if (!alone) {
+    tangled_s_ = 0.0;
+    return;
+  }
+  Vector3d rest_centre = Vector3d::Zero();
+  for (size_t i = 0; i < masses_kg_.size(); ++i) rest_centre += masses_kg_[i] / mass_kg_ * lattice_.node_position_m(i);
+  Matrix3d match = Matrix3d::Zero(), rest = Matrix3d::Zero();
+  for (size_t i = 0; i < masses_kg_.size(); ++i) {
+    const Vector3d r = lattice_.node_position_m(i) - rest_centre;
+    match += masses_kg_[i] * (nodes_.position_m(i) - motion_.centre_m) * r.transpose();
+    rest += masses_kg_[i] * r * r.transpose();
+  }
+  const Matrix3d fit = match * rest.inverse();
+  if (!fit.allFinite()) return;
+  const double upright = uprightness(fit);
+  // A spinning body is strained by that alone, by rho (omega L)² / E.
+  const double wave_squared = cell_materials_.materials[0].youngs_modulus_pa / densities_kg_m3_[0];
+  const double spun = std::pow(motion_.angular_velocity_rad_s().norm() * reach_m_, 2) / wave_squared;
+  const bool strained = strain_squared_ > kStrainedSquared + 4.0 * spun * spun;
+  if (!untangling_) {
+    if (upright > kUpright && !strained) tangled_ = false;
+    const bool settled = strained && deviation_m_s_ * deviation_m_s_ < kSettled * strain_squared_ * wave_squared;
+    tangled_s_ = upright < kTangled || settled ? tangled_s_ + frame_s : 0.0;
+    untangling_ = tangled_s_ > kPatience_s;
+    if (untangling_) ++untangled_;
+  }
+  if (!untangling_) return;
+  if (upright > kUpright && !strained) {
+    untangling_ = false;
+    tangled_s_ = 0.0;
+    return;
+  }
+  // Pulled together about the centre: neither the centre nor its motion change, the deviation comes to rest.
+  const double part = 1.0 - std::exp(-kPull_per_s * frame_s);
+  const Matrix3d rotation = nearest_rotation(fit);
+  const Vector3d velocity = motion_.velocity_m_s(), spin = motion_.angular_velocity_rad_s();
+  for (size_t i = 0; i < masses_kg_.size(); ++i) {
+    const Vector3d goal = motion_.centre_m + rotation * (lattice_.node_position_m(i) - rest_centre);
+    const Vector3d now = nodes_.position_m(i) + part * (goal - nodes_.position_m(i));
+    nodes_.set_motion(i, now, velocity + spin.cross(now - motion_.centre_m));
+  }
+  restart_motion();
+}
+
+}  // namespace livegs
