@@ -4,6 +4,7 @@
 // affine fit is far from upright, or it is strained, alone and has come to rest all the same.
 #include <Eigen/LU>
 #include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
 
 #include "physics/cells_body.h"
@@ -61,7 +62,9 @@ void CellsBody::untangle(double frame_s) {
   if (!untangling_) {
     if (upright > kUpright && !strained) tangled_ = false;
     const bool settled = strained && deviation_m_s_ * deviation_m_s_ < kSettled * strain_squared_ * wave_squared;
-    tangled_s_ = upright < kTangled || settled ? tangled_s_ + frame_s : 0.0;
+    // A tangle that does not come to rest either counts half: first-order steps should have calmed it long since.
+    const double weight = upright < kTangled || settled ? 1.0 : strained_ ? 0.5 : -1.0;
+    tangled_s_ = std::max(0.0, tangled_s_ + weight * frame_s);
     untangling_ = tangled_s_ > kPatience_s;
     if (untangling_) ++untangled_;
   }

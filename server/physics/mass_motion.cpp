@@ -3,6 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
@@ -64,9 +65,16 @@ Quaterniond extract_rotation(const Matrix3d& matrix, const Quaterniond& warm) {
     const Matrix3d k = m.trace() * Matrix3d::Identity() - 0.5 * (m + m.transpose());
     // A cord sixteen times as long as thick has 4e-3 here.
     const bool upright = k(0, 0) > 1e-5 && k(0, 0) * k(1, 1) - k(0, 1) * k(0, 1) > 1e-8 && k.determinant() > 1e-12;
-    // Elsewhere the torque gives the way but not how far: a slender body has next to none about its long axis.
-    Vector3d w = upright ? Vector3d(k.inverse() * tau) : Vector3d(tau * (0.3 / std::max(tau.norm(), 1e-9)));
-    if (!upright && tau.norm() < 1e-6 && m.determinant() > 1e-6) w = Vector3d(0.01, 0.02, 0.03);  // half a turn away
+    if (!upright && i > 0) {
+      // Far away, and perhaps slender: all at once. What has no second direction keeps the turn about its first.
+      const Eigen::JacobiSVD<Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
+      if (svd.singularValues()[1] > 1e-5 * svd.singularValues()[0]) {
+        Matrix3d u = svd.matrixU();
+        if ((u * svd.matrixV().transpose()).determinant() < 0.0) u.col(2) = -u.col(2);
+        return Quaterniond(Matrix3d(u * svd.matrixV().transpose())).normalized();
+      }
+    }
+    const Vector3d w = upright ? Vector3d(k.inverse() * tau) : Vector3d(tau / (std::abs(m.trace()) + 1e-3));
     const double angle = w.norm();
     if (angle < 1e-13) break;
     const double bounded = std::min(angle, 0.5);
