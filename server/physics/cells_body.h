@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "physics/cell_batches.h"
@@ -30,6 +31,10 @@
 namespace livegs {
 
 class CellsBody final : public ElasticBody {
+  using Vector3d = Eigen::Vector3d;
+  using Matrix3d = Eigen::Matrix3d;
+  using Quaterniond = Eigen::Quaterniond;
+
  public:
   // Preconditions: a description that make_elastic_body has checked.
   CellsBody(const ElasticBodyDescription& description, double rate_hz, int substeps, bool may_sleep);
@@ -46,6 +51,9 @@ class CellsBody final : public ElasticBody {
   RestBody rest_body() const override;
   void write_drivers(ObjectDrivers& drivers) const override;
   Pose centre_pose() const override;
+  Vector3d centre_m() const override { return origin_m_ + motion_.centre_m; }
+  double mass_kg() const override { return mass_kg_; }
+  ContactTally take_contacts() override { return std::exchange(contact_tally_, {}); }
   Eigen::Vector3d velocity_m_s() const override;
   Eigen::Vector3d angular_velocity_rad_s() const override;
   std::vector<ParticleState> particles() const override;
@@ -56,10 +64,6 @@ class CellsBody final : public ElasticBody {
   std::optional<RayHit> ray_cast(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction) const override;
 
  private:
-  using Vector3d = Eigen::Vector3d;
-  using Matrix3d = Eigen::Matrix3d;
-  using Quaterniond = Eigen::Quaterniond;
-
   // A region that holds or moves some of the body.
   struct HeldRegion {
     BodyRegion region;
@@ -171,6 +175,7 @@ class CellsBody final : public ElasticBody {
   MassMotion motion_;
   Vector3d momentum_before_ = Vector3d::Zero(), angular_before_ = Vector3d::Zero();  // of the last velocities, here
   Vector3d owed_velocity_ = Vector3d::Zero(), owed_spin_ = Vector3d::Zero();         // to the nodes, by the ledger
+  ContactTally contact_tally_;
   Vector3d contact_impulse_ = Vector3d::Zero(), contact_moment_ = Vector3d::Zero();
   Vector3d ledger_momentum_ = Vector3d::Zero(), ledger_angular_ = Vector3d::Zero();
 

@@ -64,7 +64,11 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
     const double w = surface_mobility_[i];
     if (w <= 0.0) return;
     const Vector3d moved = point - nodes_.position_m(sample);
-    take_contact(i, point, contact_correction(surface.normal, depth, moved, friction) / w, step_s);
+    const Vector3d pull_kg_m = contact_correction(surface.normal, depth, moved, friction) / w;
+    take_contact(i, point, pull_kg_m, step_s);
+    const double size = pull_kg_m.norm() / step_s;
+    contact_tally_.impulse_n_s += size;
+    contact_tally_.moment += size * (origin_m_ + point);
   };
   for (size_t n = 0; n < candidates_.size(); ++n) {
     const Candidate& candidate = candidates_[backward_ ? candidates_.size() - 1 - n : n];

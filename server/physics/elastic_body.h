@@ -77,6 +77,12 @@ struct ParticleState {
   Eigen::Matrix3d deformation_gradient;  // rest object frame to world
 };
 
+// What colliders gave a body since it was last asked: sizes of impulses, and where they acted on average.
+struct ContactTally {
+  double impulse_n_s = 0;
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // sum of size times point, world
+};
+
 struct BodyEnergy {
   double kinetic_j = 0, elastic_j = 0, gravity_j = 0;
   Eigen::Vector3d linear_momentum = Eigen::Vector3d::Zero();   // kg m/s
@@ -114,6 +120,8 @@ class ElasticBody {
   virtual void substep(const SubstepContext& context) = 0;
   virtual void end_frame(double frame_s) = 0;  // plasticity and the sleep test happen here
 
+  virtual ContactTally take_contacts() { return {}; }
+
   // Lets go of a fixed or moved region for good; its other properties stay. False when there is none of that name.
   virtual bool release_region(const std::string& name) = 0;
   virtual void set_material(const Material& material) = 0;
@@ -126,6 +134,8 @@ class ElasticBody {
   virtual void write_drivers(ObjectDrivers& drivers) const = 0;
 
   virtual Pose centre_pose() const = 0;  // centre of mass and best-fit rotation of the body as a whole
+  virtual Eigen::Vector3d centre_m() const { return centre_pose().position_m; }  // of mass; cheap
+  virtual double mass_kg() const { return material().mass_kg; }  // with what regions of another density change
   virtual Eigen::Vector3d velocity_m_s() const = 0;          // of the centre of mass
   virtual Eigen::Vector3d angular_velocity_rad_s() const = 0;
   virtual std::vector<ParticleState> particles() const = 0;

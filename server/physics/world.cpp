@@ -152,7 +152,7 @@ Result<void> World::add_elastic(const ElasticBodyDescription& description) {
   if (!body) return body.error();
   ElasticObject object;
   object.body = std::move(body).value();
-  const Eigen::Vector3d centre = object.body->centre_pose().position_m;
+  const Eigen::Vector3d centre = object.body->centre_m();
   for (const Eigen::Vector3d& particle : description.particles.positions_m) {
     object.reach_m = std::max(object.reach_m, (normalized(description.world_from_object) * particle - centre).norm());
   }

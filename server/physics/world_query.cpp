@@ -87,7 +87,7 @@ std::vector<BodyState> World::bodies() const {
       state.world_from_body = body.centre_pose();
       state.velocity_m_s = body.velocity_m_s();
       state.angular_velocity_rad_s = body.angular_velocity_rad_s();
-      state.mass_kg = body.material().mass_kg;
+      state.mass_kg = body.mass_kg();
     }
     bodies.push_back(state);
   }

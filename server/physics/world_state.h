@@ -37,7 +37,7 @@ struct ElasticObject {
   std::vector<MovingSphere> spheres;
   std::vector<RigidBody*> sphere_owners;
   std::vector<PointForce> forces;
-  // Over the tick, from balls.
+  // Over the tick, from balls and colliders.
   double contact_impulse_n_s = 0;
   Eigen::Vector3d contact_moment = Eigen::Vector3d::Zero();
 };

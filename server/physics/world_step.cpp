@@ -19,7 +19,7 @@ size_t index_of(const std::vector<RigidBody*>& bodies, const RigidBody& body) {
   return static_cast<size_t>(at - bodies.begin());
 }
 
-double mass_of(const ElasticObject& object) { return object.body->material().mass_kg; }
+double mass_of(const ElasticObject& object) { return object.body->mass_kg(); }
 
 }  // namespace
 
@@ -58,7 +58,7 @@ void World::State::gather_loads(double duration_s) {
 void World::State::meet_balls(ElasticObject& elastic, double duration_s) {
   elastic.spheres.clear();
   elastic.sphere_owners.clear();
-  const Eigen::Vector3d centre = elastic.body->centre_pose().position_m;
+  const Eigen::Vector3d centre = elastic.body->centre_m();
   // A soft body may be drawn out to twice its length while it is held.
   const double reach = 2.0 * elastic.reach_m;
   for (RigidBody* body : rigid_bodies) {
@@ -114,6 +114,9 @@ void World::State::report_contacts() {
     if (RigidObject* rigid = object.rigid()) {
       report(id, rigid->body->contact_impulse_n_s, rigid->body->contact_moment);
     } else if (ElasticObject* elastic = object.elastic()) {
+      const ContactTally tally = elastic->body->take_contacts();
+      elastic->contact_impulse_n_s += tally.impulse_n_s;
+      elastic->contact_moment += tally.moment;
       report(id, elastic->contact_impulse_n_s, elastic->contact_moment);
     }
   }
@@ -129,7 +132,7 @@ void World::State::report_sleep() {
     event.kind = asleep ? WorldEventKind::Sleep : WorldEventKind::Wake;
     event.object_id = id;
     if (const RigidObject* rigid = object.rigid()) event.point_m = rigid->body->world_from_body.position_m;
-    if (const ElasticObject* elastic = object.elastic()) event.point_m = elastic->body->centre_pose().position_m;
+    if (const ElasticObject* elastic = object.elastic()) event.point_m = elastic->body->centre_m();
     events.push_back(event);
   }
 }

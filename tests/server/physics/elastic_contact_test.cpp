@@ -106,7 +106,8 @@ TEST(ElasticContact, BallGivesWhatTheBodyGets) {
     given += stage.spheres[0].impulse_n_s;
   }
   const Vector3d momentum = stage.body->energy(kNoGravity).linear_momentum;
-  EXPECT_NEAR((momentum + given).norm(), 0.0, 1e-12);
+  // The ledger is exact; nodes are single precision: 1e-7 of 0.6 kg m/s.
+  EXPECT_NEAR((momentum + given).norm(), 0.0, 1e-7);
   EXPECT_GT(momentum.x(), -0.2 * 3 * 2.0);            // no more than a perfect rebound gives
   EXPECT_LT(momentum.x(), -0.2 * 3 * 0.8);
   EXPECT_GT(ball.velocity_m_s.x(), -0.6);             // stopped or thrown back: 0.2 kg on 1 kg

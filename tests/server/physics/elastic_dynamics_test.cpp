@@ -16,9 +16,10 @@ TEST(ElasticDynamics, FreeFallIsTheSchemesClosedForm) {
   ASSERT_EQ(stage.body->accuracy().substeps, stage.substeps);
   stage.run(2.0);
   const double h = stage.substep_s(), fall = 0.5 * 9.81 * 4.0 + 0.75 * 9.81 * h * h;
-  EXPECT_NEAR(stage.body->centre_pose().position_m.y(), 20.0 - fall, 1e-10);
-  EXPECT_NEAR(stage.body->centre_pose().position_m.x(), 2.0, 1e-10);
-  EXPECT_NEAR(stage.body->velocity_m_s().y(), 10.0 - 9.81 * 2.0, 1e-11);
+  // Single precision: 480 steps of 4 cm, each rounded to 2e-9 m at most, one way at worst.
+  EXPECT_NEAR(stage.body->centre_pose().position_m.y(), 20.0 - fall, 1e-6);
+  EXPECT_NEAR(stage.body->centre_pose().position_m.x(), 2.0, 1e-6);
+  EXPECT_NEAR(stage.body->velocity_m_s().y(), 10.0 - 9.81 * 2.0, 1e-11);  // the ledger is double
 }
 
 TEST(ElasticDynamics, PointForceAcceleratesTheCentreOfMassExactly) {
@@ -117,8 +118,8 @@ TEST(ElasticDynamics, DampingOfShapeKeepsMomentum) {
   const BodyEnergy start = stage.body->energy(kNoGravity);
   stage.run(3.0);
   const BodyEnergy end = stage.body->energy(kNoGravity);
-  EXPECT_LT((end.linear_momentum - start.linear_momentum).norm() / start.linear_momentum.norm(), 1e-9);
-  EXPECT_LT((end.angular_momentum - start.angular_momentum).norm() / start.angular_momentum.norm(), 1e-9);
+  EXPECT_LT((end.linear_momentum - start.linear_momentum).norm() / start.linear_momentum.norm(), 1e-6);
+  EXPECT_LT((end.angular_momentum - start.angular_momentum).norm() / start.angular_momentum.norm(), 1e-5);
   EXPECT_LT(end.elastic_j, 0.02 * start.elastic_j);  // what is left is the stretch of the spin
 }
 

@@ -82,8 +82,8 @@ TEST(ElasticStatics, CantileverSagsByTimoshenko) {
     stage.make(bar);
     stage.run(scene_modulus > 5e4 ? 3.0 : 9.0);
     EXPECT_NEAR(-stage.body->world_point({0.2, 0, 0}).y() / sag, 1.0, 0.03);
-    // Held exactly.
-    EXPECT_NEAR((stage.body->world_point({-0.19, 0.02, 0.03}) - Vector3d(-0.19, 0.02, 0.03)).norm(), 0.0, 1e-15);
+    // Held exactly, as single precision says where: 0.2 m to 1.5e-8.
+    EXPECT_NEAR((stage.body->world_point({-0.19, 0.02, 0.03}) - Vector3d(-0.19, 0.02, 0.03)).norm(), 0.0, 3e-8);
   }
 }
 
@@ -102,9 +102,9 @@ TEST(ElasticStatics, AffineDeformationHasTheEnergyOfItsClosedForm) {
   const double mu = youngs / (2 * (1 + poisson)), lambda = youngs * poisson / ((1 + poisson) * (1 - 2 * poisson));
   const double expected = volume * (mu * (stretch - Matrix3d::Identity()).squaredNorm() +
                                     0.5 * lambda * std::pow(stretch.determinant() - 1, 2));
-  EXPECT_NEAR(stage.body->energy(kNoGravity).elastic_j / expected, 1.0, 1e-9);
+  EXPECT_NEAR(stage.body->energy(kNoGravity).elastic_j / expected, 1.0, 1e-6);
   for (const ParticleState& p : stage.body->particles()) {
-    EXPECT_NEAR((p.deformation_gradient - block.initial_deformation).norm(), 0.0, 1e-12);
+    EXPECT_NEAR((p.deformation_gradient - block.initial_deformation).norm(), 0.0, 1e-6);  // single precision over a cell
   }
 }
 
@@ -114,14 +114,15 @@ TEST(ElasticStatics, RigidPlacementIsRest) {
   Stage stage;
   stage.make(block);
   stage.run(1.0);
-  // Rounding only: positions of a few metres, 240 substeps.
+  // Rounding only: lengths of 0.1 m in single precision, 240 substeps.
   for (size_t i = 0; i < block.particles.positions_m.size(); ++i) {
     const Vector3d now = stage.body->particles()[i].position_m;
-    ASSERT_NEAR((now - block.world_from_object * block.particles.positions_m[i]).norm(), 0.0, 1e-11);
+    ASSERT_NEAR((now - block.world_from_object * block.particles.positions_m[i]).norm(), 0.0, 1e-7);
     i += 50;
   }
-  EXPECT_LT(stage.body->energy(kNoGravity).elastic_j, 1e-18);
-  EXPECT_LT(stage.body->energy(kNoGravity).kinetic_j, 1e-18);
+  // Strains of 1e-7 rounding: V E e²/2 = 1e-12 to 1e-10 J.
+  EXPECT_LT(stage.body->energy(kNoGravity).elastic_j, 1e-9);
+  EXPECT_LT(stage.body->energy(kNoGravity).kinetic_j, 1e-9);
 }
 
 }  // namespace
