@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// LIVE-GS (Mao et al.): the table that turns the stiffness s E into a deformation resistance.
+// LIVE-GS (Mao et al.): the table that turns the stiffness s E into a deformation resistance. That its blend is no
+// stiffness, and the conversion that makes it one: physics.md 0.
 #include "physics/material.h"
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 
 namespace livegs {
 namespace {
@@ -36,6 +39,18 @@ double effective_youngs_modulus_pa(double deformation_resistance) {
   while (upper + 1 < kTable.size() && resistance > kTable[upper].resistance) ++upper;
   const BreakPoint &a = kTable[upper - 1], &b = kTable[upper];
   return between(resistance, a.resistance, b.resistance, a.stiffness_pa, b.stiffness_pa);
+}
+
+double resistance_stiffness_per_s2(double deformation_resistance) {
+  const double resistance = std::clamp(deformation_resistance, 0.0, 1.0);
+  if (resistance == 1.0) return std::numeric_limits<double>::infinity();
+  return resistance / ((1.0 - resistance) * kPaperSubstep_s * kPaperSubstep_s);
+}
+
+double resistance_blend(double stiffness_per_s2, double substep_s) {
+  if (std::isinf(stiffness_per_s2)) return 1.0;
+  const double odds = stiffness_per_s2 * substep_s * substep_s;
+  return odds / (1.0 + odds);
 }
 
 }  // namespace livegs

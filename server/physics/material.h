@@ -37,4 +37,13 @@ struct Material {
 double deformation_resistance(double effective_youngs_modulus_pa);
 double effective_youngs_modulus_pa(double deformation_resistance);
 
+// d_R is the part of the way to its goal that a particle goes in one substep, so what it shows grows with the square of
+// the substep rate. At the substep the paper ran at (60 Hz, 4 substeps) it stands for a stiffness, as that of a spring
+// to the goal by mass, omega² = d_R / ((1 - d_R) h_ref²) in 1/s²: 0 … infinity, which is rigid.
+inline constexpr double kPaperSubstep_s = 1.0 / 240.0;
+double resistance_stiffness_per_s2(double deformation_resistance);
+// And back at a substep of any length: omega² h² / (1 + omega² h²), the implicit step of that spring; 1 where omega² is
+// infinite. Equals d_R at kPaperSubstep_s.
+double resistance_blend(double stiffness_per_s2, double substep_s);
+
 }  // namespace livegs
