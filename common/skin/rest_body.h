@@ -30,6 +30,9 @@ struct RestBody {
   double cell_width_m = 0.0;
   std::vector<Eigen::Vector3i> node_coordinates;
   std::vector<std::array<uint32_t, 8>> cells;
+  // Where the material of each cell is (cell_fill.h), if several cells or nodes stand at one place: parts of the
+  // object that touch only in the picture have cells and nodes of their own. Else empty.
+  std::vector<uint64_t> cell_fills;
 
   // Particles: rest positions in the object frame.
   std::vector<Eigen::Vector3f> particles_m;

@@ -8,11 +8,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <string>
 #include <tuple>
 
 #include "core/assert.h"
 #include "core/parallel_for.h"
+#include "skin/cell_fill.h"
 #include "skin/driver_skinning.h"
 #include "skin/limit_deformation.h"
 #include "skin/nearest_cubes.h"
@@ -21,6 +23,10 @@ namespace livegs {
 namespace {
 
 constexpr size_t kNodeBlock = 512;
+
+// Cells that a kernel looks for the nearest material in: those about a cell, and some more where parts of the
+// object have cells of their own.
+constexpr size_t kCellsConsidered = 48;
 
 // Where a node is and how the body deforms there, in the lanes of two AVX registers: x y z 0 | dx/dX 0, then
 // dx/dY 0 | dx/dZ 0, with X Y Z along the lattice's axes. One cache line.
@@ -38,6 +44,10 @@ Result<void> check_lattice(const RestBody& rest) {
   if (!rest.object_from_lattice.position_m.allFinite() ||
       !rest.object_from_lattice.orientation.coeffs().allFinite()) {
     return invalid_argument("rest body: object_from_lattice is not finite");
+  }
+  if (!rest.cell_fills.empty() && rest.cell_fills.size() != rest.cells.size()) {
+    return invalid_argument("rest body: " + std::to_string(rest.cell_fills.size()) + " fills of " +
+                            std::to_string(rest.cells.size()) + " cells");
   }
   for (size_t i = 0; i < rest.cells.size(); ++i) {
     for (int corner = 0; corner < 8; ++corner) {
@@ -124,6 +134,22 @@ Eigen::Matrix3f mean_gradient(const RestBody& rest, const std::vector<NodeState>
   return (mean / (8.0 * static_cast<double>(rest.cells.size()))).cast<float>();
 }
 
+uint32_t cell_of_nearest_material(const RestBody& rest, const std::vector<Eigen::Vector3f>& centres,
+                                  std::span<const NearestCubes::Neighbour> candidates,
+                                  const Eigen::Vector3f& point) {
+  uint32_t best = candidates[0].index;
+  FillDistance least;
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    const uint32_t cell = candidates[i].index;
+    const Eigen::Vector3f in_cell = point - centres[cell] + Eigen::Vector3f::Constant(0.5f);
+    const FillDistance distance = fill_distance(rest.cell_fills[cell], in_cell);
+    if (i > 0 && !(distance < least)) continue;
+    least = distance;
+    best = cell;
+  }
+  return best;
+}
+
 Eigen::Array3f local_of(const KernelBinding& binding) {
   return {binding.weights[0], binding.weights[1], binding.weights[2]};
 }
@@ -164,9 +190,13 @@ Result<void> bind_lattice(const RestKernels& kernels, const RestBody& rest, Kern
   parallel_for(kernels.positions_m.size(), kSkinBlock, [&](size_t begin, size_t end) {
     for (size_t k = begin; k < end; ++k) {
       const Eigen::Vector3d in_cells = (lattice_from_object * kernels.positions_m[k]) / rest.cell_width_m;
-      std::array<NearestCubes::Neighbour, 1> nearest;
-      cells.find((in_cells - origin).cast<float>(), nearest);
-      const uint32_t cell = nearest[0].index;
+      const Eigen::Vector3f point = (in_cells - origin).cast<float>();
+      std::array<NearestCubes::Neighbour, kCellsConsidered> nearest;
+      const size_t considered = rest.cell_fills.empty() ? 1 : nearest.size();
+      const size_t found = cells.find(point, std::span(nearest).first(considered));
+      uint32_t cell = nearest[0].index;
+      if (!rest.cell_fills.empty())
+        cell = cell_of_nearest_material(rest, centres, std::span(nearest).first(found), point);
       const Eigen::Vector3d corner = rest.node_coordinates[rest.cells[cell][0]].cast<double>();
       KernelBinding& binding = bindings.kernels[k];
       binding.drivers[0] = cell;

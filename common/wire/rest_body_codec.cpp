@@ -15,6 +15,7 @@ namespace {
 constexpr uint32_t kMagic = 0x5247564C;  // "LVGR"
 constexpr uint16_t kVersion = 1;
 constexpr uint8_t kPlain = 0;
+constexpr uint8_t kWithFills = 1;
 constexpr size_t kPoseBytes = 7 * 8;
 constexpr size_t kParticleBytes = 3 * 4;
 
@@ -94,9 +95,11 @@ void write_lattice(ByteWriter& out, const RestBody& rest) {
       out.write_bits(node, index_bytes);
     }
   }
+  LIVEGS_ASSERT(rest.cell_fills.empty() || rest.cell_fills.size() == rest.cells.size());
+  for (const uint64_t fill : rest.cell_fills) out.write(fill);
 }
 
-Result<void> read_lattice(ByteReader& in, RestBody& rest) {
+Result<void> read_lattice(ByteReader& in, bool with_fills, RestBody& rest) {
   rest.object_from_lattice = read_pose(in);
   rest.cell_width_m = in.read<double>();
   const size_t node_count = in.read<uint32_t>();
@@ -118,7 +121,8 @@ Result<void> read_lattice(ByteReader& in, RestBody& rest) {
   if (index_bytes != 2 && index_bytes != 4) {
     return invalid_data("rest body: " + std::to_string(index_bytes) + " bytes an index; 2 and 4 are known");
   }
-  if (node_count * 3 * coordinate_bytes + cell_count * 8 * index_bytes > in.remaining()) {
+  const size_t bytes_a_cell = 8 * index_bytes + (with_fills ? 8 : 0);
+  if (node_count * 3 * coordinate_bytes + cell_count * bytes_a_cell > in.remaining()) {
     return cut_short("lattice");
   }
   rest.node_coordinates.reserve(node_count);
@@ -142,6 +146,10 @@ Result<void> read_lattice(ByteReader& in, RestBody& rest) {
                             " of " + std::to_string(node_count));
       }
     }
+  }
+  if (with_fills) {
+    rest.cell_fills.resize(cell_count);
+    for (uint64_t& fill : rest.cell_fills) fill = in.read<uint64_t>();
   }
   return {};
 }
@@ -180,7 +188,7 @@ std::vector<std::byte> encode_rest_body(const RestBody& rest) {
   out.write(kMagic);
   out.write(kVersion);
   out.write(static_cast<uint8_t>(rest.kind));
-  out.write(kPlain);
+  out.write(rest.cell_fills.empty() ? kPlain : kWithFills);
   out.write(rest.object_from_asset.scale);
   write_vector(out, rest.object_from_asset.rotation.coeffs());
   write_vector(out, rest.object_from_asset.translation_m);
@@ -217,7 +225,9 @@ Result<RestBody> decode_rest_body(std::span<const std::byte> bytes) {
     return unsupported("rest body: version " + std::to_string(version) + ", this build reads version " +
                        std::to_string(kVersion) + "; update the older of server and client");
   }
-  if (encoding != kPlain) return unsupported("rest body: unknown encoding " + std::to_string(encoding));
+  const bool with_fills = encoding == kWithFills && kind == static_cast<uint8_t>(DriverKind::Lattice);
+  if (encoding != kPlain && !with_fills)
+    return unsupported("rest body: unknown encoding " + std::to_string(encoding));
   RestBody rest;
   Similarity& to_object = rest.object_from_asset;
   to_object.scale = in.read<double>();
@@ -233,7 +243,7 @@ Result<RestBody> decode_rest_body(std::span<const std::byte> bytes) {
       case static_cast<uint8_t>(DriverKind::Rigid):
         return read_rigid(in, rest);
       case static_cast<uint8_t>(DriverKind::Lattice):
-        return read_lattice(in, rest);
+        return read_lattice(in, with_fills, rest);
       case static_cast<uint8_t>(DriverKind::Particles):
         return read_particles(in, rest);
     }

@@ -80,6 +80,7 @@ bool voxels_fill(const ParticleSet& particles, double volume, const Matrix3d& la
 
 BodyExtent measure_extent(const ParticleSet& particles) {
   BodyExtent extent;
+  extent.spacing_m = particles.spacing_m;
   Matrix3d lattice_from_object = Matrix3d::Identity();
   const Matrix3d principal = principal_axes(particles).transpose();
   if (bounds_along(particles, principal).volume() < kTighter * bounds_along(particles, lattice_from_object).volume()) {

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
+#include <numeric>
 
+#include "physics/box_links.h"
 #include "physics/cut_boxes.h"
 #include "physics/lattice.h"
 #include "physics/lattice_order.h"
+#include "physics/virtual_nodes.h"
+#include "skin/cell_fill.h"
 
 namespace livegs {
 namespace {
@@ -32,8 +35,15 @@ struct Moments {
   double volume = 0.0, fixed_volume = 0.0;
   Vector3d first = Vector3d::Zero(), second = Vector3d::Zero();  // of the local coordinates
   std::map<uint16_t, MaterialMoments> materials;
+  uint64_t fill = 0;
 
   void add(const BoxPiece& piece) {
+    // Uniform over an interval: its half length is the square root of three variances.
+    const Vector3d half = (3.0 * (piece.mean_square - piece.mean.cwiseAbs2())).cwiseMax(0.0).cwiseSqrt();
+    const auto in_cell = [](const Vector3d& local) -> Eigen::Vector3f {
+      return (0.5 * (local + Vector3d::Ones())).cast<float>();
+    };
+    fill |= fill_of_box(in_cell(piece.mean - half), in_cell(piece.mean + half));
     volume += piece.volume_m3;
     first += piece.volume_m3 * piece.mean;
     second += piece.volume_m3 * piece.mean_square;
@@ -74,9 +84,8 @@ Vector3d lattice_origin(const BodyExtent& extent, double cell_width_m, std::span
   return origin;
 }
 
-LatticeCell make_cell(const Vector3i& coordinates, const Moments& moments) {
+LatticeCell make_cell(const Moments& moments) {
   LatticeCell cell;
-  cell.coordinates = coordinates;
   cell.volume_m3 = moments.volume;
   cell.centroid = moments.first / moments.volume;
   // The variance of a local coordinate over a full cell is 1/3.
@@ -90,6 +99,7 @@ LatticeCell make_cell(const Vector3i& coordinates, const Moments& moments) {
     parts += part;
   }
   for (MaterialShare& share : cell.materials) share.part /= parts;
+  cell.fill = moments.fill;
   return cell;
 }
 
@@ -122,47 +132,61 @@ void set_node_volumes(Lattice& lattice) {
 
 Lattice build_lattice(const BodyExtent& extent, double cell_width_m, std::span<const BodyRegion> regions) {
   const Vector3d origin = lattice_origin(extent, cell_width_m, regions);
+
+  // What hangs together in which cells, then the cells and nodes that takes.
+  std::vector<BoxInCell> entries;
+  std::vector<uint32_t> entry_of_piece;
+  uint32_t begin = 0;  // of the box's entries
+  cut_boxes(extent, origin, cell_width_m, regions, [&](const BoxPiece& piece) {
+    if (entries.empty() || entries.back().box != piece.box) begin = static_cast<uint32_t>(entries.size());
+    uint32_t entry = begin;
+    while (entry < entries.size() && entries[entry].cell != piece.cell) ++entry;
+    if (entry == entries.size()) entries.push_back({piece.box, piece.cell});
+    entry_of_piece.push_back(entry);
+  });
+  const VirtualCells virtual_cells =
+      make_virtual_cells(entries, link_boxes(extent, cell_width_m), kLatticeColours);
+
   Lattice lattice;
   lattice.cell_width_m = cell_width_m;
   lattice.material_volumes_m3.assign(material_count(regions), 0.0);
-
-  std::map<LatticeKey, Moments> filled;
-  Vector3i lowest = Vector3i::Constant(std::numeric_limits<int>::max());
+  std::vector<Moments> moments(virtual_cells.cells.size());
+  size_t next_piece = 0;
   cut_boxes(extent, origin, cell_width_m, regions, [&](const BoxPiece& piece) {
-    filled[lattice_key(piece.cell)].add(piece);
-    lowest = lowest.cwiseMin(piece.cell);
+    moments[virtual_cells.cell_of_entry[entry_of_piece[next_piece++]]].add(piece);
     lattice.material_volumes_m3[piece.material] += piece.volume_m3;
   });
+
+  Vector3i lowest = virtual_cells.node_coordinates[0];
+  for (const Vector3i& node : virtual_cells.node_coordinates) lowest = lowest.cwiseMin(node);
   lattice.object_from_lattice.orientation = extent.object_from_lattice;
   lattice.object_from_lattice.position_m =
       extent.object_from_lattice * (origin + cell_width_m * lowest.cast<double>());
-
-  std::map<LatticeKey, uint32_t> node_indices;
-  for (const auto& [key, moments] : filled) {
-    const Vector3i coordinates(std::get<2>(key), std::get<1>(key), std::get<0>(key));
-    lattice.cells.push_back(make_cell(coordinates - lowest, moments));
-    for (int c = 0; c < 8; ++c) node_indices[lattice_key(lattice.cells.back().coordinates + corner_offset(c))] = 0;
+  for (const Vector3i& node : virtual_cells.node_coordinates) lattice.node_coordinates.push_back(node - lowest);
+  for (size_t i = 1; i < lattice.node_coordinates.size(); ++i) {
+    lattice.has_virtual_cells |= lattice.node_coordinates[i] == lattice.node_coordinates[i - 1];
   }
-  for (auto& [key, index] : node_indices) {
-    index = static_cast<uint32_t>(lattice.node_coordinates.size());
-    lattice.node_coordinates.emplace_back(std::get<2>(key), std::get<1>(key), std::get<0>(key));
-  }
-  std::sort(lattice.cells.begin(), lattice.cells.end(),
-            [](const auto& a, const auto& b) { return cell_order(a) < cell_order(b); });
 
   lattice.material_node_volumes_m3.assign(lattice.material_volumes_m3.size(),
                                           std::vector<double>(lattice.node_coordinates.size(), 0.0));
-  for (LatticeCell& cell : lattice.cells) {
-    const Moments& moments = filled.at(lattice_key(cell.coordinates + lowest));
-    for (int c = 0; c < 8; ++c) {
-      cell.nodes[c] = node_indices.at(lattice_key(cell.coordinates + corner_offset(c)));
-      for (const auto& [material, of_material] : moments.materials) {
-        lattice.material_node_volumes_m3[material][cell.nodes[c]] += of_material.corner[c];
-      }
+  for (size_t i = 0; i < moments.size(); ++i) {
+    LatticeCell cell = make_cell(moments[i]);
+    cell.coordinates = virtual_cells.cells[i].coordinates - lowest;
+    cell.nodes = virtual_cells.cells[i].nodes;
+    for (const auto& [material, of_material] : moments[i].materials) {
+      for (int c = 0; c < 8; ++c) lattice.material_node_volumes_m3[material][cell.nodes[c]] += of_material.corner[c];
     }
-    ++lattice.colour_begin[colour_of(cell.coordinates) + 1];
+    lattice.cells.push_back(std::move(cell));
+    ++lattice.colour_begin[virtual_cells.cells[i].colour + 1];
   }
-  for (int colour = 0; colour < 8; ++colour) lattice.colour_begin[colour + 1] += lattice.colour_begin[colour];
+  for (int colour = 0; colour < kLatticeColours; ++colour) {
+    lattice.colour_begin[colour + 1] += lattice.colour_begin[colour];
+  }
+  lattice.cells_by_place.resize(lattice.cells.size());
+  std::iota(lattice.cells_by_place.begin(), lattice.cells_by_place.end(), 0u);
+  std::stable_sort(lattice.cells_by_place.begin(), lattice.cells_by_place.end(), [&](uint32_t a, uint32_t b) {
+    return lattice_key(lattice.cells[a].coordinates) < lattice_key(lattice.cells[b].coordinates);
+  });
   set_node_volumes(lattice);
   return lattice;
 }

@@ -110,7 +110,7 @@ CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> in
   CellBatches result;
   result.places.resize(lattice.cells.size());
   result.full_inverse_mass = heaviest_inverse_mass(inverse_masses);
-  for (int colour = 0; colour < 8; ++colour) {
+  for (int colour = 0; colour < kSweepColours; ++colour) {
     result.colours.full_begin[colour] = result.full.size();
     result.colours.cut_begin[colour] = result.cut.size();
     uint32_t full_used = 0, cut_used = 0;
@@ -140,8 +140,8 @@ CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> in
       }
     }
   }
-  result.colours.full_begin[8] = result.full.size();
-  result.colours.cut_begin[8] = result.cut.size();
+  result.colours.full_begin[kSweepColours] = result.full.size();
+  result.colours.cut_begin[kSweepColours] = result.cut.size();
   return result;
 }
 

@@ -385,8 +385,8 @@ LIVEGS_INLINE Lanes twice(NodeLanes a) { return pair_of(a, a); }
 
 SweepReport sweep_cells(const SweepArrays& arrays, const SweepColours& colours) {
   Worst worst{all_lanes(0.0f), all_lanes(1.0f)};
-  for (int i = 0; i < 8; ++i) {
-    const int colour = arrays.backward ? 7 - i : i;
+  for (int i = 0; i < kSweepColours; ++i) {
+    const int colour = arrays.backward ? kSweepColours - 1 - i : i;
     for (size_t k = colours.full_begin[colour]; k < colours.full_begin[colour + 1]; ++k) {
       solve_full(arrays.full[k], arrays.full_gains, arrays, worst);
     }

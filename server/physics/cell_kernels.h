@@ -79,8 +79,9 @@ struct CutGains {
 };
 
 // One colour after another, or from the last to the first: a sweep in a fixed order pulls a body sideways.
+inline constexpr int kSweepColours = 16;  // parities, and more for cells that stand at one place
 struct SweepColours {
-  size_t full_begin[9], cut_begin[9];  // eights of cells by colour
+  size_t full_begin[kSweepColours + 1], cut_begin[kSweepColours + 1];  // eights of cells by colour
 };
 struct SweepArrays {
   const NodeLanes* predicted = nullptr;

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "physics/lattice_order.h"
+#include "skin/cell_fill.h"
 
 namespace livegs {
 namespace {
@@ -49,30 +49,32 @@ EmbeddedPoint Lattice::embed(const Vector3d& object_point_m) const {
     return 2.0 * (point - cell.coordinates.cast<double>()) - Vector3d::Ones();
   };
   EmbeddedPoint nearest;
-  double least = std::numeric_limits<double>::infinity();
+  FillDistance least{INFINITY, INFINITY, INFINITY};
   const auto consider = [&](uint32_t i) {
-    const double beyond = (local_in(cells[i]).cwiseAbs() - Vector3d::Ones()).cwiseMax(0.0).squaredNorm();
-    if (beyond >= least) return;
-    least = beyond;
+    const LatticeCell& cell = cells[i];
+    const Eigen::Vector3f in_cell = (point - cell.coordinates.cast<double>()).cast<float>();
+    const FillDistance distance = fill_distance(has_virtual_cells ? cell.fill : kFullCell, in_cell);
+    if (!(distance < least)) return;
+    least = distance;
     nearest.cell = i;
   };
   const auto consider_at = [&](const Vector3i& coordinates) {
-    LatticeCell sought;
-    sought.coordinates = coordinates;
-    const auto found = std::lower_bound(cells.begin(), cells.end(), sought, [](const auto& a, const auto& b) {
-      return cell_order(a) < cell_order(b);
-    });
-    if (found != cells.end() && found->coordinates == coordinates) consider(static_cast<uint32_t>(found - cells.begin()));
+    auto found = std::lower_bound(cells_by_place.begin(), cells_by_place.end(), coordinates,
+                                  [&](uint32_t i, const Vector3i& sought) {
+                                    return lattice_key(cells[i].coordinates) < lattice_key(sought);
+                                  });
+    for (; found != cells_by_place.end() && cells[*found].coordinates == coordinates; ++found) consider(*found);
   };
   // Within reach of int and finite, or it is far outside anyway.
   if ((point.array().abs() < 1e9).all()) {
-    const Vector3i own(static_cast<int>(std::floor(point.x())), static_cast<int>(std::floor(point.y())),
-                       static_cast<int>(std::floor(point.z())));
+    const Vector3i own = point.array().floor().cast<int>();
     consider_at(own);
-    for (int k = 0; k < 27 && least > 0.0; ++k) consider_at(own + Vector3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
+    for (int k = 0; k < 27 && least.to_material > 0.0f; ++k) {
+      consider_at(own + Vector3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
+    }
   }
-  // Any other cell is a whole cell away: two local units.
-  if (least > 4.0) {
+  // Any other cell is a whole cell away.
+  if (least.to_material > 1.0f) {
     for (uint32_t i = 0; i < cells.size(); ++i) consider(i);
   }
   nearest.local = local_in(cells[nearest.cell]).cwiseMax(-kFurthestLocal).cwiseMin(kFurthestLocal);

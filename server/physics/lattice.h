@@ -37,6 +37,7 @@ struct LatticeCell {
   Eigen::Vector3d spread;    // variance of the material along each axis over that of a full cell; 0 ... 1
   bool fixed = false;        // all its material lies in fixed regions
   std::vector<MaterialShare> materials;  // ascending, parts sum to 1
+  uint64_t fill = 0;         // where the material is (skin/cell_fill.h)
 };
 
 // A material point as its cell and local coordinates; slightly beyond -1 ... 1 for points outside every cell.
@@ -62,9 +63,14 @@ struct BodyExtent {
   std::vector<MassBox> boxes;
   Eigen::Vector3d min_m, max_m;  // of the boxes
   double box_edge_m = 0.0;       // of a typical box
+  double spacing_m = 0.0;        // of the particles
 };
 // Preconditions: at least one particle, finite positions, positive volumes.
 BodyExtent measure_extent(const ParticleSet& particles);
+
+// Cells of one colour share no node. The first eight are the parities of the coordinates; the rest are for further cells
+// at one place.
+inline constexpr int kLatticeColours = 16;
 
 struct Lattice {
   Pose object_from_lattice;
@@ -74,10 +80,15 @@ struct Lattice {
   std::vector<std::vector<double>> material_node_volumes_m3;  // [material][node], sum over materials to the above
   std::vector<double> material_volumes_m3;
   std::vector<LatticeCell> cells;                 // grouped by colour, then by z, y, x
-  std::array<uint32_t, 9> colour_begin{};         // cells of one parity colour share no node
+  std::array<uint32_t, kLatticeColours + 1> colour_begin{};
+  std::vector<uint32_t> cells_by_place;           // all cells by z, y, x
+  // Several cells or nodes may stand at one place, for parts of the body that touch only in the picture
+  // (virtual_nodes.h).
+  bool has_virtual_cells = false;
 
   Eigen::Vector3d node_position_m(size_t node) const;  // object frame, at rest
-  // The cell a material point (object frame) lies in, or the nearest cell.
+  // The cell a material point (object frame) lies in, or the nearest cell; with virtual cells the cell whose material
+  // is nearest.
   EmbeddedPoint embed(const Eigen::Vector3d& object_point_m) const;
 };
 

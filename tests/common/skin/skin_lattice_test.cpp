@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "common/skin/rest_bodies.h"
+#include "skin/cell_fill.h"
 
 namespace livegs {
 namespace {
@@ -291,6 +292,25 @@ TEST(SkinLattice, HazeMovesWithTheBodyAndIsNotFlungByAnEdge) {
   EXPECT_LE(moved_m, 0.071 + 0.071 + 0.033);
 }
 
+TEST(BindLattice, OfTwoCellsAtOnePlaceAKernelRidesInTheOneWithTheNearestMaterial) {
+  // The left and the right third of one cell, each with nodes of its own.
+  RestBody rest = lattice_body(1, 1, 1, kCellWidth_m);
+  std::array<uint32_t, 8> second;
+  for (uint32_t c = 0; c < 8; ++c) {
+    second[c] = 8 + c;
+    rest.node_coordinates.push_back(rest.node_coordinates[rest.cells[0][c]]);
+  }
+  rest.cells.push_back(second);
+  rest.cell_fills = {fill_of_box({0, 0, 0}, {0.33f, 1, 1}), fill_of_box({0.67f, 0, 0}, {1, 1, 1})};
+  std::vector<Eigen::Vector3d> points;
+  for (const double x : {-0.2, 0.1, 0.3, 0.45, 0.55, 0.7, 0.9, 1.2}) {
+    points.push_back(kCellWidth_m * Eigen::Vector3d(x, 0.5, 1.1));
+  }
+  const Result<KernelBindings> bindings = bind_kernels(kernels_at(rest, points, 25), rest);
+  ASSERT_TRUE(bindings);
+  for (size_t k = 0; k < points.size(); ++k) EXPECT_EQ(bindings->kernels[k].drivers[0], k < 4 ? 0u : 1u) << k;
+}
+
 TEST(BindLattice, AKernelRidesInTheCellThatHoldsItOrTheNearest) {
   RestBody rest = ragged_body(6, 5, 4, kCellWidth_m, 21);
   std::mt19937_64 random(22);
@@ -324,6 +344,8 @@ TEST(BindLattice, ALyingRestBodyIsAnErrorThatNamesTheField) {
   EXPECT_NE(message([](RestBody& r) { r.cells.clear(); }).find("cell"), std::string::npos);
   EXPECT_NE(message([](RestBody& r) { r.cells[1][3] = 12; }).find("names node 12 of 12"), std::string::npos);
   EXPECT_NE(message([](RestBody& r) { std::swap(r.cells[0][1], r.cells[0][2]); }).find("corner 1"),
+            std::string::npos);
+  EXPECT_NE(message([](RestBody& r) { r.cell_fills.resize(3); }).find("3 fills of 2 cells"),
             std::string::npos);
   EXPECT_NE(message([](RestBody& r) { r.cell_width_m = 0.0; }).find("cell_width_m"), std::string::npos);
   EXPECT_NE(message([](RestBody& r) { r.cell_width_m = NAN; }).find("cell_width_m"), std::string::npos);

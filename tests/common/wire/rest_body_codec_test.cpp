@@ -27,6 +27,7 @@ void expect_same(const RestBody& a, const RestBody& b) {
   EXPECT_EQ(a.cell_width_m, b.cell_width_m);
   EXPECT_EQ(a.node_coordinates, b.node_coordinates);
   EXPECT_EQ(a.cells, b.cells);
+  EXPECT_EQ(a.cell_fills, b.cell_fills);
   EXPECT_EQ(a.particles_m, b.particles_m);
 }
 
@@ -40,7 +41,10 @@ std::vector<RestBody> one_of_each() {
   RestBody particles;
   particles.kind = DriverKind::Particles;
   for (int p = 0; p < 7; ++p) particles.particles_m.push_back(uniform3(random, -1, 1).cast<float>());
-  return {lattice, rigid, particles};
+  RestBody fingers = lattice_body(1, 2, 1, 0.1);
+  fingers.cells.push_back(fingers.cells[0]);
+  for (size_t c = 0; c < fingers.cells.size(); ++c) fingers.cell_fills.push_back(random());
+  return {lattice, rigid, particles, fingers};
 }
 
 TEST(RestBodyCodec, ARoundTripIsExact) {
@@ -74,6 +78,14 @@ TEST(RestBodyCodec, ManyNodesTakeWiderIndices) {
   const Result<RestBody> decoded = decode_rest_body(encode_rest_body(rest));
   ASSERT_TRUE(decoded) << decoded.error().message;
   expect_same(rest, *decoded);
+}
+
+TEST(RestBodyCodec, FillsTakeEightBytesACellAndOnlyWhereThereAreAny) {
+  RestBody rest = one_of_each()[3];
+  const size_t with_fills = encode_rest_body(rest).size();
+  const size_t cells = rest.cells.size();
+  rest.cell_fills.clear();
+  EXPECT_EQ(with_fills, encode_rest_body(rest).size() + 8 * cells);
 }
 
 TEST(RestBodyCodec, EveryTruncationAndAnExtraByteAreErrors) {
@@ -130,7 +142,9 @@ TEST(RestBodyCodec, EachLieIsNamed) {
   EXPECT_NE(message(set(0, 0), 0).find("LVGR"), std::string::npos);
   EXPECT_NE(message(set(4, 9), 0).find("version 9"), std::string::npos);
   EXPECT_NE(message(set(6, 0), 0).find("unknown kind 0"), std::string::npos);
-  EXPECT_NE(message(set(7, 1), 0).find("unknown encoding 1"), std::string::npos);
+  EXPECT_NE(message(set(7, 2), 0).find("unknown encoding 2"), std::string::npos);
+  EXPECT_NE(message(set(7, 1), 1).find("unknown encoding 1"),
+            std::string::npos);                                                // a rigid body has no fills
   EXPECT_NE(message(set(15, 0xBF), 0).find("similarity"), std::string::npos);  // scale is negative
   EXPECT_NE(message(set(72 + 56 + 7, 0xBF), 0).find("cell width"), std::string::npos);
   EXPECT_NE(message(set(72 + 56 + 8 + 8 + 12, 3), 0).find("3 bytes a coordinate"), std::string::npos);
