@@ -2,6 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
+
+#include "physics/elastic_body.h"
+#include "physics/lattice.h"
 
 // How fine a lattice and how short a step a body needs (elastic-study.md 2.7). A sweep carries a stress one cell a
 // substep, so the reachable stiffness is rho (Co a / h)²: at equal cost it goes with the eighth power of the cell
@@ -33,5 +37,26 @@ struct CellChoice {
 double courant_limit(double poisson_ratio, double cells_across);
 
 CellChoice choose_cells(const CellDemand& demand);
+
+// What is known before anything runs about the stiffness that a lattice shows, E_app / E (elastic-study.md 2.4, 3).
+//
+// Ybar, the mean by volume of Y = 1 / (E V h_e² A0): the material's compliance in units of what one sweep can do, A0 a
+// third of the trace of G = sum w_i g_i g_iᵀ. It covers thickness and the placing of the lattice in one number: 2 / Co²
+// (Co with h_e) inside a wide body, a quarter of it one cell across. Cells that are held do not count. Infinite for a
+// lattice without any other.
+double mean_sweep_compliance(const Lattice& lattice, std::span<const double> inverse_masses_per_kg,
+                             double youngs_modulus_pa, double step_s);
+
+// The most that one sweep a substep reaches: 1.85 rho a² (cells / nodes) / h_e². Checked within 10 %.
+double modulus_ceiling_pa(const Lattice& lattice, double density_kg_m3, double step_s);
+
+struct ModulusBand {
+  ElasticBand band;
+  double ratio_low, ratio_high;  // E_app / E
+};
+// From Ybar at `poisson_ratio`, with the thinnest side `cells_across` cells wide, and the ceiling as part of E. Exact
+// (within 2 %) above Ybar 4 and .9 / (1 - 2 nu); a band down to 1.1, as wide as the measured figures spread there;
+// clipped below, within 10 % of the ceiling.
+ModulusBand band_of(double mean_sweep_compliance, double poisson_ratio, double cells_across, double ceiling_ratio);
 
 }  // namespace livegs

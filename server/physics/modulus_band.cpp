@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "physics/cell_choice.h"
+#include "physics/cell_stiffness.h"
+
+namespace livegs {
+namespace {
+
+constexpr double kLeastExact = 4.0, kLeastExactPerBulk = 0.9, kLeastBand = 1.1;
+constexpr double kExactWithin = 0.02, kCeilingWithin = 0.1;
+
+// Measured E_app / E against Ybar (elastic-study.md 3, each column of Courant numbers turned into Ybar by its
+// thickness), with the ends of the band put on.
+struct Point {
+  double y, ratio;
+};
+template <size_t kCount>
+double interpolate(const std::array<Point, kCount>& points, double y) {
+  if (y <= points.front().y) return points.front().ratio;
+  for (size_t i = 1; i < kCount; ++i) {
+    if (y > points[i].y) continue;
+    const double s = (y - points[i - 1].y) / (points[i].y - points[i - 1].y);
+    return points[i - 1].ratio + s * (points[i].ratio - points[i - 1].ratio);
+  }
+  return points.back().ratio;
+}
+
+// The softest: up to nu .3, and at .45.
+constexpr std::array<Point, 4> kSoftest30 = {{{1.1, 0.84}, {1.39, 0.88}, {2.17, 0.965}, {4.0, 0.97}}};
+constexpr std::array<Point, 5> kSoftest45 = {{{1.1, 0.79}, {1.39, 0.82}, {2.17, 0.91}, {3.1, 0.95}, {6.7, 0.98}}};
+// The stiffest: one cell across, two, and four or more.
+constexpr std::array<Point, 3> kStiffest1 = {{{1.1, 1.40}, {2.0, 1.14}, {4.5, 1.02}}};
+constexpr std::array<Point, 4> kStiffest2 = {{{1.1, 1.10}, {1.39, 1.095}, {2.0, 1.08}, {3.55, 1.025}}};
+constexpr double kStiffest4 = 1.02;
+
+double softest(double y, double poisson_ratio) {
+  if (poisson_ratio >= 0.45) return interpolate(kSoftest45, y * (1.0 - 2.0 * poisson_ratio) / 0.1);
+  const double share = std::clamp((poisson_ratio - 0.3) / 0.15, 0.0, 1.0);
+  return (1.0 - share) * interpolate(kSoftest30, y) + share * interpolate(kSoftest45, y);
+}
+
+double stiffest(double y, double cells_across) {
+  const double one = interpolate(kStiffest1, y), two = interpolate(kStiffest2, y);
+  if (cells_across <= 1.0) return one;
+  if (cells_across <= 2.0) return one + (cells_across - 1.0) * (two - one);
+  return two + std::min(0.5 * (cells_across - 2.0), 1.0) * (kStiffest4 - two);
+}
+
+}  // namespace
+
+double mean_sweep_compliance(const Lattice& lattice, std::span<const double> inverse_masses_per_kg,
+                             double youngs_modulus_pa, double step_s) {
+  double volume = 0.0, sum = 0.0;
+  for (const LatticeCell& cell : lattice.cells) {
+    std::array<double, 8> inverse;
+    for (int c = 0; c < 8; ++c) inverse[c] = inverse_masses_per_kg[cell.nodes[c]];
+    const double own_mobility = make_cell_block(cell, lattice.cell_width_m, inverse).mobility.trace() / 3.0;
+    if (own_mobility <= 0.0) continue;
+    volume += cell.volume_m3;
+    sum += 1.0 / (youngs_modulus_pa * step_s * step_s * own_mobility);  // V Y
+  }
+  return volume > 0.0 ? sum / volume : std::numeric_limits<double>::infinity();
+}
+
+double modulus_ceiling_pa(const Lattice& lattice, double density_kg_m3, double step_s) {
+  const double fullness = static_cast<double>(lattice.cells.size()) / static_cast<double>(lattice.node_coordinates.size());
+  const double speed_m_s = lattice.cell_width_m / step_s;
+  return 1.85 * density_kg_m3 * speed_m_s * speed_m_s * fullness;
+}
+
+ModulusBand band_of(double mean_sweep_compliance, double poisson_ratio, double cells_across, double ceiling_ratio) {
+  const double y = mean_sweep_compliance;
+  if (y < kLeastBand) {
+    const double reached = std::min(ceiling_ratio, 1.0);
+    return {ElasticBand::Clipped, (1.0 - kCeilingWithin) * reached, (1.0 + kCeilingWithin) * reached};
+  }
+  if (y > kLeastExact && y > kLeastExactPerBulk / (1.0 - 2.0 * poisson_ratio)) {
+    return {ElasticBand::Exact, 1.0 - kExactWithin, 1.0 + kExactWithin};
+  }
+  return {ElasticBand::Band, softest(y, poisson_ratio), stiffest(y, cells_across)};
+}
+
+}  // namespace livegs

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include "physics/cell_choice.h"
+#include "server/physics/elastic_bodies.h"
+
+namespace livegs {
+namespace {
+
+using test::particle_grid;
+using test::Vector3d;
+
+// A long bar some cells across; nodes weigh what their volume does.
+double mean_of_bar(int cells_across, double courant) {
+  const double width = 0.025, size = cells_across * width, density = 1000.0, step = 1e-3;
+  const Lattice lattice = build_lattice(measure_extent(particle_grid({64 * width, size, size}, width)), width, {});
+  std::vector<double> inverse;
+  for (const double volume : lattice.node_volumes_m3) inverse.push_back(1.0 / (density * volume));
+  const double speed = courant * width / step;  // sqrt(E / rho)
+  return mean_sweep_compliance(lattice, inverse, density * speed * speed, step);
+}
+
+TEST(ModulusBand, MeanComplianceOfABarHasAClosedForm) {
+  // Along one axis the end cells of n have a corner of half the mass: the mean of 1 / A0 is (2/1.5 + n - 2)/n, for one
+  // cell 1/2. Twice across; along the bar it is next to 1.
+  const double along = (2 / 1.5 + 62.0) / 64.0;
+  for (const double courant : {0.5, 1.0}) {
+    const double inside = 2.0 / (courant * courant);
+    EXPECT_NEAR(mean_of_bar(1, courant) / (inside * along * 0.25), 1.0, 0.01);
+    EXPECT_NEAR(mean_of_bar(2, courant) / (inside * along * 4.0 / 9.0), 1.0, 0.01);
+    EXPECT_NEAR(mean_of_bar(4, courant) / (inside * along * 25.0 / 36.0), 1.0, 0.01);
+  }
+}
+
+TEST(ModulusBand, ThresholdsAreTheStudys) {
+  EXPECT_EQ(band_of(4.01, 0.3, 4, 2).band, ElasticBand::Exact);
+  EXPECT_EQ(band_of(3.99, 0.3, 4, 2).band, ElasticBand::Band);
+  EXPECT_EQ(band_of(9.1, 0.45, 4, 2).band, ElasticBand::Exact);
+  EXPECT_EQ(band_of(8.9, 0.45, 4, 2).band, ElasticBand::Band);
+  EXPECT_EQ(band_of(46, 0.49, 4, 2).band, ElasticBand::Exact);
+  EXPECT_EQ(band_of(44, 0.49, 4, 2).band, ElasticBand::Band);
+  EXPECT_EQ(band_of(1.11, 0.3, 4, 2).band, ElasticBand::Band);
+  EXPECT_EQ(band_of(1.09, 0.3, 4, 0.5).band, ElasticBand::Clipped);
+}
+
+TEST(ModulusBand, ClippedIsWithinTenPerCentOfTheCeiling) {
+  const ModulusBand band = band_of(0.5, 0.3, 4, 0.4);
+  EXPECT_DOUBLE_EQ(band.ratio_low, 0.36);
+  EXPECT_DOUBLE_EQ(band.ratio_high, 0.44);
+}
+
+TEST(ModulusBand, HoldsEveryStaticFigureOfTheStudy) {
+  // elastic-study.md 3: cells across, nu, Courant number with h, E_app / E. BDF2: h_e is 2/3 h.
+  struct Row {
+    int across;
+    double nu, courant, ratio;
+  };
+  const Row rows[] = {{4, 0, .5, .999},   {4, 0, .75, 1.0},    {4, 0, 1, 1.003},    {4, 0, 1.2, 1.011},
+                      {4, 0, 1.5, .964},  {4, .3, .5, .999},   {4, .3, .75, .998},  {4, .3, 1, .999},
+                      {4, .3, 1.2, .982}, {4, .3, 1.5, .885},  {4, .45, .5, .998},  {4, .45, .75, .989},
+                      {4, .45, 1, .955},  {4, .45, 1.2, .917}, {4, .45, 1.5, .83},  {8, .3, .5, .999},
+                      {8, .3, 1, .972},   {8, .45, .5, .999},  {8, .45, .75, .985}, {2, .3, .25, .999},
+                      {2, .3, .5, 1.003}, {2, .3, .75, 1.022}, {2, .3, 1, 1.078},   {2, .3, 1.2, 1.09},
+                      {2, .45, .5, 1.003}, {2, .45, .75, .998}, {1, .3, .25, 1.0},  {1, .3, .5, 1.018},
+                      {1, .3, .75, 1.13}, {1, .3, 1, 1.39},    {1, .45, .5, 1.01},  {1, .45, .75, 1.028}};
+  for (const Row& row : rows) {
+    const double y = mean_of_bar(row.across, row.courant * 2 / 3);
+    if (y < 1.1) continue;
+    const ModulusBand band = band_of(y, row.nu, row.across, 1.0);
+    EXPECT_LE(band.ratio_low, row.ratio) << row.across << " across, nu " << row.nu << ", Co " << row.courant;
+    EXPECT_GE(band.ratio_high, row.ratio) << row.across << " across, nu " << row.nu << ", Co " << row.courant;
+    // And says something: never wider than what was measured near there by more than 0.1 a side.
+    EXPECT_GE(band.ratio_low, 0.79);
+    EXPECT_LE(band.ratio_high, row.across == 1 ? 1.4 : 1.1);
+  }
+}
+
+TEST(ModulusBand, CeilingIsThatOfTheStudy) {
+  // elastic-study.md 2.4, for one cell: 1.85 rho a² / h² * 1/8.
+  const Lattice lattice = build_lattice(measure_extent(particle_grid(Vector3d::Constant(0.1), 0.1)), 0.1, {});
+  EXPECT_NEAR(modulus_ceiling_pa(lattice, 1000, 0.01), 1.85 * 1000 * 100 / 8, 1e-6);
+}
+
+}  // namespace
+}  // namespace livegs
