@@ -145,46 +145,49 @@ CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> in
   return result;
 }
 
+static void set_cell_gains(SweepGains& gains, const Lattice& lattice, const CellBatches& batches, size_t index,
+                    std::span<const double> inverse_masses, const CellMaterials& materials, bool compensate,
+                    double step_s) {
+  const CellPlace& at = batches.places[index];
+  if (at.kind == CellPlace::Kind::Held) return;
+  const LatticeCell& cell = lattice.cells[index];
+  const CellBlock block = make_cell_block(cell, lattice.cell_width_m, of_corners(cell, inverse_masses));
+  const CellGains own = make_cell_gains(cell, block, lattice.cell_width_m, materials.of(cell), step_s, compensate);
+  if (at.kind == CellPlace::Kind::Full) {
+    gains.full.mobility = static_cast<float>(block.mobility(0, 0));
+    gains.full.shear = static_cast<float>(own.shear(0, 0));
+    gains.full.volume_compliance = static_cast<float>(own.volume_compliance);
+    for (int j = 0; j < kModeCount; ++j) {
+      for (int d = 0; d < 3; ++d) gains.full.mode[j][d] = static_cast<float>(own.mode[j][d]);
+    }
+    return;
+  }
+  CutGains& eight = gains.cut[at.index];
+  for (int row = 0, k = 0; row < 6; ++row) {
+    for (int column = row; column < 6; ++column, ++k) {
+      eight.shear[k][at.lane] = significant(own.shear(row, column), own.shear.trace());
+    }
+  }
+  eight.volume_compliance[at.lane] = static_cast<float>(own.volume_compliance);
+  for (int j = 0; j < kModeCount; ++j) {
+    for (int d = 0; d < 3; ++d) eight.mode[j][d][at.lane] = static_cast<float>(own.mode[j][d]);
+  }
+}
+
 SweepGains make_sweep_gains(const Lattice& lattice, const CellBatches& batches, std::span<const double> inverse_masses,
-                            const CellMaterials& materials, std::span<const Eigen::Matrix3d> plastic_inverses,
-                            bool compensate, double step_s) {
+                            const CellMaterials& materials, bool compensate, double step_s) {
   SweepGains result;
   CutGains nothing;
   std::memset(static_cast<void*>(&nothing), 0, sizeof nothing);
   nothing.volume_compliance = all_lanes(1.0f);
   result.cut.assign(batches.cut.size(), nothing);
   result.full.volume_compliance = 1.0f;
-  bool full_known = false;
+  bool full_known = false;  // they are all alike
   for (size_t i = 0; i < lattice.cells.size(); ++i) {
-    const CellPlace& at = batches.places[i];
-    if (at.kind == CellPlace::Kind::Held || (at.kind == CellPlace::Kind::Full && full_known)) continue;
-    const LatticeCell& cell = lattice.cells[i];
-    CellBlock block = make_cell_block(cell, lattice.cell_width_m, of_corners(cell, inverse_masses));
-    if (!plastic_inverses.empty()) {
-      block.mobility = (plastic_inverses[i] * block.mobility * plastic_inverses[i]).eval();
-    }
-    const CellGains gains =
-        make_cell_gains(cell, block, lattice.cell_width_m, materials.of(cell), step_s, compensate);
-    if (at.kind == CellPlace::Kind::Full) {
-      full_known = true;
-      result.full.mobility = static_cast<float>(block.mobility(0, 0));
-      result.full.shear = static_cast<float>(gains.shear(0, 0));
-      result.full.volume_compliance = static_cast<float>(gains.volume_compliance);
-      for (int j = 0; j < kModeCount; ++j) {
-        for (int d = 0; d < 3; ++d) result.full.mode[j][d] = static_cast<float>(gains.mode[j][d]);
-      }
-      continue;
-    }
-    CutGains& eight = result.cut[at.index];
-    for (int row = 0, k = 0; row < 6; ++row) {
-      for (int column = row; column < 6; ++column, ++k) {
-        eight.shear[k][at.lane] = significant(gains.shear(row, column), gains.shear.trace());
-      }
-    }
-    eight.volume_compliance[at.lane] = static_cast<float>(gains.volume_compliance);
-    for (int j = 0; j < kModeCount; ++j) {
-      for (int d = 0; d < 3; ++d) eight.mode[j][d][at.lane] = static_cast<float>(gains.mode[j][d]);
-    }
+    const bool full = batches.places[i].kind == CellPlace::Kind::Full;
+    if (full && full_known) continue;
+    full_known = full_known || full;
+    set_cell_gains(result, lattice, batches, i, inverse_masses, materials, compensate, step_s);
   }
   return result;
 }

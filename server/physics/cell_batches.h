@@ -46,14 +46,12 @@ struct CellMaterials {
 CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> inverse_masses,
                               std::span<const Eigen::Quaterniond> rotations, uint32_t spare_nodes, bool may_be_full);
 
-// Gains of all cells for a step that divides by `step_s`. `plastic_inverses`: of cells that have flowed, by cell, or
-// empty.
+// Gains of all cells for a step that divides by `step_s`.
 struct SweepGains {
   FullGains full{};
   std::vector<CutGains> cut;
 };
 SweepGains make_sweep_gains(const Lattice& lattice, const CellBatches& batches, std::span<const double> inverse_masses,
-                            const CellMaterials& materials, std::span<const Eigen::Matrix3d> plastic_inverses,
-                            bool compensate, double step_s);
+                            const CellMaterials& materials, bool compensate, double step_s);
 
 }  // namespace livegs

@@ -2,6 +2,7 @@
 // Corotated elasticity of an eight-node cell as one XPBD block (Macklin et al. 2016, XPBD; Müller and Chentanez 2022,
 // Physically based shape matching; elastic-study.md 2.2 to 2.5):
 //   F = sum x_i g_iᵀ, R its rotation, S = sym(Rᵀ F), energy V [ mu |S - I|² + lambda/2 (det F - 1)² ]
+//   (D in place of I where the material has flowed)
 //   d     = H (I - S)                                              the mu part, solved exactly
 //   S1    = S + sym(d G),  c = cof S1
 //   p     = (1 - det S1) / (c·A c - A c·H A c + alpha_lambda)      the volume part, Schur complement of the first
@@ -58,18 +59,6 @@ LIVEGS_INLINE Matrix transposed_times(const Matrix& a, const Matrix& b) {
   Matrix c;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) c.m[i][j] = a.m[0][i] * b.m[0][j] + a.m[1][i] * b.m[1][j] + a.m[2][i] * b.m[2][j];
-  }
-  return c;
-}
-
-// m times the symmetric s (11, 22, 33, 23, 13, 12, no factors).
-LIVEGS_INLINE Matrix times_symmetric(const Matrix& m, const Lanes (&s)[6]) {
-  const Lanes columns[3][3] = {{s[0], s[5], s[4]}, {s[5], s[1], s[3]}, {s[4], s[3], s[2]}};
-  Matrix c;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      c.m[i][j] = m.m[i][0] * columns[j][0] + m.m[i][1] * columns[j][1] + m.m[i][2] * columns[j][2];
-    }
   }
   return c;
 }
@@ -320,12 +309,14 @@ LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const
     f.m[d][1] = (h[2] + xi[0] * h[3] + xi[2] * h[6] + xz * h[7]) * q4;
     f.m[d][2] = (h[4] + xi[0] * h[5] + xi[1] * h[6] + xy * h[7]) * q4;
   }
-  if (kPlastic) f = times_symmetric(f, plastic->inverse);
   Matrix r, m;
   follow_rotation(cells.rotation, f, r, m);
   Symmetric lack;
   Lanes volume;
   const Symmetric s = strain_of(m, lack, volume);
+  if (kPlastic) {
+    for (int k = 0; k < 6; ++k) lack.v[k] = plastic->part[k] - s.v[k];
+  }
   // Unused places have F = 0 and no stiffness; they are not strained.
   const auto used = cells.mobility[0] + cells.mobility[1] + cells.mobility[2] > all_lanes(0.0f);
   const Lanes strain = dot(lack, lack);
@@ -343,8 +334,7 @@ LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const
   const Lanes p = (all_lanes(1.0f) - det) / (dot(c, ac) - dot(ac, hac) + gains.volume_compliance);
   Symmetric sigma;
   for (int k = 0; k < 6; ++k) sigma.v[k] = shear.v[k] + p * (c.v[k] - hac.v[k]);
-  Matrix stress = matrix_of_mandel(sigma);
-  if (kPlastic) stress = times_symmetric(stress, plastic->inverse);
+  const Matrix stress = matrix_of_mandel(sigma);
 
   // Mode amplitudes after the strain update, in the turned frame, and what their rows give back.
   Lanes eta[4][3];
@@ -352,7 +342,8 @@ LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const
     const Lanes(&coupling)[3] = cells.mode_coupling[j];
     const int k = kModeIndex[j];
     for (int d = 0; d < 3; ++d) {
-      const Lanes turned = r.m[0][d] * position[0][k] + r.m[1][d] * position[1][k] + r.m[2][d] * position[2][k];
+      Lanes turned = r.m[0][d] * position[0][k] + r.m[1][d] * position[1][k] + r.m[2][d] * position[2][k];
+      if (kPlastic) turned -= all_lanes(8.0f) * plastic->mode_rest[j][d];
       const Lanes pulled = stress.m[d][0] * coupling[0] + stress.m[d][1] * coupling[1] + stress.m[d][2] * coupling[2];
       eta[j][d] = gains.mode[j][d] * (turned + pulled) * all_lanes(-1.0f / 64.0f);
     }

@@ -63,9 +63,11 @@ struct CutCells {
   Lanes mobility[6];         // G: 11, 22, 33, 23, 13, 12
   Lanes mode_coupling[4][3];
 };
-// F P replaces F where the material has flowed: P the inverse of the plastic part, 11, 22, 33, 23, 13, 12.
+// Where the material has flowed its strain is S - D, D the plastic part in Mandel's notation, and its modes are at rest
+// at amplitudes of their own, m.
 struct PlasticCells {
-  Lanes inverse[6];
+  Lanes part[6];
+  Lanes mode_rest[4][3];
 };
 
 // What a step multiplies by (cell_stiffness.h), for one h_e.

@@ -131,13 +131,29 @@ void CellsBody::rebuild_cells() {
   }
   surface_mobility_.clear();
   for (const NodeSample& sample : surface_) surface_mobility_.push_back(static_cast<float>(mobility(sample)));
-  batches_ = make_cell_batches(lattice_, inverse_masses_, rotations, nodes_.spare(), plastic_inverses_.empty());
+  predict_accuracy();
+  batches_ = make_cell_batches(lattice_, inverse_masses_, rotations, nodes_.spare(), plastic_parts_.empty());
   gains_step_s_ = 0.0;
+  if (!plastic_parts_.empty()) set_all_plastic();
+}
+
+// Of the body's own material, for second-order steps, which motion that is not yet at rest takes. Where the stiffness is
+// clipped, what is simulated is as exact as its own band says; against what was asked for it is the ratio of the two.
+void CellsBody::predict_accuracy() {
+  const double step_s = (options_.second_order ? 2.0 / 3.0 : 1.0) / (rate_hz_ * choice_.substeps);
+  const IsotropicMaterial& own = cell_materials_.materials[0];
+  const double across = (extent_.max_m - extent_.min_m).minCoeff() / lattice_.cell_width_m;
+  const double ceiling = modulus_ceiling_pa(lattice_, densities_kg_m3_[0], step_s);
+  band_ = band_of(mean_sweep_compliance(lattice_, inverse_masses_, own.youngs_modulus_pa, step_s), own.poisson_ratio,
+                  across, ceiling / own.youngs_modulus_pa);
+  const double kept = own.youngs_modulus_pa / material_.effective_youngs_modulus_pa();
+  band_.ratio_low *= kept;
+  band_.ratio_high *= kept;
 }
 
 void CellsBody::set_gains(double h) {
   for (const bool second_order : {false, true}) {
-    gains_[second_order] = make_sweep_gains(lattice_, batches_, inverse_masses_, cell_materials_, plastic_inverses_,
+    gains_[second_order] = make_sweep_gains(lattice_, batches_, inverse_masses_, cell_materials_,
                                             options_.compensate, second_order ? 2.0 * h / 3.0 : h);
   }
   gains_step_s_ = h;
@@ -316,25 +332,8 @@ BodyEnergy CellsBody::energy(const Vector3d& gravity_m_s2) const {
     energy.linear_momentum += mass * velocity;
     energy.angular_momentum += mass * position.cross(velocity);
   }
-  for (size_t i = 0; i < lattice_.cells.size(); ++i) {
-    const LatticeCell& cell = lattice_.cells[i];
-    const auto gradients = trilinear_gradients(cell.centroid, lattice_.cell_width_m);
-    Matrix3d f = Matrix3d::Zero();
-    std::array<Vector3d, kModeCount> modes;
-    modes.fill(Vector3d::Zero());
-    for (int c = 0; c < 8; ++c) {
-      const Vector3d x = nodes_.position_m(cell.nodes[c]);
-      f += x * gradients[c].transpose();
-      for (int j = 0; j < kModeCount; ++j) modes[j] += 0.125 * mode_sign(j, c) * x;
-    }
-    if (!plastic_inverses_.empty()) f *= plastic_inverses_[i];
-    const Matrix3d r = extract_rotation(f, batches_.rotation(i)).toRotationMatrix();
-    for (Vector3d& mode : modes) mode = r.transpose() * mode;
-    const Matrix3d stretch = r.transpose() * f;
-    energy.elastic_j += cell_energy(cell, lattice_.cell_width_m, cell_materials_.of(cell),
-                                    0.5 * (stretch + stretch.transpose()) - Matrix3d::Identity(), f.determinant(),
-                                    modes);
-  }
+  for (size_t i = 0; i < lattice_.cells.size(); ++i) energy.elastic_j += energy_of(i, shape_of(i));
+  energy.plastic_work_j = plastic_work_j_;
   return energy;
 }
 
@@ -346,6 +345,9 @@ ElasticAccuracy CellsBody::accuracy() const {
   accuracy.youngs_modulus_pa = material_.effective_youngs_modulus_pa();
   accuracy.reached_youngs_modulus_pa = std::min(accuracy.youngs_modulus_pa, choice_.youngs_modulus_pa);
   accuracy.clipped = choice_.clipped;
+  accuracy.band = choice_.clipped ? ElasticBand::Clipped : band_.band;
+  accuracy.modulus_ratio_low = band_.ratio_low;
+  accuracy.modulus_ratio_high = band_.ratio_high;
   accuracy.nodes = nodes_.count();
   accuracy.cells = lattice_.cells.size();
   accuracy.particles = particle_points_.size();

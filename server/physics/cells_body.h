@@ -98,6 +98,7 @@ class CellsBody final : public ElasticBody {
   void choose(double cell_width_m);
   void set_masses();
   void rebuild_cells();
+  void predict_accuracy();
   void set_gains(double h);
   void start_motion(const ElasticBodyDescription& description);
   void make_surface(const ParticleSet& particles);
@@ -120,7 +121,16 @@ class CellsBody final : public ElasticBody {
   void resolve_balls(double h, double step_s, std::span<MovingSphere> spheres);
   void take_contact(uint32_t sample, const Vector3d& point_m, const Vector3d& pull_kg_m, double step_s);
 
+  struct CellShape {
+    Matrix3d f, rotation;
+    std::array<Vector3d, kModeCount> modes;
+  };
+  CellShape shape_of(size_t index) const;
+  double energy_of(size_t index, const CellShape& shape) const;
   void flow();
+  void begin_plastic();
+  void set_all_plastic();
+  void set_plastic_lanes(size_t index);
   void untangle(double frame_s);
   void restart_motion();  // after nodes were set: the motion of the whole anew, a first-order step next
   bool rigid_substep(const SubstepContext& context);
@@ -154,6 +164,7 @@ class CellsBody final : public ElasticBody {
   double rate_hz_;
   int scene_substeps_;
   CellChoice choice_;
+  ModulusBand band_{};
 
   CellNodes nodes_;
   std::vector<double> masses_kg_, inverse_masses_;  // inverse 0: held
@@ -162,7 +173,8 @@ class CellsBody final : public ElasticBody {
   SweepGains gains_[2];         // of first-order and second-order steps
   double gains_step_s_ = 0.0;   // the h that gains_ are for; 0: none
   std::vector<PlasticCells> plastic_;             // as batches_.cut; empty while nothing has flowed
-  std::vector<Matrix3d> plastic_parts_, plastic_inverses_;  // by cell
+  std::vector<Matrix3d> plastic_parts_;           // by cell
+  std::vector<std::array<Vector3d, kModeCount>> plastic_modes_;  // amplitudes at rest, turned frame
   double plastic_work_j_ = 0.0;
 
   Pose world_from_object_;  // at the start, for regions

@@ -1,8 +1,110 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Plastic flow, once a frame: of each cell's mean deformation by return mapping (plastic_flow.h), and of its bending
+// and twisting in the same way, or a sheet of one cell's thickness would spring back from every dent.
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
 #include "physics/cells_body.h"
+#include "physics/plastic_flow.h"
 
 namespace livegs {
 
-void CellsBody::flow() {}
+// F and the mode amplitudes of a cell, these in its turned frame.
+CellsBody::CellShape CellsBody::shape_of(size_t index) const {
+  const LatticeCell& cell = lattice_.cells[index];
+  const auto gradients = trilinear_gradients(cell.centroid, lattice_.cell_width_m);
+  CellShape shape;
+  shape.f.setZero();
+  shape.modes.fill(Vector3d::Zero());
+  for (int c = 0; c < 8; ++c) {
+    const Vector3d x = nodes_.position_m(cell.nodes[c]);
+    shape.f += x * gradients[c].transpose();
+    for (int j = 0; j < kModeCount; ++j) shape.modes[j] += 0.125 * mode_sign(j, c) * x;
+  }
+  shape.rotation = extract_rotation(shape.f, batches_.rotation(index)).toRotationMatrix();
+  for (Vector3d& mode : shape.modes) mode = shape.rotation.transpose() * mode;
+  return shape;
+}
+
+void CellsBody::flow() {
+  if (*std::max_element(plasticities_.begin(), plasticities_.end()) <= 0.0) return;
+  for (size_t i = 0; i < lattice_.cells.size(); ++i) {
+    if (batches_.places[i].kind == CellPlace::Kind::Held) continue;
+    const LatticeCell& cell = lattice_.cells[i];
+    double plasticity = 0.0;
+    for (const MaterialShare& share : cell.materials) plasticity += share.part * plasticities_[share.material];
+    if (plasticity <= 0.0) continue;
+    const CellShape shape = shape_of(i);
+    const IsotropicMaterial material = cell_materials_.of(cell);
+    const Matrix3d before = plastic_parts_.empty() ? Matrix3d::Identity() : plastic_parts_[i];
+    const YieldSurface surface = yield_surface(plasticity, material.poisson_ratio);
+    const PlasticFlow flowed = flow_plastically(surface, shape.f * before.inverse(), before);
+
+    // A mode of amplitude q strains the faces of the cell by 4 q / a.
+    const double per_m = 4.0 / lattice_.cell_width_m, yield = 1.0 - plasticity;
+    std::array<Vector3d, kModeCount> rest;
+    bool bent = false;
+    for (int j = 0; j < kModeCount; ++j) {
+      rest[j] = plastic_modes_.empty() ? Vector3d::Zero() : plastic_modes_[i][j];
+      const Vector3d elastic = shape.modes[j] - rest[j];
+      const double strain = per_m * elastic.norm();
+      if (strain <= yield * (1.0 + 1e-6) || shape.f.determinant() < 0.05) continue;
+      Vector3d reached = rest[j] + (1.0 - yield / strain) * elastic;
+      const double size = per_m * reached.norm();
+      if (size > plasticity) reached *= plasticity / size;
+      bent = bent || (reached - rest[j]).norm() * per_m > 1e-9;
+      rest[j] = reached;
+    }
+    if (!flowed.flowed && !bent) continue;
+    const double stored = energy_of(i, shape);
+    begin_plastic();
+    plastic_parts_[i] = flowed.plastic_part;
+    plastic_modes_[i] = rest;
+    plastic_work_j_ += stored - energy_of(i, shape);
+    set_plastic_lanes(i);
+  }
+}
+
+// From the first flow on every cell has constants of its own.
+void CellsBody::begin_plastic() {
+  if (!plastic_parts_.empty()) return;
+  plastic_parts_.assign(lattice_.cells.size(), Matrix3d::Identity());
+  plastic_modes_.assign(lattice_.cells.size(), {Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()});
+  const double h = gains_step_s_;
+  rebuild_cells();
+  if (h > 0.0) set_gains(h);
+}
+
+void CellsBody::set_all_plastic() {
+  PlasticCells whole{};
+  for (int k = 0; k < 3; ++k) whole.part[k] = all_lanes(1.0f);
+  plastic_.assign(batches_.cut.size(), whole);
+  for (size_t i = 0; i < lattice_.cells.size(); ++i) set_plastic_lanes(i);
+}
+
+void CellsBody::set_plastic_lanes(size_t index) {
+  const CellPlace& at = batches_.places[index];
+  if (at.kind != CellPlace::Kind::Cut) return;
+  PlasticCells& eight = plastic_[at.index];
+  const Vector6 part = mandel(plastic_parts_[index]);
+  for (int k = 0; k < 6; ++k) eight.part[k][at.lane] = static_cast<float>(part[k]);
+  for (int j = 0; j < kModeCount; ++j) {
+    for (int d = 0; d < 3; ++d) eight.mode_rest[j][d][at.lane] = static_cast<float>(plastic_modes_[index][j][d]);
+  }
+}
+
+double CellsBody::energy_of(size_t index, const CellShape& shape) const {
+  Matrix3d rest = Matrix3d::Identity();
+  std::array<Vector3d, kModeCount> modes = shape.modes;
+  if (!plastic_parts_.empty()) {
+    rest = plastic_parts_[index];
+    for (int j = 0; j < kModeCount; ++j) modes[j] -= plastic_modes_[index][j];
+  }
+  const LatticeCell& cell = lattice_.cells[index];
+  const Matrix3d stretch = shape.rotation.transpose() * shape.f;
+  return cell_energy(cell, lattice_.cell_width_m, cell_materials_.of(cell),
+                     0.5 * (stretch + stretch.transpose()) - rest, shape.f.determinant(), modes);
+}
 
 }  // namespace livegs

@@ -28,6 +28,9 @@ constexpr double kSmallVolume = 0.2;          // det F
 // for minutes.
 constexpr double kQuiet = 0.1;
 
+// Of the scene's substeps in one: a second at 90 Hz and 64 substeps.
+constexpr double kLongest = 6000.0;
+
 NodeLanes lanes_of(const Vector3d& v) {
   return NodeLanes{static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0f};
 }
@@ -50,7 +53,9 @@ void CellsBody::substep(const SubstepContext& context) {
     wake();
   }
   if (rigid_ && rigid_substep(context)) return;
-  const int count = choice_.substeps / scene_substeps_;
+  // A longer substep than the scene's is taken in several, never stretched: the stiffness was chosen for this one.
+  const double longer = std::ceil(context.duration_s * rate_hz_ * scene_substeps_ - 1e-6);
+  const int count = choice_.substeps / scene_substeps_ * static_cast<int>(std::clamp(longer, 1.0, kLongest));
   const double h = context.duration_s / count;
   if (std::abs(h - gains_step_s_) > 1e-9 * h) set_gains(h);
   gather_point_loads(context);
@@ -72,9 +77,10 @@ void CellsBody::step(double time_s, double h, const SubstepContext& context) {
   const bool quiet = touching_ && deviation_m_s_ < kQuiet * std::sqrt(context.gravity_m_s2.norm() * smallest_m);
   const bool second_order = options_.second_order && !first_step_ && !strained_ && !quiet;
   const double step_s = second_order ? 2.0 * h / 3.0 : h;
-  // Where a sweep from zero multipliers comes to rest depends on its order a little. In motion the order alternates, or
-  // it would drive the body sideways; a quiet body keeps one, or it would never be still.
-  backward_ = !quiet && !backward_;
+  // Where a sweep from zero multipliers comes to rest depends on its order a little. A body that lands alternates, or
+  // one order would drive it sideways; a quiet one keeps one, or it would never be still, and so does a free one, or
+  // cells with next to nothing in them would ring.
+  backward_ = touching_ && !quiet && !backward_;
   predict(h, second_order, context);
   if (moved_) move_regions(time_s, h);
 

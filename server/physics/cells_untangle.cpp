@@ -39,7 +39,7 @@ Matrix3d nearest_rotation(const Matrix3d& a) {
 void CellsBody::untangle(double frame_s) {
   if (!tangled_) return;
   // Not while something presses it: then being strained is right.
-  const bool alone = free() && !touching_ && !forced_ && region_loads_.empty() && plastic_inverses_.empty();
+  const bool alone = free() && !touching_ && !forced_ && region_loads_.empty() && plastic_parts_.empty();
   if (!alone) {
     tangled_s_ = 0.0;
     return;

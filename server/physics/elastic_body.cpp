@@ -128,7 +128,8 @@ Result<std::unique_ptr<ElasticBody>> make_elastic_body(const ElasticBodyDescript
     return not_physical(description, "substeps is " + std::to_string(substeps) + "; it must be 1 to 10000");
   }
   if (solver != ElasticSolver::Cells) {
-    return std::unique_ptr<ElasticBody>(std::make_unique<LivegsV1Body>(description, rate_hz, substeps, may_sleep));
+    const bool steady = solver == ElasticSolver::LivegsV1Steady;
+    return std::unique_ptr<ElasticBody>(std::make_unique<LivegsV1Body>(description, rate_hz, substeps, may_sleep, steady));
   }
   return std::unique_ptr<ElasticBody>(std::make_unique<CellsBody>(description, rate_hz, substeps, may_sleep));
 }

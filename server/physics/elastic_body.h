@@ -85,6 +85,7 @@ struct ContactTally {
 
 struct BodyEnergy {
   double kinetic_j = 0, elastic_j = 0, gravity_j = 0;
+  double plastic_work_j = 0;  // spent on flowing since the start; never falls
   Eigen::Vector3d linear_momentum = Eigen::Vector3d::Zero();   // kg m/s
   Eigen::Vector3d angular_momentum = Eigen::Vector3d::Zero();  // kg m²/s about the world's origin
 };

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scenes 25 and 26 of physics.md by the hundred: starts from which nothing local says where up is. Rest shape to 1e-3
+// of the body's longest side; a block within 2 s, a leaf and a cord within 20 periods of their lowest mode at loss
+// factor 0.2 (elastic-study.md 6). The nightly program runs 1000 seeds of each.
+#include <cstdlib>
+
+#include "server/physics/elastic_bodies.h"
+
+namespace livegs::test {
+namespace {
+
+struct Recovery {
+  const char* name;
+  Vector3d size_m;
+  double youngs_modulus_pa;
+  int seeds;  // in a run of all tests
+};
+
+// Seconds for 20 periods of the lowest mode of a free beam, axial or bending.
+double twenty_periods_s(const Vector3d& size_m, double youngs_modulus_pa) {
+  const double length = size_m.maxCoeff(), thickness = size_m.minCoeff();
+  const double wave_m_s = std::sqrt(youngs_modulus_pa / 1000.0);
+  const double axial = M_PI / length, bending = 22.37 / std::sqrt(12.0) * thickness / (length * length);
+  return 20.0 * 2.0 * M_PI / (wave_m_s * std::min(axial, bending));
+}
+
+class ScrambledBody : public testing::TestWithParam<Recovery> {};
+
+TEST_P(ScrambledBody, ComesBackToItsRestShape) {
+  const Recovery& r = GetParam();
+  const char* wanted = std::getenv("LIVEGS_RECOVERY_SEEDS");
+  const int seeds = wanted ? std::atoi(wanted) : r.seeds;
+  const bool compact = r.size_m.minCoeff() == r.size_m.maxCoeff();
+  const double seconds = compact ? 2.0 : twenty_periods_s(r.size_m, r.youngs_modulus_pa);
+  int wound = 0, inverted = 0;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    ElasticBodyDescription body = describe(particle_grid(r.size_m, 0.0125), r.youngs_modulus_pa, 0.3, 0.025);
+    body.material.loss_factor = 0.2;
+    body.cells.scramble = static_cast<uint64_t>(seed);
+    Stage stage;
+    stage.make(body);
+    stage.run(seconds);
+    ASSERT_TRUE(all_finite(*stage.body)) << "seed " << seed;
+    if (rms_distance_from_rest_shape(*stage.body, body.particles) < 1e-3 * r.size_m.maxCoeff()) continue;
+    bool upright = true;
+    for (const ParticleState& p : stage.body->particles()) upright = upright && p.deformation_gradient.determinant() > 0;
+    ++(upright ? wound : inverted);
+  }
+  RecordProperty("wound", wound);
+  RecordProperty("inverted", inverted);
+  EXPECT_EQ(inverted, 0) << "of " << seeds;
+  EXPECT_LE(wound, seeds / 50) << "of " << seeds;  // 2 %
+}
+
+INSTANTIATE_TEST_SUITE_P(Recovery, ScrambledBody,
+                         testing::Values(Recovery{"Block1e4", Vector3d::Constant(0.1), 1e4, 100},
+                                         Recovery{"Block1e5", Vector3d::Constant(0.1), 1e5, 100},
+                                         Recovery{"Leaf", {0.2, 0.2, 0.025}, 1e5, 10},
+                                         Recovery{"Cord", {0.4, 0.025, 0.025}, 1e5, 30}),
+                         [](const auto& one) { return one.param.name; });
+
+class DegenerateStart : public testing::TestWithParam<Recovery> {};
+
+TEST_P(DegenerateStart, ComesBackFromMirroredPlaneLineAndPoint) {
+  const Recovery& r = GetParam();
+  const bool compact = r.size_m.minCoeff() == r.size_m.maxCoeff();
+  for (int signs = 0; signs < 27; ++signs) {
+    // Each axis kept, mirrored or gone.
+    const Vector3d scale(signs % 3 - 1, signs / 3 % 3 - 1, signs / 9 - 1);
+    ElasticBodyDescription body = describe(particle_grid(r.size_m, 0.0125), r.youngs_modulus_pa, 0.3, 0.025);
+    body.material.loss_factor = 0.2;
+    body.initial_deformation = scale.asDiagonal();
+    Stage stage;
+    stage.make(body);
+    stage.run(compact ? 2.0 : twenty_periods_s(r.size_m, r.youngs_modulus_pa));
+    ASSERT_TRUE(all_finite(*stage.body));
+    EXPECT_LT(rms_distance_from_rest_shape(*stage.body, body.particles), 1e-3 * r.size_m.maxCoeff())
+        << "from " << scale.transpose();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Recovery, DegenerateStart,
+                         testing::Values(Recovery{"Block1e4", Vector3d::Constant(0.1), 1e4, 0},
+                                         Recovery{"Block1e5", Vector3d::Constant(0.1), 1e5, 0},
+                                         Recovery{"Leaf", {0.2, 0.2, 0.025}, 1e5, 0},
+                                         Recovery{"Cord", {0.4, 0.025, 0.025}, 1e5, 0}),
+                         [](const auto& one) { return one.param.name; });
+
+// Energy of motion and shape never grows beyond what the fall gave, whatever the units: mass 5 mg to 50 kg, size 1 cm
+// to 10 m, E 1e2 to 1e9 Pa, at one substep and at four, after a frame of a whole second.
+TEST(ElasticScale, StaysFiniteAndNeverGainsOverMassSizeAndStiffness) {
+  for (const double size : {0.01, 0.3, 10.0}) {
+    for (const double mass : {5e-6, 0.05, 50.0}) {
+      for (const double stiffness : {1e2, 1e5, 1e9}) {
+        for (const int substeps : {1, 4}) {
+          ElasticBodyDescription body = describe(particle_grid(Vector3d(1, 0.5, 0.5) * size, size / 8), stiffness, 0.3);
+          body.material.mass_kg = mass;
+          body.world_from_object = {{0, size, 0},
+                                    Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Vector3d(1, 0, 1).normalized()))};
+          Stage stage;
+          stage.substeps = substeps;
+          stage.gravity_m_s2 = kGravity;
+          stage.add_floor();
+          stage.make(body);
+          const double start = stage.total_energy_j();
+          const auto peak = [&](int frames) {
+            double energy = 0.0;
+            for (int i = 0; i < frames; ++i) {
+              stage.frame();
+              energy = std::max(energy, stage.total_energy_j());
+            }
+            return energy;
+          };
+          const double before = peak(60);
+          ASSERT_TRUE(all_finite(*stage.body)) << size << " m, " << mass << " kg, " << stiffness << " Pa, " << substeps;
+          // 2 %: a first-order first step starts g h^2/2 on, and contact at one substep of 17 ms.
+          EXPECT_LT(before, 1.02 * start) << size << " m, " << mass << " kg, " << stiffness << " Pa, " << substeps;
+        }
+      }
+    }
+  }
+}
+
+// A world never stretches a step, but a body that is handed a second at once must survive it.
+TEST(ElasticScale, SurvivesAStepOfAWholeSecond) {
+  for (const double stiffness : {1e3, 1e5, 1e7}) {
+    ElasticBodyDescription body = describe(particle_grid(Vector3d::Constant(0.1), 0.0125), stiffness, 0.3, 0.025);
+    body.world_from_object.position_m.y() = 0.2;
+    body.material.loss_factor = 0.2;
+    Stage stage;
+    stage.gravity_m_s2 = kGravity;
+    stage.add_floor();
+    stage.make(body);
+    stage.run(0.3);
+    SubstepContext context;
+    context.duration_s = 1.0;
+    context.gravity_m_s2 = kGravity;
+    context.colliders = stage.colliders;
+    stage.body->substep(context);
+    stage.body->end_frame(1.0);
+    stage.run(4.0);
+    ASSERT_TRUE(all_finite(*stage.body)) << stiffness;
+    // At rest on the floor: within half its size, slower than 2 cm/s.
+    EXPECT_GT(stage.body->centre_m().y(), 0.0) << stiffness;
+    EXPECT_LT(stage.body->centre_m().y(), 0.08) << stiffness;
+    EXPECT_LT(stage.body->energy(kGravity).kinetic_j, 0.5 * 0.02 * 0.02) << stiffness;
+  }
+}
+
+}  // namespace
+}  // namespace livegs::test
