@@ -47,6 +47,7 @@ class CellsBody final : public ElasticBody {
   const Material& material() const override { return material_; }
   bool asleep() const override { return rest_clock_.asleep(); }
   void wake() override;
+  bool frozen() const override { return rigid_.has_value(); }
 
   RestBody rest_body() const override;
   void write_drivers(ObjectDrivers& drivers) const override;

@@ -129,6 +129,7 @@ class ElasticBody {
   virtual const Material& material() const = 0;
   virtual bool asleep() const = 0;
   virtual void wake() = 0;
+  virtual bool frozen() const { return false; }  // flies as a rigid body, because its deformation cannot be seen
 
   // RestBody without object_from_asset, which its owner fills in. Drivers in the world frame.
   virtual RestBody rest_body() const = 0;

@@ -142,21 +142,21 @@ CellDemand bar_demand(double youngs_modulus_pa, double width_m) {
   return demand;
 }
 
-TEST(CellChoice, TakesTheSubstepsOfTheStudysTable) {
-  // elastic-study.md 2.7: rho 1000, 60 Hz, Co 0.75.
-  EXPECT_EQ(choose_cells(bar_demand(1e4, 0.0125)).substeps, 6);
-  EXPECT_EQ(choose_cells(bar_demand(1e5, 0.025)).substeps, 9);
-  EXPECT_EQ(choose_cells(bar_demand(1e6, 0.025)).substeps, 29);
-  EXPECT_EQ(choose_cells(bar_demand(1e6, 0.05)).substeps, 15);
+TEST(CellChoice, TakesTheSubstepsOfTheStudysRule) {
+  // elastic-study.md 2.7: ceil( sqrt(E/rho) / (Co* rate a) ), rho 1000, 60 Hz; Co* is 0.6 here, 0.75 there.
+  EXPECT_EQ(choose_cells(bar_demand(1e4, 0.0125)).substeps, 8);   // 7.03
+  EXPECT_EQ(choose_cells(bar_demand(1e5, 0.025)).substeps, 12);   // 11.1
+  EXPECT_EQ(choose_cells(bar_demand(1e6, 0.05)).substeps, 18);    // 17.6
   EXPECT_FALSE(choose_cells(bar_demand(1e6, 0.05)).clipped);
+  EXPECT_TRUE(choose_cells(bar_demand(1e6, 0.025)).clipped);      // 35.1, more than kMaxBodySubsteps
 }
 
 TEST(CellChoice, ClipsAtTheCapAndSaysTheCeiling) {
   const CellChoice choice = choose_cells(bar_demand(1e9, 0.025));
   EXPECT_EQ(choice.substeps, kMaxBodySubsteps);
   EXPECT_TRUE(choice.clipped);
-  EXPECT_NEAR(choice.youngs_modulus_pa, 1000 * std::pow(0.75 * 60 * kMaxBodySubsteps * 0.025, 2), 1e-6);
-  EXPECT_NEAR(choice.courant, 0.75, 1e-12);
+  EXPECT_NEAR(choice.youngs_modulus_pa, 1000 * std::pow(0.6 * 60 * kMaxBodySubsteps * 0.025, 2), 1e-6);
+  EXPECT_NEAR(choice.courant, 0.6, 1e-12);
 }
 
 TEST(CellChoice, StifferBodiesGetWiderCellsBeforeTheyAreClipped) {
