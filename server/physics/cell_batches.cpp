@@ -109,6 +109,12 @@ CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> in
                               std::span<const Eigen::Quaterniond> rotations, uint32_t spare_nodes, bool may_be_full) {
   CellBatches result;
   result.places.resize(lattice.cells.size());
+  result.paired = std::all_of(lattice.cells.begin(), lattice.cells.end(), [](const LatticeCell& cell) {
+    for (int c = 0; c < 8; c += 2) {
+      if (cell.nodes[c + 1] != cell.nodes[c] + 1) return false;
+    }
+    return true;
+  });
   result.full_inverse_mass = heaviest_inverse_mass(inverse_masses);
   for (int colour = 0; colour < kSweepColours; ++colour) {
     result.colours.full_begin[colour] = result.full.size();

@@ -28,6 +28,7 @@ struct CellBatches {
   SweepColours colours{};
   std::vector<CellPlace> places;  // by cell of the lattice
   double full_inverse_mass = 0.0; // of the nodes around full cells
+  bool paired = false;            // corners 2k and 2k + 1 are consecutive nodes in every cell
 
   Eigen::Quaterniond rotation(size_t cell) const;  // identity for a held cell
   void set_rotations(const Eigen::Quaterniond& rotation);

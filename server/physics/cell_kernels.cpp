@@ -164,34 +164,48 @@ LIVEGS_INLINE Symmetric cofactor(const Symmetric& s, Lanes& det) {
            up * c01}};
 }
 
-LIVEGS_INLINE NodeLanes load(const NodeLanes* p) { return *p; }
+typedef float Unaligned __attribute__((vector_size(32), aligned(16)));
+LIVEGS_INLINE Lanes two_nodes(const NodeLanes* p) { return *reinterpret_cast<const Unaligned*>(p); }
 
-// Where the corners are: y plus the corrections so far, and their inverse masses.
+// Where the corners are: y plus the corrections so far, and their inverse masses. Corners 2k and 2k + 1 of a cell are
+// neighbours in the arrays where the lattice has no copies of nodes.
+template <bool kPaired>
 LIVEGS_INLINE void gather(const uint32_t (&nodes)[8][8], const NodeLanes* predicted, const NodeLanes* corrections,
                           Lanes (&position)[3][8], Lanes (&inverse_mass)[8]) {
-  for (int c = 0; c < 8; ++c) {
-    const uint32_t* n = nodes[c];
-    Lanes rows[4];
-    for (int l = 0; l < 4; ++l) {
-      rows[l] = pair_of(load(predicted + n[l]), load(predicted + n[l + 4])) +
-                pair_of(load(corrections + n[l]), load(corrections + n[l + 4]));
+  for (int c = 0; c < 8; c += 2) {
+    const uint32_t *n = nodes[c], *m = nodes[c + 1];
+    Lanes rows[8];
+    for (int l = 0; l < 8; ++l) {
+      rows[l] = kPaired ? two_nodes(predicted + n[l]) + two_nodes(corrections + n[l])
+                        : pair_of(predicted[n[l]] + corrections[n[l]], predicted[m[l]] + corrections[m[l]]);
     }
-    transpose(rows[0], rows[1], rows[2], rows[3]);
-    for (int d = 0; d < 3; ++d) position[d][c] = rows[d];
+    transpose(rows);
+    for (int d = 0; d < 3; ++d) {
+      position[d][c] = rows[d];
+      position[d][c + 1] = rows[d + 4];
+    }
     inverse_mass[c] = rows[3];
+    inverse_mass[c + 1] = rows[7];
   }
 }
 
+template <bool kPaired>
 LIVEGS_INLINE void scatter(const uint32_t (&nodes)[8][8], const Lanes (&inverse_mass)[8], const Lanes (&pull)[3][8],
                            NodeLanes* corrections) {
-  for (int c = 0; c < 8; ++c) {
-    const uint32_t* n = nodes[c];
-    const Lanes w = inverse_mass[c];
-    Lanes rows[4] = {w * pull[0][c], w * pull[1][c], w * pull[2][c], all_lanes(0.0f)};
-    transpose(rows[0], rows[1], rows[2], rows[3]);
-    for (int l = 0; l < 4; ++l) {
-      corrections[n[l]] += low_half(rows[l]);
-      corrections[n[l + 4]] += high_half(rows[l]);
+  for (int c = 0; c < 8; c += 2) {
+    const uint32_t *n = nodes[c], *m = nodes[c + 1];
+    const Lanes w = inverse_mass[c], w1 = inverse_mass[c + 1];
+    Lanes rows[8] = {w * pull[0][c],      w * pull[1][c],      w * pull[2][c],      all_lanes(0.0f),
+                     w1 * pull[0][c + 1], w1 * pull[1][c + 1], w1 * pull[2][c + 1], all_lanes(0.0f)};
+    transpose(rows);
+    for (int l = 0; l < 8; ++l) {
+      if (kPaired) {
+        Unaligned& both = *reinterpret_cast<Unaligned*>(corrections + n[l]);
+        both += rows[l];
+      } else {
+        corrections[n[l]] += low_half(rows[l]);
+        corrections[m[l]] += high_half(rows[l]);
+      }
     }
   }
 }
@@ -243,9 +257,10 @@ LIVEGS_INLINE void to_corners(const Matrix& r, const Lanes (&coefficient)[8][3],
   }
 }
 
+template <bool kPaired>
 LIVEGS_INLINE void solve_full(FullCells& cells, const FullGains& gains, const SweepArrays& arrays, Worst& worst) {
   Lanes position[3][8], inverse_mass[8];
-  gather(cells.nodes, arrays.predicted, arrays.corrections, position, inverse_mass);
+  gather<kPaired>(cells.nodes, arrays.predicted, arrays.corrections, position, inverse_mass);
   const Lanes q4 = all_lanes(arrays.inverse_four_widths);
   Matrix f;
   for (int d = 0; d < 3; ++d) {
@@ -290,14 +305,14 @@ LIVEGS_INLINE void solve_full(FullCells& cells, const FullGains& gains, const Sw
   }
   Lanes out[3][8];
   to_corners(r, coefficient, out);
-  scatter(cells.nodes, inverse_mass, out, arrays.corrections);
+  scatter<kPaired>(cells.nodes, inverse_mass, out, arrays.corrections);
 }
 
-template <bool kPlastic>
+template <bool kPaired, bool kPlastic>
 LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const CutGains& gains,
                              const SweepArrays& arrays, Worst& worst) {
   Lanes position[3][8], inverse_mass[8];
-  gather(cells.nodes, arrays.predicted, arrays.corrections, position, inverse_mass);
+  gather<kPaired>(cells.nodes, arrays.predicted, arrays.corrections, position, inverse_mass);
   const Lanes q4 = all_lanes(arrays.inverse_four_widths);
   const Lanes(&xi)[3] = cells.centroid;
   const Lanes yz = xi[1] * xi[2], xz = xi[0] * xi[2], xy = xi[0] * xi[1];
@@ -362,7 +377,7 @@ LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const
   }
   Lanes out[3][8];
   to_corners(r, coefficient, out);
-  scatter(cells.nodes, inverse_mass, out, arrays.corrections);
+  scatter<kPaired>(cells.nodes, inverse_mass, out, arrays.corrections);
 }
 
 LIVEGS_INLINE void flush(double (&sum)[3], Lanes& part) {
@@ -379,13 +394,19 @@ SweepReport sweep_cells(const SweepArrays& arrays, const SweepColours& colours) 
   for (int i = 0; i < kSweepColours; ++i) {
     const int colour = arrays.backward ? kSweepColours - 1 - i : i;
     for (size_t k = colours.full_begin[colour]; k < colours.full_begin[colour + 1]; ++k) {
-      solve_full(arrays.full[k], arrays.full_gains, arrays, worst);
+      if (arrays.paired) {
+        solve_full<true>(arrays.full[k], arrays.full_gains, arrays, worst);
+      } else {
+        solve_full<false>(arrays.full[k], arrays.full_gains, arrays, worst);
+      }
     }
     for (size_t k = colours.cut_begin[colour]; k < colours.cut_begin[colour + 1]; ++k) {
       if (arrays.plastic) {
-        solve_cut<true>(arrays.cut[k], arrays.plastic + k, arrays.gains[k], arrays, worst);
+        solve_cut<false, true>(arrays.cut[k], arrays.plastic + k, arrays.gains[k], arrays, worst);
+      } else if (arrays.paired) {
+        solve_cut<true, false>(arrays.cut[k], nullptr, arrays.gains[k], arrays, worst);
       } else {
-        solve_cut<false>(arrays.cut[k], nullptr, arrays.gains[k], arrays, worst);
+        solve_cut<false, false>(arrays.cut[k], nullptr, arrays.gains[k], arrays, worst);
       }
     }
   }

@@ -95,6 +95,7 @@ struct SweepArrays {
   FullGains full_gains{};
   float inverse_four_widths = 0;  // 1 / (4 a), 1/m
   bool backward = false;
+  bool paired = false;  // nodes[2k + 1] is nodes[2k] + 1 in every place
 };
 // How far from rest the worst cell was.
 struct SweepReport {

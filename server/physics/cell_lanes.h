@@ -63,6 +63,17 @@ LIVEGS_INLINE void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
   d = __builtin_shufflevector(t1, t3, 2, 3, 10, 11, 6, 7, 14, 15);
 }
 
+// Eight rows to eight columns. Its own inverse.
+LIVEGS_INLINE void transpose(Lanes (&v)[8]) {
+  transpose(v[0], v[1], v[2], v[3]);
+  transpose(v[4], v[5], v[6], v[7]);
+  for (int i = 0; i < 4; ++i) {
+    const Lanes low = v[i], high = v[i + 4];
+    v[i] = __builtin_shufflevector(low, high, 0, 1, 2, 3, 8, 9, 10, 11);
+    v[i + 4] = __builtin_shufflevector(low, high, 4, 5, 6, 7, 12, 13, 14, 15);
+  }
+}
+
 LIVEGS_INLINE Lanes pair_of(NodeLanes low, NodeLanes high) {
   return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
 }

@@ -202,6 +202,7 @@ class CellsBody final : public ElasticBody {
 
   double reach_m_ = 0.0;        // radius about the centre that holds every node
   double deviation_m_s_ = 0.0;  // root mean square of velocities relative to the body as a whole
+  double spin_rad_s_ = 0.0;     // of the body as a whole
   double strain_squared_ = 0.0; // of the worst cell
   bool first_step_ = true, strained_ = false, tangled_ = false, untangling_ = false, touching_ = false, backward_ = false;
   bool supported_ = false, forced_ = false;  // for the sleep test: held up or in no gravity; pushed

@@ -14,14 +14,14 @@ using Eigen::Vector3d;
 // Points ride in a cell at most this many half-widths from its middle (Lattice::embed).
 constexpr double kFurthestEmbedding = 2.0;
 // Candidates are found with room for the body to move this part of a cell at least.
-constexpr double kCandidateRoom = 0.25;
+constexpr double kCandidateRoom = 0.5;
 
 }  // namespace
 
 // Which surface cells may meet which colliders before a node has moved by the margin.
 void CellsBody::find_candidates(const SubstepContext& context) {
-  const double speed = motion_.velocity_m_s().norm() + reach_m_ * motion_.angular_velocity_rad_s().norm() +
-                       4.0 * deviation_m_s_ + context.gravity_m_s2.norm() / rate_hz_;
+  const double speed = motion_.velocity_m_s().norm() + reach_m_ * spin_rad_s_ + 4.0 * deviation_m_s_ +
+                       context.gravity_m_s2.norm() / rate_hz_;
   const double margin = std::max(kCandidateRoom * lattice_.cell_width_m, speed / rate_hz_);
   candidate_margin_m_ = margin;
   candidate_colliders_ = context.colliders.size();
@@ -48,10 +48,8 @@ void CellsBody::find_candidates(const SubstepContext& context) {
 }
 
 void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) {
-  // How far a node may have gone in this step; deviations are several times their mean.
-  candidate_margin_m_ -= 2.0 * step_s * (motion_.velocity_m_s().norm() +
-                                         reach_m_ * motion_.angular_velocity_rad_s().norm() + 4.0 * deviation_m_s_ +
-                                         step_s * context.gravity_m_s2.norm());
+  // How far a node may have gone in this step, and a corner of the cell with it; deviations are several times their mean.
+  candidate_margin_m_ -= 1.5 * step_s * (motion_.velocity_m_s().norm() + reach_m_ * spin_rad_s_ + 4.0 * deviation_m_s_);
   if (candidate_margin_m_ <= 0.0 || candidate_colliders_ != context.colliders.size()) find_candidates(context);
 
   const auto resolve = [&](const Collider& collider, double friction, uint32_t i) {

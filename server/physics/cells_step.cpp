@@ -94,6 +94,7 @@ void CellsBody::step(double time_s, double h, const SubstepContext& context) {
   sweep.full_gains = gains_[second_order].full;
   sweep.inverse_four_widths = static_cast<float>(0.25 / lattice_.cell_width_m);
   sweep.backward = backward_;
+  sweep.paired = batches_.paired;
   const SweepReport report = sweep_cells(sweep, batches_.colours);
   strain_squared_ = report.strain_squared;
   strained_ = report.strain_squared > kLargeStrainSquared || report.volume_ratio < kSmallVolume;
@@ -198,8 +199,10 @@ void CellsBody::measure(const NodeSums& sums) {
     motion_.momentum = ledger_momentum_;
     motion_.angular_momentum = ledger_angular_;
   }
-  const double rigid_j = 0.5 * motion_.momentum.squaredNorm() / mass_kg_ +
-                         0.5 * motion_.angular_momentum.dot(motion_.angular_velocity_rad_s());
+  const Vector3d spin = motion_.angular_velocity_rad_s();
+  spin_rad_s_ = spin.norm();
+  const double rigid_j =
+      0.5 * motion_.momentum.squaredNorm() / mass_kg_ + 0.5 * motion_.angular_momentum.dot(spin);
   deviation_m_s_ = std::sqrt(std::max(0.0, 2.0 * (sums.kinetic - rigid_j) / mass_kg_));
 }
 
