@@ -349,7 +349,26 @@ LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const
   const Lanes p = (all_lanes(1.0f) - det) / (dot(c, ac) - dot(ac, hac) + gains.volume_compliance);
   Symmetric sigma;
   for (int k = 0; k < 6; ++k) sigma.v[k] = shear.v[k] + p * (c.v[k] - hac.v[k]);
-  const Matrix stress = matrix_of_mandel(sigma);
+  Matrix stress = matrix_of_mandel(sigma);
+  if (kPlastic) {
+    // U and D have axes of their own: the force is R (T + A), A U + U A = U T - T U (plastic_flow.h). A by the mean
+    // stretch in place of U on the left; without it such cells would feed the body energy.
+    const Lanes share = all_lanes(1.5f) / (m.m[0][0] + m.m[1][1] + m.m[2][2]);
+    Lanes turned[3][3];
+    for (int i = 0; i < 3; ++i) {
+      for (int j = i + 1; j < 3; ++j) {
+        Lanes commutator = all_lanes(0.0f);
+        for (int k = 0; k < 3; ++k) commutator += m.m[i][k] * stress.m[k][j] - stress.m[i][k] * m.m[k][j];
+        turned[i][j] = share * commutator;
+      }
+    }
+    for (int i = 0; i < 3; ++i) {
+      for (int j = i + 1; j < 3; ++j) {
+        stress.m[i][j] += turned[i][j];
+        stress.m[j][i] -= turned[i][j];
+      }
+    }
+  }
 
   // Mode amplitudes after the strain update, in the turned frame, and what their rows give back.
   Lanes eta[4][3];
