@@ -34,6 +34,7 @@ struct ObjectFacts {
   MeshFacts mesh;
   AppearanceFacts appearance;
   bool scale_known = false;  // metric, rather than guessed
+  bool solid = false;        // given as what takes up room (a shape, a list of points), not captured from outside
 };
 
 // Always answers. Every value carries low <= best <= high, its source and a reason. Pure; any thread.
@@ -46,6 +47,14 @@ struct SizePrior {
   std::string label;
 };
 SizePrior size_prior(std::string_view name);
+
+// What can be said of an author's words without the object: every number finite and within its physical range, no
+// contradictions. The message begins with the field's name and holds its range.
+Result<void> check_scene_physics(const v1::Physics& written);
+// What the author gave that is possible, but far from what the object was taken for or from any material: a pillow of
+// 2 GPa. It is used all the same; each line names the field and the range.
+std::vector<std::string> doubtful_physics(const v1::PhysicalParameters& estimated, const v1::Physics& written,
+                                          const v1::PhysicalParameters& merged, const ObjectFacts& facts);
 
 // What a scene's author wrote wins over what was estimated, value by value (source SCENE), and what depends
 // on it is worked out again (mass from density and fill, E from d_R, …). Fails when the author's words

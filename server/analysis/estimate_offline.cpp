@@ -126,14 +126,19 @@ v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
     }
     answer.set_label("object");
   }
+  if (facts.solid) {
+    guess.fill = v1::Physics::SOLID;
+    guess.wall_m = {};
+  }
   const MaterialRow& material = *guess.material;
   answer.set_material(material.name);
   answer.set_confidence(facts.scale_known ? guess.confidence : 0.8 * guess.confidence);
   answer.set_fragile(material.fragile);
   answer.set_fill(guess.fill);
   answer.set_fill_reason(
-      row ? text("a %s usually is", match.alias.c_str())
-          : text("openness %.2f, filled share of the hull %.2f", facts.mesh.openness, facts.mesh.solidity));
+      facts.solid ? "shapes and points are solid unless the scene says otherwise"
+      : row       ? text("a %s usually is", match.alias.c_str())
+                  : text("openness %.2f, filled share of the hull %.2f", facts.mesh.openness, facts.mesh.solidity));
 
   const Span3 structure = guess.structure;
   const Span3 stiffness{structure.low * material.youngs_modulus_pa.low,

@@ -86,11 +86,17 @@ const std::vector<ObjectRow>& object_table() {
   return table;
 }
 
-const MaterialRow& material_row(std::string_view name) {
+const MaterialRow* find_material_row(std::string_view name) {
   for (const MaterialRow& row : material_table()) {
-    if (row.name == name) return row;
+    if (row.name == name) return &row;
   }
-  LIVEGS_ASSERT(!"a material that is not in the table");
+  return nullptr;
+}
+
+const MaterialRow& material_row(std::string_view name) {
+  const MaterialRow* row = find_material_row(name);
+  LIVEGS_ASSERT(row && "a material that is not in the table");
+  return *row;
 }
 
 }  // namespace livegs

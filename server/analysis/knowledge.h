@@ -37,5 +37,6 @@ struct ObjectRow {
 const std::vector<MaterialRow>& material_table();
 const std::vector<ObjectRow>& object_table();
 const MaterialRow& material_row(std::string_view name);  // precondition: the name is in the table
+const MaterialRow* find_material_row(std::string_view name);  // nullptr for another name
 
 }  // namespace livegs

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <cmath>
-
 #include "analysis/estimate.h"
+#include "analysis/knowledge.h"
 #include "analysis/mass_model.h"
 
 namespace livegs {
@@ -9,13 +8,6 @@ namespace {
 
 using v1::EstimatedValue;
 using v1::Physics;
-
-struct Field {
-  const char* name;
-  bool given;
-  double value, low, high;
-  EstimatedValue* target;  // null for those that are worked out from others
-};
 
 void tell(EstimatedValue& value, double number, const char* reason = "written in the scene") {
   value.set_low(number);
@@ -30,42 +22,19 @@ void tell(EstimatedValue& value, double number, const char* reason = "written in
 Result<v1::PhysicalParameters> merge_scene_physics(const v1::PhysicalParameters& estimated,
                                                    const Physics& written, const ObjectFacts& facts) {
   v1::PhysicalParameters merged = estimated;
-  const Field fields[] = {
-      {"mass_kg", written.has_mass_kg(), written.mass_kg(), 1e-6, 1e6, merged.mutable_mass_kg()},
-      {"density_kg_m3", written.has_density_kg_m3(), written.density_kg_m3(), 0.1, 25000, nullptr},
-      {"wall_thickness_m", written.has_wall_thickness_m(), written.wall_thickness_m(), 1e-6, 10,
-       merged.mutable_wall_thickness_m()},
-      {"youngs_modulus_pa", written.has_youngs_modulus_pa(), written.youngs_modulus_pa(), 1, 1e12,
-       merged.mutable_youngs_modulus_pa()},
-      {"poisson_ratio", written.has_poisson_ratio(), written.poisson_ratio(), 0, 0.49,
-       merged.mutable_poisson_ratio()},
-      {"structure_coefficient", written.has_structure_coefficient(), written.structure_coefficient(), 1e-6, 1,
-       merged.mutable_structure_coefficient()},
-      {"deformation_resistance", written.has_deformation_resistance(), written.deformation_resistance(), 1e-6,
-       1, nullptr},
-      {"plasticity", written.has_plasticity(), written.plasticity(), 0, 1, merged.mutable_plasticity()},
-      {"damping", written.has_damping(), written.damping(), 0, 2, merged.mutable_damping()},
-      {"break_impulse_n_s", written.has_break_impulse_n_s(), written.break_impulse_n_s(), 0, 1e6,
-       merged.mutable_break_impulse_n_s()},
-      {"friction", written.has_friction(), written.friction(), 0, 2, merged.mutable_friction()},
-      {"restitution", written.has_restitution(), written.restitution(), 0, 1, merged.mutable_restitution()},
-  };
-  for (const Field& field : fields) {
-    if (!field.given) continue;
-    if (!std::isfinite(field.value) || field.value < field.low || field.value > field.high) {
-      char message[160];
-      std::snprintf(message, sizeof message, "%s: is %g; it must be between %g and %g", field.name,
-                    field.value, field.low, field.high);
-      return invalid_argument(message);
-    }
-    if (field.target) tell(*field.target, field.value);
+  if (auto checked = check_scene_physics(written); !checked) return checked.error();
+  if (written.has_mass_kg()) tell(*merged.mutable_mass_kg(), written.mass_kg());
+  if (written.has_wall_thickness_m()) tell(*merged.mutable_wall_thickness_m(), written.wall_thickness_m());
+  if (written.has_youngs_modulus_pa()) tell(*merged.mutable_youngs_modulus_pa(), written.youngs_modulus_pa());
+  if (written.has_poisson_ratio()) tell(*merged.mutable_poisson_ratio(), written.poisson_ratio());
+  if (written.has_structure_coefficient()) {
+    tell(*merged.mutable_structure_coefficient(), written.structure_coefficient());
   }
-  if (written.has_mass_kg() && written.has_density_kg_m3()) {
-    return invalid_argument("density_kg_m3: stands beside mass_kg; give one of them");
-  }
-  if (written.has_youngs_modulus_pa() && written.has_deformation_resistance()) {
-    return invalid_argument("deformation_resistance: stands beside youngs_modulus_pa; give one of them");
-  }
+  if (written.has_plasticity()) tell(*merged.mutable_plasticity(), written.plasticity());
+  if (written.has_damping()) tell(*merged.mutable_damping(), written.damping());
+  if (written.has_break_impulse_n_s()) tell(*merged.mutable_break_impulse_n_s(), written.break_impulse_n_s());
+  if (written.has_friction()) tell(*merged.mutable_friction(), written.friction());
+  if (written.has_restitution()) tell(*merged.mutable_restitution(), written.restitution());
   if (written.fill() != Physics::FILL_UNKNOWN) {
     merged.set_fill(written.fill());
     merged.set_fill_reason("written in the scene");
@@ -89,14 +58,26 @@ Result<v1::PhysicalParameters> merge_scene_physics(const v1::PhysicalParameters&
          "from E* = s E by the paper's map");
   }
 
-  if (written.has_density_kg_m3()) {
-    const double density = written.density_kg_m3(), wall = merged.wall_thickness_m().best();
+  // The mass follows what was told of density, fill and wall, unless it was told itself.
+  const MaterialRow* row = find_material_row(merged.material());
+  const bool filled_anew = written.fill() != Physics::FILL_UNKNOWN || written.has_wall_thickness_m();
+  const bool mass_estimated = merged.mass_kg().source() == EstimatedValue::OFFLINE;
+  if (written.has_density_kg_m3() || (filled_anew && row && mass_estimated)) {
+    const double told = written.density_kg_m3(), wall = merged.wall_thickness_m().best();
+    const Span3 density = written.has_density_kg_m3() ? Span3{told, told, told} : row->density_kg_m3;
     ObjectFacts known = facts;
-    known.scale_known = true;
-    const MassEstimate mass =
-        estimate_mass({density, density, density}, merged.fill(), {wall, wall, wall}, known);
-    tell(*merged.mutable_mass_kg(), mass.mass_kg.best, "from the scene's density");
-    merged.mutable_mass_kg()->set_reason("from the scene's density: " + mass.reason);
+    known.scale_known = facts.scale_known || written.has_density_kg_m3();
+    const MassEstimate mass = estimate_mass(density, merged.fill(), {wall, wall, wall}, known);
+    EstimatedValue& value = *merged.mutable_mass_kg();
+    if (written.has_density_kg_m3()) {
+      tell(value, mass.mass_kg.best);
+      value.set_reason("from the scene's density: " + mass.reason);
+    } else {
+      value.set_low(mass.mass_kg.low);
+      value.set_best(mass.mass_kg.best);
+      value.set_high(mass.mass_kg.high);
+      value.set_reason("from the scene's fill: " + mass.reason);
+    }
   }
   if (merged.fragile() && !written.has_break_impulse_n_s() &&
       (written.has_fragile() || written.has_mass_kg() || written.has_density_kg_m3())) {

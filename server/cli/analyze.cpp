@@ -68,7 +68,7 @@ int run(const AnalyzeCommand& options) {
   object.set_name(options.name);
   object.set_up(options.up);
   if (options.scale > 0) object.set_scale(options.scale);
-  auto built = build_object(object, "", 0, options.asset.filename().string());
+  auto built = build_object(object, "", 0, options.asset.filename().string(), WorldSettings{});
   if (!built) return report(built.error());
   if (options.json) {
     google::protobuf::util::JsonPrintOptions print;

@@ -6,24 +6,24 @@
 #include "geometry/reconstruct_surface.h"
 #include "geometry/sample_particles.h"
 #include "geometry/shape_mesh.h"
-#include "scene/check_scene.h"
+#include "scene/check_object.h"
 #include "scene/place_asset.h"
 #include "scene/points_file.h"
+#include "scene/region_value.h"
+#include "scene/rigid_in_disguise.h"
 #include "scene/scene_values.h"
 #include "scene/shape_asset.h"
 
 namespace livegs {
 namespace {
 
-constexpr size_t kFewestPointVolumes = 1;
-
 // What all three forms come down to.
 struct Form {
   std::shared_ptr<const GaussianAsset> asset;
   Similarity object_from_asset;
   std::vector<Eigen::Vector3d> points_m;  // for surfaces; empty for shapes
-  TriangleMesh mesh;      // fine surface, object frame; empty for points until a rigid body needs it
-  ParticleSet particles;  // points only
+  TriangleMesh mesh;                      // fine surface, object frame
+  ParticleSet particles;                  // points only
   std::vector<Eigen::Vector3d> particle_velocities_m_s;
   std::string surface_note;
   bool scale_known = true;
@@ -48,22 +48,28 @@ TriangleMesh mesh_of(const v1::Shape& shape) {
 Result<Form> form_of_points(const v1::Object& object, const std::filesystem::path& folder, int index) {
   auto list = read_points_file(folder / object.points());
   if (!list) return list.error();
+  auto surface = reconstruct_surface(list->positions_m, elastic_surface_options());
+  if (!surface) return surface.error();
   Form form;
+  form.mesh = std::move(surface->mesh);  // its note is of no interest: the points are the body
   ParticleSet& particles = form.particles;
-  particles.spacing_m = object.has_spacing_m() ? object.spacing_m() : median_spacing_m(list->positions_m);
+  particles.spacing_m =
+      object.has_spacing_m() ? object.spacing_m() : filling_spacing_m(list->positions_m, form.mesh);
   if (!(particles.spacing_m > 0)) {
     return invalid_data(object.points() +
                         ": the spacing of its points is zero; give spacing_m or points that differ");
   }
   const double volume = particles.spacing_m * particles.spacing_m * particles.spacing_m;
-  const size_t count = std::max(list->positions_m.size(), kFewestPointVolumes);
+  const size_t count = list->positions_m.size();
   particles.positions_m = std::move(list->positions_m);
   particles.volumes_m3.assign(count, volume);
   particles.on_surface.assign(count, true);
   form.particle_velocities_m_s = std::move(list->velocities_m_s);
   form.points_m = particles.positions_m;
+  const bool kernel_per_point = !object.has_kernel_per_point() || object.kernel_per_point();
   form.asset = std::make_shared<GaussianAsset>(
-      point_asset(particles.positions_m, particles.spacing_m, palette_rgb(index)));
+      kernel_per_point ? point_asset(particles.positions_m, particles.spacing_m, palette_rgb(index))
+                       : mesh_asset(form.mesh, palette_rgb(index)));
   return form;
 }
 
@@ -91,21 +97,15 @@ Result<Form> form_of(const v1::Object& object, const std::filesystem::path& fold
   return form;
 }
 
-// The facts of a list of points come from its particles' volume and bounds; a surface is made for everything
-// else.
-Result<ObjectFacts> facts_of(Form& form, const std::string& name, bool points) {
+// The volume of a list of points is its particles'; of everything else, what its surface encloses.
+ObjectFacts facts_of(const Form& form, const std::string& name, bool captured) {
   ObjectFacts facts;
   facts.name = name;
   facts.scale_known = form.scale_known;
+  facts.solid = !captured;
   facts.appearance = appearance_facts(*form.asset);
-  if (points) {
-    auto surface = reconstruct_surface(form.points_m, elastic_surface_options());
-    if (!surface) return surface.error();
-    form.mesh = std::move(surface->mesh);
-    form.surface_note = std::move(surface->note);
-  }
   facts.mesh = mesh_facts(form.mesh);
-  if (points) {
+  if (!form.particles.volumes_m3.empty()) {
     facts.mesh.volume_m3 = 0;
     for (double volume : form.particles.volumes_m3) facts.mesh.volume_m3 += volume;
   }
@@ -125,6 +125,60 @@ MassProperties properties_of(const TriangleMesh& mesh, Fill fill) {
                                                         : solid_mass_properties(mesh);
 }
 
+// Where the object's material is, at rest.
+Eigen::AlignedBox3d material_bounds(const ParticleSet& particles, const TriangleMesh& mesh, bool points) {
+  Eigen::AlignedBox3d bounds;
+  for (const Eigen::Vector3d& vertex : points ? particles.positions_m : mesh.vertices_m)
+    bounds.extend(vertex);
+  const Eigen::Vector3d half = Eigen::Vector3d::Constant(points ? 0.5 * particles.spacing_m : 0.0);
+  return {bounds.min() - half, bounds.max() + half};
+}
+
+// A region that misses the object would silently do nothing.
+Result<void> check_reach(const BodyRegion& region, const Eigen::AlignedBox3d& material,
+                         const std::string& field) {
+  const double slack = 1e-6 * material.sizes().maxCoeff();
+  // A traction or a material needs a volume, a plane is enough to hold or move what it touches.
+  const bool plane_will_do = !region.material && region.traction_pa.isZero(0.0);
+  const Eigen::Array3d overlap =
+      region.max_m.cwiseMin(material.max()).array() - region.min_m.cwiseMax(material.min()).array();
+  if (region.boundary || (overlap >= (plane_will_do ? -slack : slack)).all()) return {};
+  char message[200];
+  std::snprintf(
+      message, sizeof message,
+      ": holds nothing of the object, which reaches from (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g) m at rest",
+      material.min().x(), material.min().y(), material.min().z(), material.max().x(), material.max().y(),
+      material.max().z());
+  return invalid_argument((region.name.empty() ? "" : "region \"" + region.name + "\": ") + field + ".box" +
+                          message);
+}
+
+Result<ElasticBodyDescription> elastic_description(const v1::Object& object, Form& form,
+                                                   const std::string& field) {
+  ElasticBodyDescription body;
+  const bool points = object.form_case() == v1::Object::kPoints;
+  body.particles = points ? std::move(form.particles)
+                          : sample_particles(form.mesh, kDefaultSamplingDensity, object.spacing_m());
+  body.particle_velocities_m_s = std::move(form.particle_velocities_m_s);
+  body.initial_deformation =
+      matrix_value(object.initial_deformation(), field + ".initial_deformation").value();
+  const Eigen::AlignedBox3d material = material_bounds(body.particles, form.mesh, points);
+  for (int i = 0; i < object.regions_size(); ++i) {
+    const std::string name = field + ".regions[" + std::to_string(i) + "]";
+    body.regions.push_back(region_value(object.regions(i), name).value());  // checked when the file was read
+    if (auto reached = check_reach(body.regions.back(), material, name); !reached) return reached.error();
+  }
+  return body;
+}
+
+// What only something that deforms can have; empty when there is none of it.
+std::string needs_elastic(const v1::Object& object, const Form& form) {
+  if (object.regions_size() > 0) return "regions";
+  if (!object.initial_deformation().empty()) return "initial_deformation";
+  if (!form.particle_velocities_m_s.empty()) return "points";
+  return "";
+}
+
 }  // namespace
 
 std::shared_ptr<const DistanceField> collision_field(const TriangleMesh& mesh) {
@@ -135,71 +189,84 @@ std::shared_ptr<const DistanceField> collision_field(const TriangleMesh& mesh) {
 }
 
 Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem::path& folder, int index,
-                                 const std::string& field) {
+                                 const std::string& field, const WorldSettings& settings) {
   const int64_t started_ns = now_ns();
   const auto fail = [&](const Error& error) {
     return Error{error.code, error.message.starts_with(field) ? error.message : field + ": " + error.message};
   };
   const std::string name = object_name(object, index);
-  const bool points = object.form_case() == v1::Object::kPoints;
   const bool shape = object.form_case() == v1::Object::kShape;
   auto form = form_of(object, folder, index, name, field);
   if (!form) return fail(form.error());
-  auto facts = facts_of(*form, name, points);
-  if (!facts) return fail(facts.error());
-  auto parameters = merge_scene_physics(estimate_offline(*facts), object.physics(), *facts);
+  ObjectFacts facts = facts_of(*form, name, object.form_case() == v1::Object::kAsset);
+  const v1::PhysicalParameters estimated = estimate_offline(facts);
+  auto parameters = merge_scene_physics(estimated, object.physics(), facts);
   if (!parameters) return Error{parameters.error().code, field + ".physics." + parameters.error().message};
   v1::EstimatedValue& side = *parameters->mutable_longest_side_m();
-  side.set_best(facts->mesh.size_m.maxCoeff());
+  side.set_best(facts.mesh.size_m.maxCoeff());
   side.set_low(side.best() * (form->scale_known ? 1.0 : 0.5));
   side.set_high(side.best() * (form->scale_known ? 1.0 : 2.0));
   side.set_source(form->scale_known ? v1::EstimatedValue::SCENE : v1::EstimatedValue::OFFLINE);
   side.set_reason(form->scale_reason);
 
   BuiltObject built;
-  const Material material = to_material(*parameters);
-  const Pose pose = pose_value(object.pose(), field + ".pose").value();  // checked when the file was read
-  const Eigen::Vector3d velocity =
-      vector_value(object.velocity_m_s(), Eigen::Vector3d::Zero(), field).value();
-  const Eigen::Vector3d spin =
-      vector_value(object.angular_velocity_rad_s(), Eigen::Vector3d::Zero(), field).value();
+  for (const std::string& doubt : doubtful_physics(estimated, object.physics(), *parameters, facts)) {
+    built.drawn.warnings.push_back("physics." + doubt);
+  }
+  if (!form->surface_note.empty()) built.drawn.warnings.push_back(form->surface_note);
+  Material material = to_material(*parameters);
+  const std::string elastic_only = needs_elastic(object, *form);
+  if (material.behavior != Behavior::Elastic && !elastic_only.empty()) {
+    return invalid_argument(
+        field + "." + elastic_only + ": " + (elastic_only == "points" ? "have velocities, which are" : "is") +
+        " for elastic objects, and this one is " + v1::Physics::Behavior_Name(parameters->behavior()) +
+        "; set physics.behavior to ELASTIC");
+  }
+  std::optional<ElasticBodyDescription> elastic;
+  if (material.behavior == Behavior::Elastic) {
+    auto described = elastic_description(object, *form, field);
+    if (!described) return described.error();
+    elastic = std::move(*described);
+    elastic->material = material;
+    // Only where nobody said that it is elastic, and nothing needs it to be.
+    if (object.physics().behavior() == v1::Physics::AUTO && elastic_only.empty()) {
+      if (const auto reason = rigid_in_disguise(*elastic, settings.rate_hz, settings.substeps)) {
+        elastic.reset();
+        material.behavior = Behavior::Rigid;
+        parameters->set_behavior(v1::Physics::RIGID);
+        parameters->set_behavior_reason(*reason);
+        built.drawn.warnings.push_back(*reason);
+      }
+    }
+  }
+  const auto place = [&](auto& body) {
+    body.material = material;
+    body.world_from_object =
+        pose_value(object.pose(), field + ".pose").value();  // checked when the file was read
+    body.velocity_m_s = vector_value(object.velocity_m_s(), Eigen::Vector3d::Zero(), field).value();
+    body.angular_velocity_rad_s =
+        vector_value(object.angular_velocity_rad_s(), Eigen::Vector3d::Zero(), field).value();
+  };
   switch (material.behavior) {
     case Behavior::Elastic: {
-      ElasticBodyDescription body;
-      body.particles = points ? std::move(form->particles)
-                              : sample_particles(form->mesh, kDefaultSamplingDensity, object.spacing_m());
-      body.material = material;
-      body.world_from_object = pose;
-      body.velocity_m_s = velocity;
-      body.angular_velocity_rad_s = spin;
-      body.particle_velocities_m_s = std::move(form->particle_velocities_m_s);
-      for (const v1::Region& region : object.regions()) {
-        body.regions.push_back(fixed_box(
-            vector_value(region.box().min_m(), Eigen::Vector3d::Constant(-kLargestCoordinate), field).value(),
-            vector_value(region.box().max_m(), Eigen::Vector3d::Constant(kLargestCoordinate), field).value()));
-      }
-      built.drawn.rest_particles_m = body.particles.positions_m;
-      built.body = std::move(body);
+      place(*elastic);
+      built.drawn.rest_particles_m = elastic->particles.positions_m;
+      built.body = std::move(*elastic);
       break;
     }
     case Behavior::Static: {
       built.body =
-          StaticBodyDescription{pose, collision_field(form->mesh), material.friction, material.restitution};
+          StaticBodyDescription{pose_value(object.pose(), field + ".pose").value(),
+                                collision_field(form->mesh), material.friction, material.restitution};
       break;
     }
     default: {
-      if (object.regions_size() > 0) {
-        return invalid_argument(field + ".regions: a rigid object has none; set physics.behavior to ELASTIC");
-      }
       RigidBodyDescription body;
       auto mesh = rigid_mesh(*form, shape);
       if (!mesh) return fail(mesh.error());
       body.mesh = std::move(*mesh);
       body.properties = properties_of(body.mesh, material.fill);
-      body.material = material;
-      body.world_from_object = pose;
-      body.velocity_m_s = velocity;
-      body.angular_velocity_rad_s = spin;
+      place(body);
       built.body = std::move(body);
     }
   }
@@ -208,7 +275,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   built.drawn.physics = std::move(*parameters);
   built.drawn.mass_kg = material.behavior == Behavior::Static ? 0.0 : material.mass_kg;
   built.drawn.surface_note = std::move(form->surface_note);
-  built.drawn.facts = std::make_shared<const ObjectFacts>(std::move(*facts));
+  built.drawn.facts = std::make_shared<const ObjectFacts>(std::move(facts));
   built.object_from_asset = form->object_from_asset;
   built.body_points_m = shape ? std::move(form->mesh.vertices_m) : std::move(form->points_m);
   built.build_ms = milliseconds_from_ns(now_ns() - started_ns);

@@ -31,9 +31,9 @@ struct BuiltObject {
 
 // Asset, shape or points to surface, facts, parameters and body. Pure but for reading files: objects of a
 // scene are built in parallel. `index` picks a colour for what has none; `field` is what errors call the
-// object.
+// object; `settings` are the world's it will live in.
 Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem::path& folder, int index,
-                                 const std::string& field);
+                                 const std::string& field, const WorldSettings& settings);
 
 // Cells of a collision field along the longest side of what it covers.
 inline constexpr int kFieldCells = 64;

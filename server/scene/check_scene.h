@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <string>
-
 #include "core/result.h"
 #include "livegs/v1/scene.pb.h"
 
@@ -11,8 +9,5 @@ namespace livegs {
 // What can be said about a scene without opening its assets: lengths of lists, ranges, names that refer to
 // nothing or stand twice. The error names the field.
 Result<void> check_scene(const v1::Scene& scene);
-
-// The name an object goes by: its own, or the stem of its asset's or points' file.
-std::string object_name(const v1::Object& object, int index);
 
 }  // namespace livegs

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "core/file.h"
+#include "geometry/mesh_topology.h"
 
 namespace livegs {
 
@@ -60,16 +61,19 @@ Result<PointList> read_points_file(const std::filesystem::path& path) {
   return list;
 }
 
-double median_spacing_m(const std::vector<Eigen::Vector3d>& points_m) {
+namespace {
+
+// The distance to the nearest other point, of enough points for a median; ascending.
+std::vector<double> nearest_distances_m(const std::vector<Eigen::Vector3d>& points_m) {
   const size_t count = points_m.size();
-  if (count < 2) return 0.0;
+  if (count < 2) return {};
   // Sorted along x, a point's nearest neighbour is found by looking both ways until x alone is farther.
   std::vector<uint32_t> order(count);
   std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
     return points_m[a].x() != points_m[b].x() ? points_m[a].x() < points_m[b].x() : a < b;
   });
-  constexpr size_t kSamples = 1001;  // enough for a median; every k-th point
+  constexpr size_t kSamples = 1001;  // every k-th point
   const size_t stride = std::max<size_t>(1, count / kSamples);
   std::vector<double> nearest;
   for (size_t i = 0; i < count; i += stride) {
@@ -85,8 +89,35 @@ double median_spacing_m(const std::vector<Eigen::Vector3d>& points_m) {
     }
     nearest.push_back(best);
   }
-  std::nth_element(nearest.begin(), nearest.begin() + nearest.size() / 2, nearest.end());
-  return nearest[nearest.size() / 2];
+  std::sort(nearest.begin(), nearest.end());
+  return nearest;
+}
+
+}  // namespace
+
+double median_spacing_m(const std::vector<Eigen::Vector3d>& points_m) {
+  const std::vector<double> nearest = nearest_distances_m(points_m);
+  return nearest.empty() ? 0.0 : nearest[nearest.size() / 2];
+}
+
+double filling_spacing_m(const std::vector<Eigen::Vector3d>& points_m,
+                         const TriangleMesh& through_outermost) {
+  const std::vector<double> nearest = nearest_distances_m(points_m);
+  if (nearest.empty()) return 0.0;
+  const double median = nearest[nearest.size() / 2];
+  constexpr double kRegular = 0.02;  // of the median, from the 10th to the 90th part of a hundred
+  if (nearest[nearest.size() * 9 / 10] - nearest[nearest.size() / 10] < kRegular * median) return median;
+
+  // The mesh runs through the outermost points, half a spacing inside the body; a box or an ellipsoid that
+  // grows by half a spacing on every side grows by (1 + s / size) along each axis.
+  const double volume_m3 = signed_volume_m3(through_outermost);
+  const Eigen::Array3d size_m = mesh_bounds_m(through_outermost).sizes().array();
+  if (!(volume_m3 > 0.0) || !(size_m > 0.0).all()) return median;
+  double spacing = median;
+  for (int i = 0; i < 50; ++i) {
+    spacing = std::cbrt(volume_m3 * (1.0 + spacing / size_m).prod() / static_cast<double>(points_m.size()));
+  }
+  return spacing;
 }
 
 }  // namespace livegs

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "geometry/triangle_mesh.h"
 
 namespace livegs {
 
@@ -19,7 +20,12 @@ inline constexpr size_t kMaxPoints = 1'000'000;
 // Errors name the file, the line and the column.
 Result<PointList> read_points_file(const std::filesystem::path& path);
 
-// The median distance to the nearest other point: the spacing of a filled list. 0 for fewer than two points.
+// The median distance to the nearest other point: the spacing of a regular list. 0 for fewer than two points.
 double median_spacing_m(const std::vector<Eigen::Vector3d>& points_m);
+
+// The edge of the cubes, one a point, that together have the volume the points fill: the median distance
+// where all are alike; in an irregular list, whose nearest neighbours are nearer than that, from the volume
+// of the surface through its outermost points, grown by half a spacing.
+double filling_spacing_m(const std::vector<Eigen::Vector3d>& points_m, const TriangleMesh& through_outermost);
 
 }  // namespace livegs

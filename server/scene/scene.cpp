@@ -8,7 +8,9 @@
 #include "core/parallel_for.h"
 #include "geometry/shape_mesh.h"
 #include "scene/build_object.h"
+#include "scene/check_object.h"
 #include "scene/check_scene.h"
+#include "scene/elastic_report.h"
 #include "scene/scene_values.h"
 #include "scene/scenery.h"
 #include "scene/shape_asset.h"
@@ -57,6 +59,14 @@ void log_built(const BuiltObject& built) {
            built.build_ms, drawn.surface_note.empty() ? "" : "; ", drawn.surface_note.c_str());
 }
 
+// What is known of the body once it is in the world.
+void log_notes(const SceneObject& drawn) {
+  if (drawn.elastic) log_info("%s: %s", drawn.name.c_str(), accuracy_line(*drawn.elastic).c_str());
+  for (const std::string& warning : drawn.all_warnings()) {
+    if (warning != drawn.surface_note) log_warn("%s: %s", drawn.name.c_str(), warning.c_str());
+  }
+}
+
 }  // namespace
 
 Result<Scene> Scene::load(const std::filesystem::path& path, const SceneOptions& options) {
@@ -93,12 +103,14 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
   parallel_for(count, 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const int index = static_cast<int>(i);
-      built[i] = build_object(file.objects(index), folder, index, "objects[" + std::to_string(i) + "]");
+      built[i] =
+          build_object(file.objects(index), folder, index, "objects[" + std::to_string(i) + "]", *settings);
       if (*built[i]) log_built(**built[i]);
     }
   });
-  for (auto& object : built) {
-    if (!*object) return object->error();
+  for (size_t i = 0; i < count; ++i) {
+    const int index = static_cast<int>(i);
+    if (!*built[i]) return of_object(built[i]->error(), object_name(file.objects(index), index));
   }
 
   scene.bounds_m_ = built_bounds(built);
@@ -131,12 +143,27 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
       elastic.object_id = one.drawn.id;
       added = scene.world_->add_elastic(elastic);
     }
-    if (!added) return Error{added.error().code, one.drawn.name + ": " + added.error().message};
+    if (!added) return of_object(added.error(), one.drawn.name);
     const Similarity object_from_asset = one.object_from_asset;
+    scene.note_elastic(one.drawn);
     scene.add_drawn(std::move(one.drawn), object_from_asset);
+    log_notes(scene.objects_.back());
   }
   scene.changes_ = {};
   return scene;
+}
+
+void Scene::note_elastic(SceneObject& drawn) const {
+  const ElasticBody* body = world_->elastic_body(drawn.id);
+  if (!body) return;
+  drawn.elastic = body->accuracy();
+  drawn.mass_kg = body->mass_kg();
+}
+
+std::vector<std::string> SceneObject::all_warnings() const {
+  std::vector<std::string> all = warnings;
+  if (const auto clipped = elastic ? accuracy_warning(*elastic) : std::nullopt) all.push_back(*clipped);
+  return all;
 }
 
 const SceneObject& Scene::add_drawn(SceneObject drawn, const Similarity& object_from_asset) {
@@ -198,6 +225,15 @@ void Scene::apply(const v1::Event& event, uint64_t event_id) {
       }
       object->physics = std::move(*merged);
       object->mass_kg = object->physics.mass_kg().best();
+      note_elastic(*object);
+      break;
+    }
+    case v1::Event::kReleaseRegion: {
+      const SceneObject* object = find(event.release_region().object());
+      if (auto released = world_->release_region(object->id, event.release_region().region()); !released) {
+        log_warn("%s: release_region at %.3f s: %s", object->name.c_str(), event.time_s(),
+                 released.error().message.c_str());
+      }
       break;
     }
     case v1::Event::ACTION_NOT_SET:

@@ -34,9 +34,14 @@ struct SceneObject {
   v1::PhysicalParameters physics;  // with the source of each value
   double mass_kg = 0;
   std::vector<Eigen::Vector3d> rest_particles_m;  // of an elastic body, object frame; empty otherwise
-  std::string surface_note;  // how its surface was repaired or replaced; empty when it was not
+  std::optional<ElasticAccuracy> elastic;         // of an elastic body, as it was built or last changed
+  std::string surface_note;           // how its surface was repaired or replaced; empty when it was not
+  std::vector<std::string> warnings;  // found while it was built
   std::shared_ptr<const ObjectFacts>
       facts;  // what the analysis looked at; empty for the environment and balls
+
+  // What a person should know before it runs, a line each, without the object's name.
+  std::vector<std::string> all_warnings() const;
 };
 
 struct SceneOptions {
@@ -82,6 +87,7 @@ class Scene {
 
  private:
   void apply(const v1::Event& event, uint64_t event_id);
+  void note_elastic(SceneObject& drawn) const;  // what its elastic body turned out to be
   const SceneObject& add_drawn(SceneObject drawn, const Similarity& object_from_asset);
 
   std::string name_;

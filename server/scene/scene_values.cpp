@@ -7,14 +7,14 @@
 namespace livegs {
 namespace {
 
-Result<void> check_list(const Numbers& numbers, int wanted, std::string_view field) {
+Result<void> check_list(const Numbers& numbers, int wanted, std::string_view field, double largest) {
   if (numbers.size() != wanted) {
     return invalid_argument(std::string(field) + ": has " + std::to_string(numbers.size()) +
                             " numbers; give " + std::to_string(wanted));
   }
   for (int i = 0; i < wanted; ++i) {
-    if (auto number = number_value(numbers[i], -kLargestCoordinate, kLargestCoordinate,
-                                   std::string(field) + "[" + std::to_string(i) + "]");
+    if (auto number =
+            number_value(numbers[i], -largest, largest, std::string(field) + "[" + std::to_string(i) + "]");
         !number) {
       return number.error();
     }
@@ -32,19 +32,25 @@ Result<double> number_value(double number, double low, double high, std::string_
 }
 
 Result<Eigen::Vector3d> vector_value(const Numbers& numbers, const Eigen::Vector3d& fallback,
-                                     std::string_view field) {
+                                     std::string_view field, double largest) {
   if (numbers.empty()) return fallback;
-  if (auto checked = check_list(numbers, 3, field); !checked) return checked.error();
+  if (auto checked = check_list(numbers, 3, field, largest); !checked) return checked.error();
   return Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
 }
 
 Result<Eigen::Quaterniond> quaternion_value(const Numbers& numbers, std::string_view field) {
   if (numbers.empty()) return Eigen::Quaterniond::Identity();
-  if (auto checked = check_list(numbers, 4, field); !checked) return checked.error();
+  if (auto checked = check_list(numbers, 4, field, kLargestCoordinate); !checked) return checked.error();
   Eigen::Quaterniond quaternion(numbers[0], numbers[1], numbers[2], numbers[3]);
   if (quaternion.norm() < 1e-6)
     return invalid_argument(std::string(field) + ": is zero; give [w, x, y, z] of unit length");
   return quaternion.normalized();
+}
+
+Result<Eigen::Matrix3d> matrix_value(const Numbers& numbers, std::string_view field) {
+  if (numbers.empty()) return Eigen::Matrix3d::Identity().eval();
+  if (auto checked = check_list(numbers, 9, field, kLargestDeformation); !checked) return checked.error();
+  return Eigen::Matrix3d(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers.data()));
 }
 
 Result<Pose> pose_value(const v1::PlacedAt& pose, std::string_view field) {

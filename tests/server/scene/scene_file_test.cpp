@@ -63,6 +63,7 @@ TEST(SceneFile, RefusalsNameFileAndField) {
       {R"({ "events": [ { "time_s": 1, "force": { "object": "nobody", "force_n": [1,0,0], "duration_s": 1 } } ] })",
        "nobody"},
       {R"({ "events": [ { "time_s": 1 } ] })", "events[0]"},
+      {R"({ "objects": [ { "name": "a", )" + box + R"(, "kernel_per_point": true } ] })", "kernel_per_point"},
   };
   for (const auto& [text, field] : cases) {
     const std::string message = refusal(text);
@@ -70,6 +71,57 @@ TEST(SceneFile, RefusalsNameFileAndField) {
     EXPECT_NE(message.find(field), std::string::npos) << text << "\n" << message;
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
   }
+}
+
+// Numbers no material has are refused before an asset is opened, with the range they must lie in.
+TEST(SceneFile, ImpossiblePhysicsIsRefusedWithObjectFieldAndRange) {
+  const struct {
+    const char* physics;
+    const char* field;
+    const char* range;
+  } cases[] = {
+      {R"("mass_kg": 0)", "mass_kg: is 0", "between 1e-06 and 1e+06"},
+      {R"("mass_kg": -2)", "mass_kg: is -2", "between 1e-06 and 1e+06"},
+      {R"("mass_kg": "NaN")", "mass_kg: is nan", "between 1e-06 and 1e+06"},
+      {R"("density_kg_m3": 0)", "density_kg_m3: is 0", "between 0.1 and 25000"},
+      {R"("wall_thickness_m": -1)", "wall_thickness_m: is -1", "between 1e-06 and 10"},
+      {R"("youngs_modulus_pa": 0)", "youngs_modulus_pa: is 0", "between 1 and 1e+12"},
+      {R"("youngs_modulus_pa": "Infinity")", "youngs_modulus_pa: is inf", "between 1 and 1e+12"},
+      {R"("poisson_ratio": 0.5)", "poisson_ratio: is 0.5", "between 0 and 0.49"},
+      {R"("poisson_ratio": -0.1)", "poisson_ratio: is -0.1", "between 0 and 0.49"},
+      {R"("structure_coefficient": 1.5)", "structure_coefficient: is 1.5", "between 1e-06 and 1"},
+      {R"("deformation_resistance": 1.1)", "deformation_resistance: is 1.1", "between 1e-06 and 1"},
+      {R"("plasticity": 1.01)", "plasticity: is 1.01", "between 0 and 1"},
+      {R"("damping": 2.1)", "damping: is 2.1", "between 0 and 2"},
+      {R"("damping": -0.1)", "damping: is -0.1", "between 0 and 2"},
+      {R"("break_impulse_n_s": -1)", "break_impulse_n_s: is -1", "between 0 and 1e+06"},
+      {R"("friction": 3)", "friction: is 3", "between 0 and 2"},
+      {R"("restitution": 1.2)", "restitution: is 1.2", "between 0 and 1"},
+      {R"("behavior": 9)", "behavior: is 9", "AUTO, STATIC, RIGID or ELASTIC"},
+      {R"("fill": 9)", "fill: is 9", "SOLID, SHELL, OPEN_SHELL or FILLED"},
+  };
+  for (const auto& one : cases) {
+    const std::string physics = std::string(R"("physics": { )") + one.physics + " }";
+    std::string message =
+        refusal(R"({ "objects": [ { "name": "hat", "asset": "absent.ply", )" + physics + " } ] }");
+    EXPECT_EQ(message, "a.scene.json: object \"hat\": objects[0].physics." +
+                           message.substr(std::min(message.size(), message.find("physics.") + 8)));
+    EXPECT_NE(message.find(one.field), std::string::npos) << message;
+    EXPECT_NE(message.find(one.range), std::string::npos) << message;
+    // The same words in an event.
+    message = refusal(std::string(R"({ "objects": [ { "name": "hat", )") + kBox +
+                      R"( } ], "events": [ { "time_s": 1, "set_physics": { "object": "hat", )" + physics +
+                      " } } ] }");
+    EXPECT_NE(message.find(std::string("object \"hat\": events[0].set_physics.physics.") + one.field),
+              std::string::npos)
+        << message;
+  }
+}
+
+TEST(SceneFile, NamesCannotBreakTheLineOfAnError) {
+  const std::string message = refusal(std::string(R"({ "objects": [ { "name": "a\nb", )") + kBox +
+                                      R"(, "physics": { "friction": -1 } } ] })");
+  EXPECT_NE(message.find("object \"a?b\""), std::string::npos) << message;
 }
 
 TEST(SceneFile, AnAbsentFileIsNamed) {

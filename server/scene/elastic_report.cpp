@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/elastic_report.h"
+
+#include <cstdio>
+
+namespace livegs {
+namespace {
+
+v1::ElasticAccuracy::Band band_message(ElasticBand band) {
+  switch (band) {
+    case ElasticBand::Exact:
+      return v1::ElasticAccuracy::EXACT;
+    case ElasticBand::Band:
+      return v1::ElasticAccuracy::BAND;
+    case ElasticBand::Clipped:
+      return v1::ElasticAccuracy::CLIPPED;
+    case ElasticBand::Unknown:
+      break;
+  }
+  return v1::ElasticAccuracy::UNKNOWN;
+}
+
+template <class... Values>
+std::string text(const char* format, Values... values) {
+  char line[256];
+  std::snprintf(line, sizeof line, format, values...);
+  return line;
+}
+
+}  // namespace
+
+v1::ElasticAccuracy accuracy_message(const ElasticAccuracy& accuracy) {
+  v1::ElasticAccuracy message;
+  message.set_cell_width_m(accuracy.cell_width_m);
+  message.set_substeps(static_cast<uint32_t>(accuracy.substeps));
+  message.set_courant(accuracy.courant);
+  message.set_band(band_message(accuracy.band));
+  message.set_youngs_modulus_pa(accuracy.youngs_modulus_pa);
+  message.set_reached_youngs_modulus_pa(accuracy.reached_youngs_modulus_pa);
+  message.set_modulus_ratio_low(accuracy.modulus_ratio_low);
+  message.set_modulus_ratio_high(accuracy.modulus_ratio_high);
+  message.set_nodes(accuracy.nodes);
+  message.set_cells(accuracy.cells);
+  message.set_particles(accuracy.particles);
+  message.set_bytes(accuracy.bytes);
+  return message;
+}
+
+std::string accuracy_line(const ElasticAccuracy& accuracy) {
+  std::string line = text("E %.3g Pa %s", accuracy.youngs_modulus_pa, name_of(accuracy.band));
+  if (accuracy.clipped) line += text(" to %.3g Pa", accuracy.reached_youngs_modulus_pa);
+  if (accuracy.modulus_ratio_high > 0) {
+    line += text(" (%.3g to %.3g of it)", accuracy.modulus_ratio_low, accuracy.modulus_ratio_high);
+  }
+  if (accuracy.cell_width_m > 0) line += text("; cells %.3g mm", 1e3 * accuracy.cell_width_m);
+  line += text("%s %d substeps", accuracy.cell_width_m > 0 ? "," : ";", accuracy.substeps);
+  if (accuracy.cell_width_m > 0) line += text(", Courant %.2f", accuracy.courant);
+  line += text("; %zu nodes, %zu particles, %.0f kB", accuracy.nodes, accuracy.particles,
+               1e-3 * static_cast<double>(accuracy.bytes));
+  return line;
+}
+
+std::optional<std::string> accuracy_warning(const ElasticAccuracy& accuracy) {
+  if (!accuracy.clipped) return std::nullopt;
+  return text(
+      "stiffness clipped from %.3g to %.3g Pa, the most that cells of %.3g mm reach in %d substeps; a higher "
+      "rate or a rigid body would be stiffer",
+      accuracy.youngs_modulus_pa, accuracy.reached_youngs_modulus_pa, 1e3 * accuracy.cell_width_m,
+      accuracy.substeps);
+}
+
+}  // namespace livegs

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is said of an elastic object before it runs, and what is made of it when its numbers are out of reach.
+#include "scene/elastic_report.h"
+
+#include <google/protobuf/util/json_util.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "scene/scene.h"
+
+namespace livegs {
+namespace {
+
+Scene one_object(const std::string& object) {
+  v1::Scene file;
+  const auto parsed = google::protobuf::util::JsonStringToMessage(
+      R"({ "rate_hz": 60, "substeps": 4, "objects": [ )" + object + " ] }", &file);
+  EXPECT_TRUE(parsed.ok()) << parsed.message();
+  auto scene = Scene::build(file, "", "one", {});
+  EXPECT_TRUE(scene) << scene.error().message;
+  return std::move(*scene);
+}
+
+// A cube of this edge and stiffness; `said` is its behavior.
+Scene cube(const char* name, double edge_m, double youngs_modulus_pa, const char* said) {
+  char object[400];
+  std::snprintf(object, sizeof object,
+                R"({ "name": "%s", "shape": { "box": { "size_m": [%g, %g, %g] } },
+                     "physics": { "behavior": "%s", "density_kg_m3": 1000, "youngs_modulus_pa": %g } })",
+                name, edge_m, edge_m, edge_m, said, youngs_modulus_pa);
+  return one_object(object);
+}
+
+TEST(ElasticReport, TheObjectTheMessageAndTheLineSayTheSame) {
+  const Scene scene = cube("cube", 0.2, 2e4, "ELASTIC");
+  const SceneObject& object = scene.objects()[0];
+  ASSERT_TRUE(object.elastic);
+  const ElasticAccuracy accuracy = scene.world().elastic_body(object.id)->accuracy();
+  const v1::ElasticAccuracy message = accuracy_message(*object.elastic);
+  EXPECT_EQ(message.cell_width_m(), accuracy.cell_width_m);
+  EXPECT_EQ(message.substeps(), static_cast<uint32_t>(accuracy.substeps));
+  EXPECT_EQ(message.courant(), accuracy.courant);
+  EXPECT_EQ(message.youngs_modulus_pa(), 2e4);
+  EXPECT_EQ(message.reached_youngs_modulus_pa(), accuracy.reached_youngs_modulus_pa);
+  EXPECT_EQ(message.modulus_ratio_low(), accuracy.modulus_ratio_low);
+  EXPECT_EQ(message.modulus_ratio_high(), accuracy.modulus_ratio_high);
+  EXPECT_EQ(message.nodes(), accuracy.nodes);
+  EXPECT_EQ(message.bytes(), accuracy.bytes);
+  // sqrt(E / rho) h / a
+  EXPECT_NEAR(message.courant(), std::sqrt(2e4 / 1000) / (60 * accuracy.substeps * accuracy.cell_width_m),
+              1e-9);
+  EXPECT_EQ(accuracy_line(accuracy).find("E 2e+04 Pa "), 0u) << accuracy_line(accuracy);
+}
+
+TEST(ElasticReport, AClippedStiffnessIsAWarning) {
+  const Scene scene = cube("cube", 0.1, 1e9, "ELASTIC");
+  const SceneObject& object = scene.objects()[0];
+  ASSERT_TRUE(object.elastic);
+  EXPECT_EQ(accuracy_message(*object.elastic).band(), v1::ElasticAccuracy::CLIPPED);
+  EXPECT_LT(object.elastic->reached_youngs_modulus_pa, 1e8);
+  const auto warnings = object.all_warnings();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].find("stiffness clipped from 1e+09 to "), 0u) << warnings[0];
+}
+
+// 100 MPa is below the limit above which the paper calls everything rigid, but a 50 mm cube at 60 Hz reaches
+// a fiftieth of it: even one cell across in 32 substeps has rho (Co rate n a)^2 = 1000 (0.5 * 60 * 32 *
+// 0.05)^2 = 2.3 MPa.
+TEST(ElasticReport, WhatIsClippedBeyondSenseIsRigidUnlessToldOtherwise) {
+  const Scene rigid = cube("cube", 0.05, 1e8, "AUTO");
+  const SceneObject& object = rigid.objects()[0];
+  EXPECT_EQ(object.physics.behavior(), v1::Physics::RIGID);
+  EXPECT_EQ(rigid.world().elastic_body(object.id), nullptr);
+  EXPECT_FALSE(object.elastic);
+  EXPECT_EQ(object.physics.behavior_reason().find("E* = 1e+08 Pa is "), 0u)
+      << object.physics.behavior_reason();
+  EXPECT_EQ(object.all_warnings(), std::vector<std::string>{object.physics.behavior_reason()});
+  EXPECT_NEAR(object.mass_kg, 0.125, 1e-9);
+
+  const Scene told = cube("cube", 0.05, 1e8, "ELASTIC");
+  EXPECT_NE(told.world().elastic_body(told.objects()[0].id), nullptr);
+  // Twenty times the size reaches four hundred times the stiffness: it may bend.
+  const Scene large = cube("cube", 1.0, 1e8, "AUTO");
+  EXPECT_NE(large.world().elastic_body(large.objects()[0].id), nullptr);
+}
+
+// It is used as typed; the range it was expected in is named.
+TEST(ElasticReport, AStiffPillowIsRemarkedOn) {
+  const Scene scene = cube("pillow", 0.3, 2e9, "ELASTIC");
+  const SceneObject& object = scene.objects()[0];
+  const auto warnings = object.all_warnings();
+  ASSERT_FALSE(warnings.empty());
+  EXPECT_EQ(warnings[0].find("physics.youngs_modulus_pa: 2e+09 Pa is used as written, but a pillow of "), 0u)
+      << warnings[0];
+  EXPECT_NE(warnings[0].find(" to "), std::string::npos) << warnings[0];
+  EXPECT_EQ(object.elastic->youngs_modulus_pa, 2e9);
+  for (const std::string& warning : cube("pillow", 0.3, 2e4, "ELASTIC").objects()[0].all_warnings()) {
+    EXPECT_EQ(warning.find("physics.youngs_modulus_pa"), std::string::npos) << warning;
+  }
+}
+
+// Whatever colour the palette gives it: 500 kg/m3 times a litre.
+TEST(ElasticReport, ShapesAreSolidUnlessTheSceneSaysOtherwise) {
+  v1::Scene file;
+  for (int i = 0; i < 6; ++i) {
+    v1::Object& object = *file.add_objects();
+    object.set_name("thing " + std::to_string(i));
+    for (int d = 0; d < 3; ++d) object.mutable_shape()->mutable_box()->add_size_m(0.1);
+    object.mutable_physics()->set_behavior(v1::Physics::RIGID);
+    object.mutable_physics()->set_density_kg_m3(500);
+  }
+  file.mutable_objects(5)->mutable_physics()->set_fill(v1::Physics::SHELL);
+  file.mutable_objects(5)->mutable_physics()->set_wall_thickness_m(0.001);
+  auto scene = Scene::build(file, "", "things", {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  for (int i = 0; i < 5; ++i) EXPECT_NEAR(scene->objects()[i].mass_kg, 0.5, 1e-12) << i;
+  EXPECT_NEAR(scene->objects()[5].mass_kg, 500 * 0.001 * 0.06, 1e-12);  // wall times area
+}
+
+}  // namespace
+}  // namespace livegs
