@@ -6,6 +6,7 @@
 #include "core/log.h"
 #include "gaussian/asset_file.h"
 #include "gaussian/asset_summary.h"
+#include "scene/elastic_report.h"
 #include "scene/scene.h"
 
 namespace livegs {
@@ -28,9 +29,20 @@ int print_scene(const std::filesystem::path& path) {
                 form, v1::Physics::Behavior_Name(object.physics().behavior()).c_str());
   }
   std::printf("events       %d\n", scene->events_size());
-  // The rest of what could be wrong shows only when its assets are opened and its bodies made.
-  set_log_level(LogLevel::Warn);
-  if (auto built = Scene::load(path, {}); !built) return report(built.error());
+  // The rest of what could be wrong shows only when its assets are opened and its bodies made. What there is
+  // to warn of is printed below.
+  set_log_level(LogLevel::Error);
+  auto built = Scene::load(path, {});
+  if (!built) return report(built.error());
+  for (const SceneObject& object : built->objects()) {
+    if (object.environment) continue;
+    const char* name = object.name.c_str();
+    std::printf("body         %s: %s, %.4g kg%s%s\n", name,
+                v1::Physics::Behavior_Name(object.physics.behavior()).c_str(), object.mass_kg,
+                object.elastic ? "; " : "", object.elastic ? accuracy_line(*object.elastic).c_str() : "");
+    for (const std::string& warning : object.all_warnings())
+      std::printf("warning      %s: %s\n", name, warning.c_str());
+  }
   std::printf("builds       yes\n");
   return 0;
 }

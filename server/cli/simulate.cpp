@@ -44,23 +44,37 @@ double percentile(std::vector<double> values, double share) {
   return values[static_cast<size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
 }
 
-nlohmann::json object_summary(const Scene& scene, const SceneObject& object) {
+// In the order of ElasticSolver.
+const std::vector<std::string> kSolvers = {"cells", "livegs-v1", "livegs-v1-steady"};
+
+ElasticSolver solver_of(const std::string& name) {
+  if (name == kSolvers[1]) return ElasticSolver::LivegsV1;
+  return name == kSolvers[2] ? ElasticSolver::LivegsV1Steady : ElasticSolver::Cells;
+}
+
+nlohmann::json object_summary(const SceneObject& object) {
   nlohmann::json summary = {{"name", object.name},
                             {"kernels", object.asset->size()},
                             {"behavior", v1::Physics::Behavior_Name(object.physics.behavior())},
+                            {"behavior_reason", object.physics.behavior_reason()},
                             {"material", object.physics.material()},
                             {"mass_kg", object.mass_kg},
-                            {"surface", object.surface_note}};
-  if (const ElasticBody* elastic = scene.world().elastic_body(object.id)) {
-    const ElasticAccuracy accuracy = elastic->accuracy();
+                            {"surface", object.surface_note},
+                            {"warnings", object.all_warnings()}};
+  if (object.elastic) {
+    const ElasticAccuracy& accuracy = *object.elastic;
     summary["particles"] = accuracy.particles;
     summary["nodes"] = accuracy.nodes;
     summary["cells"] = accuracy.cells;
+    summary["bytes"] = accuracy.bytes;
     summary["cell_width_m"] = accuracy.cell_width_m;
     summary["substeps"] = accuracy.substeps;
     summary["courant"] = accuracy.courant;
-    summary["youngs_modulus_pa"] = elastic->material().effective_youngs_modulus_pa();
+    summary["band"] = name_of(accuracy.band);
+    summary["youngs_modulus_pa"] = accuracy.youngs_modulus_pa;
     summary["reached_youngs_modulus_pa"] = accuracy.reached_youngs_modulus_pa;
+    summary["modulus_ratio_low"] = accuracy.modulus_ratio_low;
+    summary["modulus_ratio_high"] = accuracy.modulus_ratio_high;
     summary["clipped"] = accuracy.clipped;
   }
   return summary;
@@ -81,28 +95,25 @@ nlohmann::json run_summary(const SimulateCommand& options, const Scene& scene, c
                          {"seconds", options.seconds},   {"elastic_solver", options.solver},
                          {"skinning", options.skinning}, {"sleep", settings.sleep},
                          {"threads", thread_count()},    {"seed", options.seed}};
-  size_t nodes = 0, particles = 0, kernels = 0, bodies = 0, clipped = 0;
+  size_t nodes = 0, particles = 0, kernels = 0, bodies = 0;
   double node_substeps = 0;
   summary["objects"] = nlohmann::json::array();
   summary["warnings"] = nlohmann::json::array();
   for (const SceneObject& object : scene.objects()) {
     kernels += object.asset->size();
     if (object.environment) continue;
-    summary["objects"].push_back(object_summary(scene, object));
-    if (const ElasticBody* elastic = scene.world().elastic_body(object.id)) {
-      const ElasticAccuracy accuracy = elastic->accuracy();
-      nodes += accuracy.nodes;
-      particles += accuracy.particles;
-      node_substeps += static_cast<double>(accuracy.nodes) * accuracy.substeps * static_cast<double>(frames);
-      if (accuracy.clipped) {
-        ++clipped;
-        summary["warnings"].push_back(object.name + ": stiffness clipped to " +
-                                      std::to_string(accuracy.reached_youngs_modulus_pa) + " Pa");
-      }
+    summary["objects"].push_back(object_summary(object));
+    for (const std::string& warning : object.all_warnings()) {
+      summary["warnings"].push_back(object.name + ": " + warning);
+    }
+    if (object.elastic) {
+      nodes += object.elastic->nodes;
+      particles += object.elastic->particles;
+      node_substeps +=
+          static_cast<double>(object.elastic->nodes) * object.elastic->substeps * static_cast<double>(frames);
     } else {
       ++bodies;
     }
-    if (!object.surface_note.empty()) summary["warnings"].push_back(object.name + ": " + object.surface_note);
   }
   summary["counts"] = {{"frames", frames},   {"objects", scene.objects().size()},
                        {"kernels", kernels}, {"rigid_bodies", bodies},
@@ -129,7 +140,7 @@ int run(const SimulateCommand& options) {
   SceneOptions scene_options;
   if (options.rate_hz > 0) scene_options.rate_hz = options.rate_hz;
   if (options.substeps > 0) scene_options.substeps = options.substeps;
-  scene_options.elastic_solver = options.solver == "cells" ? ElasticSolver::Cells : ElasticSolver::LivegsV1;
+  scene_options.elastic_solver = solver_of(options.solver);
   scene_options.sleep = !options.no_sleep;
 
   PhaseTimes times;
@@ -224,8 +235,12 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(1.0, 1000.0));
   command->add_option("--substeps", options->substeps, "Substeps a tick, instead of the scene's")
       ->check(CLI::Range(1, 1024));
-  command->add_option("--elastic-solver", options->solver, "cells, or the paper's baseline livegs-v1")
-      ->check(CLI::IsMember({"cells", "livegs-v1"}))
+  command
+      ->add_option(
+          "--elastic-solver", options->solver,
+          "cells, the paper's baseline livegs-v1, or livegs-v1-steady: the baseline with its stiffness "
+          "freed from the substep")
+      ->check(CLI::IsMember(kSolvers))
       ->capture_default_str();
   command->add_option("--skinning", options->skinning, "lattice, or the paper's baseline livegs-v1")
       ->check(CLI::IsMember({"lattice", "livegs-v1"}))

@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstdio>
 #include <filesystem>
-#include <memory>
-#include <string>
+#include <optional>
 
+#include "cli/csv_file.h"
 #include "core/result.h"
 #include "scene/scene.h"
 #include "scene/scene_drawing.h"
 
 namespace livegs {
 
-// The CSV files of `livegs simulate`: one row a thing a frame, frame 0 before any step, world axes, SI units,
-// enough digits to give back the same double.
+// The CSV files of `livegs simulate`: one row a thing a frame, frame 0 before any step, world axes, SI units;
+// twelve digits of what is computed in double, nine of what is single.
 class SimulationRecord {
  public:
   struct Options {
@@ -29,14 +28,9 @@ class SimulationRecord {
   Result<void> close();
 
  private:
-  struct Closer {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-  using File = std::unique_ptr<std::FILE, Closer>;
-  Result<File> create(const char* name, const char* header);
-
   std::filesystem::path folder_;
-  File bodies_, particles_, kernels_, energy_, events_;
+  CsvFile bodies_, energy_, events_;
+  std::optional<CsvFile> particles_, kernels_;
 };
 
 }  // namespace livegs

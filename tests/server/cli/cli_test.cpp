@@ -2,8 +2,11 @@
 // `livegs` as a whole program: what it writes, and what it says of bad input.
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "core/file.h"
@@ -87,16 +90,168 @@ TEST(Cli, SimulatingTwiceWritesTheSameBytesForAnyThreadCount) {
   }
 }
 
-TEST(Cli, BothSolversAndSkinningsRun) {
+TEST(Cli, EverySolverAndSkinningRuns) {
   ScratchFolder folder;
   const std::string scene = folder.write("two.scene.json", kScene);
-  for (const char* solver : {"cells", "livegs-v1"}) {
+  for (const char* solver : {"cells", "livegs-v1", "livegs-v1-steady"}) {
     for (const char* skinning : {"lattice", "livegs-v1"}) {
       const Said said = run({"simulate", scene, "--seconds", "0.2", "--output", folder / "out", "--kernels",
                              "--quiet", "--elastic-solver", solver, "--skinning", skinning});
       EXPECT_EQ(said.code, 0) << solver << " " << skinning << ": " << said.err;
     }
   }
+  const Said unknown = run({"simulate", scene, "-o", folder / "out", "--elastic-solver", "fem"});
+  EXPECT_EQ(unknown.code, 2);
+  for (const char* choice : {"fem", "cells", "livegs-v1", "livegs-v1-steady"}) {
+    EXPECT_NE(unknown.err.find(choice), std::string::npos) << unknown.err;
+  }
+}
+
+// A file's rows as numbers, its header's names to columns; the object's name is left out.
+struct Table {
+  std::map<std::string, size_t> columns;
+  std::vector<std::vector<double>> rows;
+  double at(const std::vector<double>& row, const std::string& column) const {
+    return row[columns.at(column)];
+  }
+};
+Table table_of(const fs::path& path, const std::string& object) {
+  Table table;
+  for (const std::string& line : lines_of(path)) {
+    std::vector<std::string> cells;
+    std::stringstream stream(line);
+    for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
+    if (table.columns.empty()) {
+      for (size_t i = 0; i < cells.size(); ++i) table.columns[cells[i]] = i;
+    } else if (cells[table.columns["object"]] == object) {
+      std::vector<double>& row = table.rows.emplace_back();
+      for (const std::string& cell : cells) row.push_back(std::strtod(cell.c_str(), nullptr));
+    }
+  }
+  return table;
+}
+
+// Both fall freely for 0.1 s, so their momentum is that of 3.4 kg under gravity; later both have touched the
+// floor.
+TEST(Cli, EnergyAndEventsHoldElasticBodiesToo) {
+  ScratchFolder folder;
+  ASSERT_EQ(run({"simulate", folder.write("two.scene.json", kScene), "--seconds", "0.5", "-o", folder / "out",
+                 "--quiet"})
+                .code,
+            0);
+  std::vector<std::vector<double>> energy;
+  for (const std::string& line : lines_of(folder.path() / "out" / "energy.csv")) {
+    std::stringstream stream(line);
+    energy.emplace_back();
+    for (std::string cell; std::getline(stream, cell, ',');)
+      energy.back().push_back(std::strtod(cell.c_str(), nullptr));
+  }
+  const auto& falling = energy.at(1 + 6);  // a header, then frame 0
+  EXPECT_NEAR(falling[6], -3.4 * 9.81 * 0.1, 1e-5);
+  EXPECT_NEAR(falling[2], 0.5 * 3.4 * 0.981 * 0.981, 1e-4);            // kinetic
+  EXPECT_NEAR(energy.at(1)[4], 9.81 * (2.4 * 0.2 + 1.0 * 0.3), 1e-6);  // gravity, at the start
+  const std::string events = read_text_file(folder.path() / "out" / "events.csv").value();
+  for (const char* touched : {",contact,soft,", ",contact,hard,"}) {
+    EXPECT_NE(events.find(touched), std::string::npos) << touched << events;
+  }
+}
+
+// Every dumped covariance is F Sigma F^T of the very F beside it: Sigma is the round kernel of a point, half
+// the spacing wide. Float rounding of three products is a few 1e-7 of the covariance.
+TEST(Cli, KernelsAreDumpedWithTheDeformationTheyWereMadeWith) {
+  ScratchFolder folder;
+  std::string points = "x,y,z\n";
+  for (int i = 0; i < 512; ++i) {
+    char line[64];
+    std::snprintf(line, sizeof line, "%g,%g,%g\n", 0.02 * (i % 8), 0.02 * (i / 8 % 8), 0.02 * (i / 64));
+    points += line;
+  }
+  folder.write("block.csv", points);
+  const std::string scene = folder.write("squash.scene.json", R"({ "rate_hz": 60, "gravity_m_s2": [0, 0, 0],
+    "objects": [ { "name": "block", "points": "block.csv", "kernel_per_point": true,
+      "pose": { "position_m": [1, 2, 3], "orientation": [0.9, 0.1, 0.3, -0.2] },
+      "initial_deformation": [1.2, 0.1, 0, 0, 0.8, 0, 0, 0, 1],
+      "physics": { "behavior": "ELASTIC", "density_kg_m3": 1000, "youngs_modulus_pa": 1e4 } } ] })");
+  const Said said = run({"simulate", scene, "--seconds", "0.1", "-o", folder / "out", "--kernels",
+                         "--particles", "--quiet", "--no-sleep"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  const Table kernels = table_of(folder.path() / "out" / "kernels.csv", "block");
+  const Table particles = table_of(folder.path() / "out" / "particles.csv", "block");
+  ASSERT_EQ(kernels.rows.size(), 7u * 512u);
+  ASSERT_EQ(particles.rows.size(), 7u * 512u);
+  double farthest = 0, worst = 0, bent = 0;
+  for (size_t k = 0; k < kernels.rows.size(); ++k) {
+    const auto& row = kernels.rows[k];
+    EXPECT_EQ(kernels.at(row, "kernel_id"), static_cast<double>(k % 512));
+    EXPECT_EQ(particles.at(particles.rows[k], "particle_id"), static_cast<double>(k % 512));
+    for (const char* axis : {"x", "y", "z"}) {
+      farthest = std::max(farthest, std::abs(kernels.at(row, axis) - particles.at(particles.rows[k], axis)));
+    }
+    const size_t f = kernels.columns.at("F00"), s = kernels.columns.at("sxx");
+    Eigen::Matrix3d gradient, covariance;
+    gradient << row[f], row[f + 1], row[f + 2], row[f + 3], row[f + 4], row[f + 5], row[f + 6], row[f + 7],
+        row[f + 8];
+    covariance << row[s], row[s + 1], row[s + 2], row[s + 1], row[s + 3], row[s + 4], row[s + 2], row[s + 4],
+        row[s + 5];
+    const Eigen::Matrix3d expected = 0.01 * 0.01 * gradient * gradient.transpose();
+    worst = std::max(worst, (covariance - expected).norm() / expected.norm());
+    bent = std::max(bent, (gradient.transpose() * gradient - Eigen::Matrix3d::Identity()).norm());
+  }
+  EXPECT_LT(worst, 3e-6);
+  EXPECT_GT(bent, 0.2);       // it was deformed at all
+  EXPECT_LT(farthest, 2e-6);  // a kernel a particle, in the list's order; float positions of metres
+}
+
+// Numbers no material has: refused in one line that names the object, the field and the range, before
+// anything runs.
+TEST(Cli, BadPhysicsIsRefusedWithTheRange) {
+  ScratchFolder folder;
+  const std::pair<const char*, const char*> cases[] = {
+      {R"("mass_kg": 0)", "physics.mass_kg: is 0; it must be between 1e-06 and 1e+06"},
+      {R"("mass_kg": -1)", "physics.mass_kg: is -1; it must be between"},
+      {R"("poisson_ratio": 0.5)", "physics.poisson_ratio: is 0.5; it must be between 0 and 0.49"},
+      {R"("plasticity": 1.5)", "physics.plasticity: is 1.5; it must be between 0 and 1"},
+      {R"("damping": 5)", "physics.damping: is 5; it must be between 0 and 2"},
+      {R"("youngs_modulus_pa": "NaN")", "physics.youngs_modulus_pa: is nan; it must be between 1 and 1e+12"},
+  };
+  for (const auto& [physics, named] : cases) {
+    const std::string scene = folder.write("bad.scene.json", std::string(R"({ "objects": [ { "name": "pillow",
+      "shape": { "box": { "size_m": [0.4, 0.1, 0.4] } }, "physics": { "behavior": "ELASTIC", )") +
+                                                                 physics + " } } ] }");
+    for (const Said& said :
+         {run({"info", scene}), run({"simulate", scene, "-o", folder / "out", "--quiet"})}) {
+      EXPECT_EQ(said.code, 2) << physics;
+      EXPECT_EQ(std::count(said.err.begin(), said.err.end(), '\n'), 1) << said.err;
+      EXPECT_NE(said.err.find("object \"pillow\": objects[0]."), std::string::npos) << said.err;
+      EXPECT_NE(said.err.find(named), std::string::npos) << said.err;
+    }
+  }
+}
+
+// Two gigapascals typed on a pillow: it is what the person said, and both programs say what is wrong with it.
+TEST(Cli, AStiffPillowRunsWithAWarningAndItsReach) {
+  ScratchFolder folder;
+  const std::string scene = folder.write("stiff.scene.json", R"({ "objects": [ { "name": "pillow",
+    "shape": { "box": { "size_m": [0.4, 0.1, 0.4] } },
+    "physics": { "behavior": "ELASTIC", "youngs_modulus_pa": 2e9 } } ] })");
+  const Said info = run({"info", scene});
+  EXPECT_EQ(info.code, 0) << info.err;
+  EXPECT_NE(info.out.find("E 2e+09 Pa clipped to "), std::string::npos) << info.out;
+  EXPECT_NE(info.out.find(
+                "warning      pillow: physics.youngs_modulus_pa: 2e+09 Pa is used as written, but a pillow"),
+            std::string::npos)
+      << info.out;
+  ASSERT_EQ(run({"simulate", scene, "--seconds", "0.1", "-o", folder / "out", "--quiet"}).code, 0);
+  const auto summary = nlohmann::json::parse(read_text_file(folder.path() / "out" / "summary.json").value());
+  const auto& object = summary["objects"][0];
+  EXPECT_EQ(object["band"], "clipped");
+  EXPECT_EQ(object["youngs_modulus_pa"], 2e9);
+  EXPECT_LT(object["reached_youngs_modulus_pa"], 1e8);
+  for (const char* field :
+       {"cell_width_m", "substeps", "courant", "modulus_ratio_low", "modulus_ratio_high", "nodes", "bytes"}) {
+    EXPECT_GT(object[field].get<double>(), 0) << field;
+  }
+  EXPECT_EQ(summary["warnings"].size(), 2u) << summary["warnings"];
 }
 
 TEST(Cli, InfoConvertRenderMeshAndAnalyzeAnAsset) {
@@ -131,8 +286,10 @@ TEST(Cli, BadInputIsOneLine) {
       {{"info", folder / "absent.ply"}, "absent.ply"},
       {{"info", folder / "broken.ply"}, "broken.ply"},
       {{"info", folder / "bad.scene.json"}, "nam"},
-      {{"info", folder.write("lost.scene.json", R"({ "environment": { "asset": "lost.ply" } })")}, "lost.ply"},
-      {{"simulate", folder.write("ok.scene.json", kScene), "-o", folder / "o", "--seconds", "nan"}, "--seconds"},
+      {{"info", folder.write("lost.scene.json", R"({ "environment": { "asset": "lost.ply" } })")},
+       "lost.ply"},
+      {{"simulate", folder.write("ok.scene.json", kScene), "-o", folder / "o", "--seconds", "nan"},
+       "--seconds"},
       {{"convert", folder / "absent.spz", folder / "x.ply"}, "absent.spz"},
       {{"render", folder / "absent.ply"}, "absent.ply"},
       {{"simulate", folder / "absent.scene.json", "-o", folder / "o"}, "absent.scene.json"},
@@ -145,7 +302,8 @@ TEST(Cli, BadInputIsOneLine) {
     EXPECT_EQ(said.code, 2) << words[0] << " " << words[1];
     EXPECT_EQ(std::count(said.err.begin(), said.err.end(), '\n'), 1) << said.err;
     EXPECT_NE(said.err.find(named), std::string::npos) << said.err;
-    if (words[1].find("lost.scene.json") == std::string::npos) EXPECT_EQ(said.out, "");  // what could be read is told
+    if (words[1].find("lost.scene.json") == std::string::npos)
+      EXPECT_EQ(said.out, "");  // what could be read is told
   }
   EXPECT_EQ(run({"simulate"}).code, 2);
   EXPECT_EQ(run({"dance"}).code, 2);
