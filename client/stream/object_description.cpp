@@ -16,6 +16,8 @@ Result<StreamedObject> read_description(const v1::ObjectDescription& description
   object.kernel_count = description.kernel_count();
   object.mass_kg = description.mass_kg();
   object.physics = description.physics();
+  if (description.has_elastic()) object.elastic = description.elastic();
+  object.warnings.assign(description.warnings().begin(), description.warnings().end());
   const auto fail = [&](const std::string& what) {
     return invalid_data("object \"" + object.name + "\": " + what);
   };

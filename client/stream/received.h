@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,8 @@ struct StreamedObject {
   uint32_t kernel_count = 0;
   double mass_kg = 0;
   v1::PhysicalParameters physics;
+  std::optional<v1::ElasticAccuracy> elastic;  // of an elastic object
+  std::vector<std::string> warnings;
 };
 
 struct JoinedScene {

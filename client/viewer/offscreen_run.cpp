@@ -10,6 +10,7 @@
 #include "core/log.h"
 #include "render/choose_camera.h"
 #include "stream/session_client.h"
+#include "viewer/object_line.h"
 #include "viewer/player.h"
 #include "viewer/recorder.h"
 #include "xr/offscreen_display.h"
@@ -169,7 +170,10 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
   summary.scene_address = options.address;
   summary.server_rate_hz = scene.rate_hz;
   summary.objects = scene.objects.size();
-  for (const StreamedObject& object : scene.objects) summary.kernels += object.kernel_count;
+  for (const StreamedObject& object : scene.objects) {
+    summary.kernels += object.kernel_count;
+    if (!object.environment) summary.object_lines.push_back(object_line(object));
+  }
   summary.assets = assets.totals();
   summary.received = recorder.summary();
   summary.drawn = player.summary();
@@ -192,6 +196,7 @@ std::string summary_text(const OffscreenRunSummary& summary) {
   append("client of %s: %zu objects, %zu kernels; %zu of %zu assets fetched, %.1f MB\n",
          summary.scene_address.c_str(), summary.objects, summary.kernels, summary.assets.fetched,
          summary.assets.assets, static_cast<double>(summary.assets.fetched_bytes) * 1e-6);
+  for (const std::string& line : summary.object_lines) text += "  " + line + "\n";
   const ReceivedLog::Summary& received = summary.received;
   append("received: %llu frames in %.1f s, %.1f a second of %.1f; %llu ticks not sent\n",
          count(received.frames), received.seconds, received.rate_hz, summary.server_rate_hz,

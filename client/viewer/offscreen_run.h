@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/result.h"
 #include "viewer/asset_library.h"
@@ -31,6 +32,7 @@ struct OffscreenRunSummary {
   std::string scene_address;
   double server_rate_hz = 0;
   size_t objects = 0, kernels = 0;
+  std::vector<std::string> object_lines;  // one an object: what it is, and how far its numbers hold
   AssetLibrary::Totals assets;
   ReceivedLog::Summary received;
   DrawnLog::Summary drawn;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "session/describe_object.h"
 
+#include "scene/elastic_report.h"
 #include "wire/rest_body_codec.h"
 
 namespace livegs {
@@ -33,6 +34,8 @@ v1::ObjectDescription describe_object(const SceneObject& object, const AssetByte
   description.set_mass_kg(object.mass_kg);
   description.set_kernel_count(static_cast<uint32_t>(object.asset->size()));
   description.set_driver_count(static_cast<uint32_t>(driver_count(object.rest)));
+  if (object.elastic) *description.mutable_elastic() = accuracy_message(*object.elastic);
+  for (const std::string& warning : object.all_warnings()) description.add_warnings(warning);
   return description;
 }
 

@@ -101,6 +101,8 @@ grpc::Status LiveService::analyze(const v1::AnalyzeObjectRequest& request,
   }
   reply.set_object(object->name());
   *reply.mutable_parameters() = object->physics();
+  if (object->has_elastic()) *reply.mutable_elastic() = object->elastic();
+  *reply.mutable_warnings() = object->warnings();
   reply.set_elapsed_ms(milliseconds_from_ns(now_ns() - begun_ns));
   return grpc::Status::OK;
 }

@@ -4,6 +4,8 @@
 #include <cstdarg>
 #include <cstdio>
 
+#include "scene/elastic_report.h"
+
 namespace livegs {
 namespace {
 
@@ -39,23 +41,18 @@ void append_value(std::string& text, const char* name, const char* unit, const v
          value.reason().substr(0, 300).c_str());
 }
 
-void append_object(std::string& text, const Scene& scene, const SceneObject& object) {
+void append_object(std::string& text, const SceneObject& object) {
   const v1::PhysicalParameters& physics = object.physics;
   append(text, "  %s: %zu kernels, ", object.name.c_str(), object.asset->size());
   if (object.environment) {
     text += "environment\n";
     return;
   }
-  if (const ElasticBody* body = scene.world().elastic_body(object.id)) {
-    const ElasticAccuracy accuracy = body->accuracy();
-    append(text, "elastic: %zu particles, %zu lattice nodes, %d substeps", accuracy.particles, accuracy.nodes,
-           accuracy.substeps);
-    if (accuracy.clipped) append(text, ", stiffness clipped to %.3g Pa", accuracy.reached_youngs_modulus_pa);
-  } else {
-    text += object.mass_kg > 0 ? "rigid" : "static";
-  }
+  text += object.elastic ? "elastic" : object.mass_kg > 0 ? "rigid" : "static";
   append(text, "; %s%s%s\n", physics.label().empty() ? "unlabelled" : physics.label().c_str(),
          physics.material().empty() ? "" : " of ", physics.material().c_str());
+  if (object.elastic) append(text, "    %s\n", accuracy_line(*object.elastic).c_str());
+  for (const std::string& warning : object.all_warnings()) append(text, "    warning: %s\n", warning.c_str());
   if (object.mass_kg <= 0) return;
   append_value(text, "mass", "kg", physics.mass_kg());
   append_value(text, "stiffness", "Pa", physics.youngs_modulus_pa());
@@ -67,7 +64,7 @@ std::string run_summary(const Scene& scene, const SimulationSummary& simulated,
                         const PublisherSummary& published, const SessionTable::Totals& sessions) {
   std::string text = "scene " + scene.name() + "\n";
   for (const SceneObject& object : scene.objects()) {
-    if (object.environment || object.facts) append_object(text, scene, object);
+    if (object.environment || object.facts) append_object(text, object);
   }
   const double rate = simulated.run_s > 0 ? static_cast<double>(simulated.ticks) / simulated.run_s : 0.0;
   append(text, "simulation: %llu ticks in %.1f s, %.1f a second of %.1f\n",

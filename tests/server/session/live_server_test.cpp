@@ -87,6 +87,30 @@ TEST_F(LiveServerTest, JoinListsObjectsWithTheEnvironmentFirst) {
   EXPECT_EQ(rest->node_coordinates.size(), client.joined.objects(2).driver_count());
 }
 
+// Before the first tick a client knows how far the cube's stiffness can be trusted; a box has none.
+TEST_F(LiveServerTest, ObjectsCarryHowFarTheirNumbersHold) {
+  open();
+  RawClient client(server_->port());
+  ASSERT_TRUE(client.join().ok());
+  EXPECT_FALSE(client.joined.objects(1).has_elastic());
+  const ElasticAccuracy accuracy = scene_.world().elastic_body(scene_.find("cube")->id)->accuracy();
+  v1::AnalyzeObjectRequest request;
+  request.set_object("cube");
+  v1::AnalyzeObjectReply reply;
+  grpc::ClientContext context;
+  set_patience(context);
+  ASSERT_TRUE(client.stub().AnalyzeObject(&context, request, &reply).ok());
+  for (const v1::ElasticAccuracy& told : {client.joined.objects(2).elastic(), reply.elastic()}) {
+    EXPECT_EQ(told.cell_width_m(), accuracy.cell_width_m);
+    EXPECT_EQ(told.substeps(), static_cast<uint32_t>(accuracy.substeps));
+    EXPECT_EQ(told.courant(), accuracy.courant);
+    EXPECT_EQ(told.youngs_modulus_pa(), 2e4);  // as the scene says
+    EXPECT_EQ(told.reached_youngs_modulus_pa(), accuracy.reached_youngs_modulus_pa);
+    EXPECT_EQ(told.nodes(), client.joined.objects(2).driver_count());
+    EXPECT_GT(told.nodes(), 0u);
+  }
+}
+
 TEST_F(LiveServerTest, JoinWaitsForTheScene) {
   RawClient client(server_->port());
   EXPECT_EQ(client.join().error_code(), grpc::StatusCode::UNAVAILABLE);
