@@ -18,6 +18,7 @@ void add_render(CLI::App& app, int& exit_code);
 void add_mesh(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
 void add_analyze(CLI::App& app, int& exit_code);
+void add_chart(CLI::App& app, int& exit_code);
 
 // Prints "livegs: " and the one line, and gives the exit code that belongs to it: 2 for what the user can
 // mend in the input, 1 for what the machine would not do.

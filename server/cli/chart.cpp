@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "cli/commands.h"
+#include "core/clock.h"
+#include "core/file.h"
+#include "core/log.h"
+#include "study/chart_figure.h"
+#include "study/chart_page.h"
+#include "study/run_matrix.h"
+
+namespace livegs {
+namespace {
+
+struct ChartCommand {
+  std::filesystem::path output = "out/chart";
+  std::string only;
+  bool quick = false;
+};
+
+int run(const ChartCommand& options) {
+  std::error_code error;
+  std::filesystem::create_directories(options.output, error);
+  if (error) {
+    return report({ErrorCode::PermissionDenied, options.output.string() + ": cannot be made: " + error.message()});
+  }
+  // Thousands of runs beyond what a solver can do are the point here; each would say so.
+  set_log_level(LogLevel::Error);
+  const int64_t start_ns = now_ns();
+  int64_t told_ns = start_ns;
+  const auto progress = [&](size_t done, size_t of, const study::PlannedRun& run) {
+    if (now_ns() - told_ns < 2'000'000'000 && done != of) return;
+    told_ns = now_ns();
+    std::fprintf(stderr, "%3zu %%  %zu of %zu runs, %.0f s; %s, %s at %d substeps\n", 100 * done / of, done, of,
+                 seconds_from_ns(told_ns - start_ns), run.scene->name.c_str(), study::solver_name(run.setup).c_str(),
+                 run.setup.substeps);
+  };
+  const auto rows = study::run_all(study::plan_runs({options.only, options.quick}), progress);
+
+  if (auto written = write_file_atomically(options.output / "chart.csv", study::chart_csv(rows)); !written) {
+    return report(written.error());
+  }
+  const std::string how = options.quick ? "--quick" : "";
+  const std::string page = study::chart_page(rows, how, LIVEGS_VERSION);
+  if (auto written = write_file_atomically(options.output / "chart.md", page); !written) return report(written.error());
+  for (const study::ChartScene& scene : study::chart_scenes()) {
+    for (const std::string& quantity : scene.quantities) {
+      const auto panels = study::panels_of(scene, quantity, rows);
+      if (panels.empty()) continue;
+      if (auto drawn = draw_figure(scene, panels, options.output / scene.figure(quantity)); !drawn) {
+        return report(drawn.error());
+      }
+    }
+  }
+  std::printf("%s: %zu runs in %.0f s\n", (options.output / "chart.md").c_str(), rows.size(),
+              seconds_from_ns(now_ns() - start_ns));
+  return 0;
+}
+
+}  // namespace
+
+void add_chart(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<ChartCommand>();
+  CLI::App* command = app.add_subcommand(
+      "chart", "Run the canonical scenes over substeps, cells and stiffness and draw error against cost");
+  std::vector<std::string> names;
+  for (const study::ChartScene& scene : study::chart_scenes()) names.push_back(scene.name);
+  command->add_option("--output,-o", options->output, "Folder for chart.csv, chart.md and an SVG a scene")
+      ->capture_default_str();
+  command->add_option("--only", options->only, "One scene")->check(CLI::IsMember(names));
+  command->add_flag("--quick", options->quick, "Few substeps, one cell width, soft bodies: seconds instead of minutes");
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace livegs
