@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/chart_figure.h"
+
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace livegs::study {
+namespace {
+
+constexpr double kLowestError = 1e-5, kHighestError = 20.0;
+
+// Okabe and Ito's colours, told apart by the colour-blind; the width of `cells` is told by shade and symbol.
+struct Style {
+  const char* prefix;  // of the curve's label
+  const char* colour;
+  int dash, symbol;
+  double line;
+};
+constexpr Style kStyles[] = {
+    {"cells, 12.5 mm", "#0072B2", 1, 9, 1.2},
+    {"cells, 25 mm", "#0072B2", 1, 7, 2.6},
+    {"cells, 50 mm", "#0072B2", 1, 5, 1.2},
+    {"cells, 100 mm", "#0072B2", 1, 13, 1.2},
+    {"cells uncompensated", "#E69F00", 2, 6, 1.4},
+    {"cells BDF1 uncompensated", "#999999", 4, 4, 1.4},
+    {"cells BDF1", "#009E73", 2, 8, 1.4},
+    {"livegs-v1 steady", "#CC79A7", 1, 10, 1.6},
+    {"livegs-v1", "#D55E00", 1, 11, 1.6},
+    {"bullet", "#000000", 1, 12, 1.6},
+};
+
+Style style_of(const std::string& label) {
+  for (const Style& style : kStyles) {
+    if (label.rfind(style.prefix, 0) == 0) return style;
+  }
+  return {"", "#444444", 3, 1, 1.0};
+}
+
+// Inside single quotes gnuplot wants a quote twice.
+std::string quoted(const std::string& text) {
+  std::string twice;
+  for (const char c : text) twice += c == '\'' ? "''" : std::string(1, c);
+  return twice;
+}
+
+std::string modulus_text(double pa) {
+  char text[48];
+  std::snprintf(text, sizeof text, "E = 10^{%d} Pa", static_cast<int>(std::lround(std::log10(pa))));
+  return text;
+}
+
+double drawn(double error) {
+  return std::isfinite(error) ? std::clamp(error, kLowestError, kHighestError) : kHighestError;
+}
+
+// Runs `gnuplot SCRIPT` and waits for it.
+bool run_gnuplot(const std::string& script) {
+  std::string program = "gnuplot", argument = script;
+  char* words[] = {program.data(), argument.data(), nullptr};
+  pid_t child = 0;
+  if (posix_spawnp(&child, "gnuplot", nullptr, nullptr, words, environ) != 0) return false;
+  int status = 0;
+  return waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+void plot_panel(std::FILE* out, const Panel& panel, size_t index, size_t count, double low_ms, double high_ms) {
+  const double left = 0.062, right = 0.985, gap = 0.012;
+  const double width = (right - left - gap * static_cast<double>(count - 1)) / static_cast<double>(count);
+  const double from = left + static_cast<double>(index) * (width + gap);
+  std::fprintf(out, "set lmargin at screen %.4f\nset rmargin at screen %.4f\n", from, from + width);
+  std::fprintf(out, "set title '%s' offset 0,-0.6\n", modulus_text(panel.youngs_modulus_pa).c_str());
+  if (index == 0) {
+    std::fprintf(out, "set format y '10^{%%T}'\nset ylabel 'error of %s' noenhanced\n", panel.quantity.c_str());
+  } else {
+    std::fprintf(out, "set format y ''\nunset ylabel\n");
+  }
+  std::fprintf(out, "set xrange [%g:%g]\nset yrange [%g:%g]\n", low_ms, high_ms, kLowestError, kHighestError * 1.6);
+  for (size_t c = 0; c < panel.curves.size(); ++c) {
+    std::fprintf(out, "$c%zu << EOD\n", c);
+    for (const CurvePoint& point : panel.curves[c].points) {
+      std::fprintf(out, "%g %g %d\n", point.cost_ms, drawn(point.error), point.substeps);
+    }
+    std::fprintf(out, "EOD\n");
+  }
+  if (panel.chosen) std::fprintf(out, "$chosen << EOD\n%g %g\nEOD\n", panel.chosen->cost_ms, drawn(panel.chosen->error));
+  std::fprintf(out, "plot %g with lines dt 3 lw 1.2 lc rgb '#444444'", panel.bar);
+  for (size_t c = 0; c < panel.curves.size(); ++c) {
+    const Style style = style_of(panel.curves[c].label);
+    std::fprintf(out, ", $c%zu with linespoints lc rgb '%s' dt %d pt %d ps 0.55 lw %.1f", c, style.colour, style.dash,
+                 style.symbol, style.line);
+    if (c == 0) std::fprintf(out, ", $c0 using 1:2:3 with labels offset 0,0.7 font ',8' tc rgb '%s'", style.colour);
+  }
+  if (panel.chosen) std::fprintf(out, ", $chosen with points pt 3 ps 1.3 lw 2.4 lc rgb '#B00020'");
+  std::fprintf(out, "\n");
+}
+
+// A strip without axes that holds the names of the curves.
+void plot_key(std::FILE* out, const Panel& panel) {
+  std::fprintf(out,
+               "set lmargin at screen 0.02\nset rmargin at screen 0.98\nset tmargin at screen 0.165\n"
+               "set bmargin at screen 0.0\nunset title\nunset xlabel\nunset ylabel\nunset tics\nunset border\n"
+               "unset grid\nunset logscale\nset xrange [0:1]\nset yrange [0:1]\n"
+               "set key inside center center horizontal maxcols 4 samplen 3 spacing 1.15 width 1 font ',11'\nplot ");
+  for (const Curve& curve : panel.curves) {
+    const Style style = style_of(curve.label);
+    std::fprintf(out, "NaN with linespoints lc rgb '%s' dt %d pt %d ps 0.6 lw %.1f title '%s', ", style.colour,
+                 style.dash, style.symbol, style.line, curve.label.c_str());
+  }
+  std::fprintf(out, "NaN with points pt 3 ps 1.3 lw 2.4 lc rgb '#B00020' title 'what the program chooses', ");
+  std::fprintf(out, "NaN with lines dt 3 lw 1.2 lc rgb '#444444' title 'bar: %g %%'\n", 100 * panel.bar);
+}
+
+}  // namespace
+
+Result<void> draw_figure(const ChartScene& scene, const std::vector<Panel>& panels, const std::filesystem::path& svg) {
+  if (panels.empty()) return {};
+  const std::string path = svg.string();
+  if (path.find_first_of("'\n") != std::string::npos) {
+    return invalid_argument(path + ": a quote in the path; choose another --output");
+  }
+  double low_ms = 1e300, high_ms = 0.0;
+  for (const Panel& panel : panels) {
+    for (const Curve& curve : panel.curves) {
+      for (const CurvePoint& point : curve.points) {
+        low_ms = std::min(low_ms, point.cost_ms);
+        high_ms = std::max(high_ms, point.cost_ms);
+      }
+    }
+  }
+  const std::filesystem::path script = std::filesystem::path(path + ".gp");
+  std::FILE* out = std::fopen(script.c_str(), "w");
+  if (!out) return Error{ErrorCode::PermissionDenied, script.string() + ": cannot be written"};
+  std::fprintf(out, "set terminal svg size %zu,520 font 'Helvetica,12' background rgb 'white'\nset output '%s'\n",
+               260 + 290 * panels.size(), path.c_str());
+  std::fprintf(out, "set multiplot\nset logscale xy\nset grid xtics ytics lc rgb '#e4e4e4'\nunset key\n"
+                    "set tmargin at screen 0.845\nset bmargin at screen 0.285\nset tics font ',10'\n"
+                    "set format x '10^{%%T}'\nset xlabel 'ms of CPU a simulated second' offset 0,0.4\n");
+  char settings[256];
+  std::snprintf(settings, sizeof settings,
+                "density 1000 kg/m^3, nu %g, 60 Hz; along each curve 1, 2, 4 ... 64 substeps a frame (numbers)",
+                scene.poisson_ratio);
+  std::fprintf(out, "set label 1 '%s' at screen 0.02,0.965 font ',14' noenhanced\n", quoted(scene.title + ": " + panels.front().quantity).c_str());
+  std::fprintf(out, "set label 2 '%s' at screen 0.02,0.915 font ',10' tc rgb '#555555'\n", settings);
+  for (size_t i = 0; i < panels.size(); ++i) {
+    plot_panel(out, panels[i], i, panels.size(), 0.6 * low_ms, 1.7 * high_ms);
+    std::fprintf(out, "unset label 1\nunset label 2\n");
+  }
+  plot_key(out, panels.front());
+  std::fprintf(out, "unset multiplot\n");
+  std::fclose(out);
+  const bool drawn_well = run_gnuplot(script.string());
+  std::error_code ignored;
+  std::filesystem::remove(script, ignored);
+  if (!drawn_well) return Error{ErrorCode::Unavailable, "gnuplot did not draw " + path + "; install gnuplot-nox"};
+  return {};
+}
+
+}  // namespace livegs::study

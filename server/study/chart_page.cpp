@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/chart_page.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <optional>
+
+#include "study/chart_curves.h"
+
+namespace livegs::study {
+namespace {
+
+__attribute__((format(printf, 1, 2))) std::string text(const char* format, ...) {
+  char buffer[1024];
+  va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(buffer, sizeof buffer, format, arguments);
+  va_end(arguments);
+  return buffer;
+}
+
+std::string percent(double error) {
+  if (!std::isfinite(error)) return "no finite result";
+  if (error > 10) return text("a factor of %.2g", 1 + error);
+  return text("%.2g %%", 100 * error);
+}
+
+std::string cost(double ms) { return ms < 100 ? text("%.2g ms", ms) : text("%.0f ms", ms); }
+
+std::string modulus(double pa) { return text("%.0e Pa", pa); }
+
+// Costs nearer to each other than this are the machine's noise.
+constexpr double kSameCost = 1.15;
+
+struct Contender {
+  const Curve* curve;
+  CurvePoint point;
+};
+
+// Curves that meet the bar, cheapest first; ties keep their order.
+std::vector<Contender> ranking(const Panel& panel) {
+  std::vector<Contender> contenders;
+  for (const Curve& curve : panel.curves) {
+    if (const auto point = curve.cheapest_within(panel.bar)) contenders.push_back({&curve, *point});
+  }
+  std::stable_sort(contenders.begin(), contenders.end(),
+                   [](const Contender& a, const Contender& b) { return a.point.cost_ms < b.point.cost_ms; });
+  return contenders;
+}
+
+std::string who_wins(const Panel& panel) {
+  const std::vector<Contender> ranked = ranking(panel);
+  std::string words = "- **" + modulus(panel.youngs_modulus_pa) + ".** ";
+  if (ranked.empty()) {
+    words += "Nothing meets the bar. ";
+  } else {
+    const Contender& first = ranked.front();
+    words += text("Cheapest: `%s` at %d substeps, %s of CPU a simulated second (error %s)",
+                  first.curve->label.c_str(), first.point.substeps, cost(first.point.cost_ms).c_str(),
+                  percent(first.point.error).c_str());
+    for (size_t i = 1; i < ranked.size(); ++i) {
+      const double times = ranked[i].point.cost_ms / first.point.cost_ms;
+      words += text("%s `%s` at %d, %s", i == 1 ? "; then" : ",", ranked[i].curve->label.c_str(),
+                    ranked[i].point.substeps, times < kSameCost ? "as dear" : text("%.2g times the cost", times).c_str());
+    }
+    words += ". ";
+  }
+  std::string losers;
+  for (const Curve& curve : panel.curves) {
+    if (curve.cheapest_within(panel.bar)) continue;
+    const CurvePoint best = curve.best();
+    losers += text("%s `%s` (best: %s at %d)", losers.empty() ? "" : ",", curve.label.c_str(), percent(best.error).c_str(),
+                   best.substeps);
+  }
+  if (!losers.empty()) words += "Never within the bar:" + losers + ". ";
+  if (panel.chosen) {
+    const ElasticAccuracy& a = panel.chosen_accuracy;
+    words += text("Left to itself at 4 substeps the program takes %.3g mm cells and %d substeps: error %s for %s%s.",
+                  1e3 * a.cell_width_m, a.substeps, percent(panel.chosen->error).c_str(),
+                  cost(panel.chosen->cost_ms).c_str(), a.clipped ? ", and says that the stiffness is clipped" : "");
+  }
+  return words + "\n";
+}
+
+// How far a method's figure moves over substeps: the smallest and largest E_app / E of livegs-v1 in tension.
+std::string v1_spread(const std::vector<ChartRow>& rows) {
+  std::string words;
+  for (const Engine engine : {Engine::LivegsV1, Engine::LivegsV1Steady}) {
+    std::string each;
+    for (const double pa : {1e4, 1e5, 1e6, 1e7}) {
+      double low = 1e300, high = 0.0;
+      int runs = 0;
+      for (const ChartRow& row : rows) {
+        if (row.scene != "tension" || row.variant == "table" || row.setup.engine != engine ||
+            row.setup.youngs_modulus_pa != pa) {
+          continue;
+        }
+        const double ratio = row.outcome.measurements.front().measured;
+        if (!std::isfinite(ratio)) continue;
+        low = std::min(low, ratio);
+        high = std::max(high, ratio);
+        ++runs;
+      }
+      if (runs > 1) each += text("%s %.2g to %.2g at %s", each.empty() ? "" : ",", low, high, modulus(pa).c_str());
+    }
+    if (each.empty()) continue;
+    words += engine == Engine::LivegsV1
+                 ? "`livegs-v1` blends toward its goals by the same share every substep, so its stiffness is that of the "
+                   "substep count: over 1 to 64 substeps E_app / E goes from" + each + ".\n"
+                 : "`livegs-v1 steady`, whose blend is converted once to a stiffness at 1/240 s:" + each + ".\n";
+  }
+  return words;
+}
+
+const ChartRow* table_row(const std::vector<ChartRow>& rows, const char* scene, Engine engine, double rate_hz,
+                          double pa) {
+  for (const ChartRow& row : rows) {
+    if (row.variant == "table" && row.scene == scene && row.setup.engine == engine && row.setup.rate_hz == rate_hz &&
+        row.setup.youngs_modulus_pa == pa) {
+      return &row;
+    }
+  }
+  return nullptr;
+}
+
+std::string table(const std::vector<ChartRow>& rows) {
+  std::string words;
+  for (const double rate_hz : {60.0, 90.0}) {
+    for (const double pa : {1e4, 1e5, 1e6, 1e7}) {
+      const ChartRow* pulled = table_row(rows, "tension", Engine::Cells, rate_hz, pa);
+      const ChartRow* rung = table_row(rows, "ring_down", Engine::Cells, rate_hz, pa);
+      const ChartRow* baseline = table_row(rows, "tension", Engine::LivegsV1, rate_hz, pa);
+      if (!pulled || !rung || !baseline) continue;
+      const ElasticAccuracy& a = pulled->outcome.accuracy;
+      const auto& m = pulled->outcome.measurements;
+      words += text("| %g | %s | %.3g mm | %d | %.2f | %s | %.2f to %.2f | %.3f | %.3f | %+.1f %% | %.2f | %.3g | %.2g |\n",
+                    rate_hz, modulus(pa).c_str(), 1e3 * a.cell_width_m, a.substeps, a.courant, name_of(a.band),
+                    a.modulus_ratio_low, a.modulus_ratio_high, m[0].measured, m[1].measured,
+                    100 * (rung->outcome["frequency"].measured / rung->outcome["frequency"].reference - 1),
+                    rung->outcome["amplitude"].measured,
+                    1e-3 * pulled->outcome.cost.cpu_ns_per_simulated_s() / rate_hz, baseline->outcome.measurements[0].measured);
+    }
+  }
+  if (words.empty()) return words;
+  return "## What each modulus gets\n\nAt the scene's 4 substeps and the default budget, cells and substeps left to the "
+         "program. The bar of 0.4 x 0.1 x 0.1 m, particles 25 mm apart, nu 0.3 in tension and 0 in ring-down.\n\n"
+         "| Hz | E asked for | cells | substeps | Courant | band | predicted E_app / E | measured | nu measured (0.3) | "
+         "ring-down f | amplitude left | us a frame | `livegs-v1`, E_app / E |\n"
+         "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n" +
+         words + "\n";
+}
+
+// What a longitudinal pulse does at one step and another.
+std::string pulse_remark(const std::vector<ChartRow>& rows) {
+  std::string lines;
+  for (const ChartRow& row : rows) {
+    if (row.scene != "pulse") continue;
+    const ElasticAccuracy& a = row.outcome.accuracy;
+    const double speed = row.outcome["speed"].measured;
+    lines += text("| %s | %.3g mm | %s%d | %.2f | %s | %s | %.2f |\n", modulus(row.setup.youngs_modulus_pa).c_str(),
+                  1e3 * a.cell_width_m, row.setup.cells.choose ? "chosen: " : "", a.substeps, a.courant, name_of(a.band),
+                  std::isfinite(speed) ? text("%.3f", speed).c_str() : "does not arrive", row.outcome["height"].measured);
+  }
+  if (lines.empty()) return lines;
+  return "## A pulse in a thin bar\n\nA bump of velocity, 0.4 m wide at its foot, in the middle of a free bar of 2.4 x 0.1 x "
+         "0.1 m at 60 Hz parts into two halves, which should travel at sqrt(E / rho) and keep their height. A sweep "
+         "carries a stress little more than one cell a substep: at a step that resolves the wave (Courant number well "
+         "under 1) the pulse is right; at the scene's 4 substeps a stiff bar's pulse comes late and flat, or not at all "
+         "before its echo would. A body that hangs, stands or is pressed does not care; one that is struck shows it.\n\n"
+         "| E | cells | substeps | Courant | band | speed over sqrt(E / rho) | height kept |\n|---|---|---|---|---|---|---|\n" +
+         lines + "\n";
+}
+
+}  // namespace
+
+std::string chart_page(const std::vector<ChartRow>& rows, const std::string& how, const std::string& version) {
+  std::string page =
+      "# Accuracy against cost\n\nMade by `livegs chart" + (how.empty() ? std::string() : " " + how) + "`, version " +
+      version +
+      ". Every figure here was measured in this one run, in one process; `chart.csv` has all of it, one line a "
+      "measurement, with every setting. Costs are processor time of substeps and ends of frames on one core of a machine "
+      "that does other things as well: compare them with each other, not with another day's.\n\n"
+      "Methods: `cells` (embedded lattice of eight-node cells, BDF2, numerical compliance taken off), the same without "
+      "either or both of these, the paper's `livegs-v1` and its steady form, and `bullet`, the deformable body of "
+      "Bullet 3 (five tetrahedra a cube, corotated linear elasticity, implicit Euler, its own Krylov solver as it "
+      "comes). On the curves nothing is chosen: cells and substeps are as given, however wrong.\n\n";
+  page += table(rows);
+  page += pulse_remark(rows);
+  for (const ChartScene& scene : chart_scenes()) {
+    if (panels_of(scene, scene.quantities.front(), rows).empty()) continue;
+    page += "## " + scene.title + "\n\n" + scene.what + "\n\n";
+    for (const std::string& quantity : scene.quantities) {
+      page += "![" + scene.title + ": " + quantity + "](" + scene.figure(quantity) + ")\n\n";
+      const std::vector<Panel> panels = panels_of(scene, quantity, rows);
+      page += text("`%s`, bar %s:\n", quantity.c_str(), percent(panels.front().bar).c_str());
+      for (const Panel& panel : panels) page += who_wins(panel);
+      page += "\n";
+    }
+    if (scene.most_bullet_substeps == 0) page += "- Bullet is not run here: it has no plasticity, and is not connected to plates.\n";
+    if (scene.most_bullet_substeps == 0) page += "\n";
+    if (scene.name == "tension") page += v1_spread(rows) + "\n";
+  }
+  return page;
+}
+
+}  // namespace livegs::study

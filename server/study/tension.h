@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "core/result.h"
+#include "study/setup.h"
+
+namespace livegs::study {
+
+// Scene 20. A free bar pulled at both ends by 0.5 % of E, damped, until it rests; strains over its middle half.
+// "youngs_modulus" E_app / E (reference 1, bar 5 %), "poisson_ratio" (bar 0.02, absolute).
+Result<Outcome> tension(const Setup& setup);
+
+}  // namespace livegs::study
