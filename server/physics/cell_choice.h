@@ -47,7 +47,8 @@ CellChoice choose_cells(const CellDemand& demand);
 double mean_sweep_compliance(const Lattice& lattice, std::span<const double> inverse_masses_per_kg,
                              double youngs_modulus_pa, double step_s);
 
-// The most that one sweep a substep reaches: 1.85 rho a² (cells / nodes) / h_e². Checked within 10 %.
+// The most that one compensated sweep a substep reaches: 4.15 rho a² (cells / nodes) / h_e². Just above it; a modulus far above
+// it shows half of that.
 double modulus_ceiling_pa(const Lattice& lattice, double density_kg_m3, double step_s);
 
 struct ModulusBand {
@@ -55,8 +56,9 @@ struct ModulusBand {
   double ratio_low, ratio_high;  // E_app / E
 };
 // From Ybar at `poisson_ratio`, with the thinnest side `cells_across` cells wide, and the ceiling as part of E. Exact
-// (within 2 %) above Ybar 4 and .9 / (1 - 2 nu); a band down to 1.1, as wide as the measured figures spread there;
-// clipped below, within 10 % of the ceiling.
+// (within 4 %) above Ybar 4 and .9 / (1 - 2 nu); a band down to 1.1, as wide as the measured figures spread there;
+// clipped below, between 0.45 and 1.1 of the ceiling. (A body that chooses for itself never gets there: it lowers E to
+// what is exact, and says so.)
 ModulusBand band_of(double mean_sweep_compliance, double poisson_ratio, double cells_across, double ceiling_ratio);
 
 }  // namespace livegs
