@@ -10,6 +10,7 @@
 #include <cstdio>
 
 #include "server/physics/elastic_bodies.h"
+#include "study/bullet_body.h"
 
 using namespace livegs;
 using namespace livegs::test;
@@ -39,14 +40,18 @@ double seconds_of(Stage& stage, int frames) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-void report(const char* name, const ElasticBodyDescription& description, bool floor) {
+enum class By { Cells, Bullet };
+
+void report(const char* name, const ElasticBodyDescription& description, bool floor, By by = By::Cells) {
   Stage stage;
   stage.rate_hz = 90.0;
   if (floor) {
     stage.gravity_m_s2 = kGravity;
     stage.add_floor();
   }
-  auto made = make_elastic_body(description, ElasticSolver::Cells, stage.rate_hz, stage.substeps, false);
+  auto made = by == By::Bullet
+                  ? study::make_bullet_body(description, stage.rate_hz, stage.substeps)
+                  : make_elastic_body(description, ElasticSolver::Cells, stage.rate_hz, stage.substeps, false);
   if (!made) {
     std::fprintf(stderr, "%s: %s\n", name, made.error().message.c_str());
     return;
@@ -86,6 +91,12 @@ int main() {
     report((size + " free").c_str(), block(cells, 0.02, 1e4), false);
     report((size + " on floor").c_str(), block(cells, 0.02, 1e4), true);
   }
+  // The bar of the studies, 16 x 4 x 4 cells, swinging freely; Bullet's deformable body on the same nodes beside it
+  // (bullet_body.h: five tetrahedra a cell, implicit, its solver as it comes).
+  ElasticBodyDescription bar = describe_bar(1e4, 0.3, 0.025);
+  bar.initial_deformation.diagonal() = Vector3d(1.02, 1, 1);
+  report("bar cells", bar, false);
+  report("bar bullet", bar, false, By::Bullet);
   // LIVE-GS: at most about 15^3 particles an object; the body chooses its own cells and substeps.
   for (const double youngs_modulus_pa : {1e4, 1e5, 1e6}) {
     ElasticBodyDescription object = describe(particle_grid(Vector3d::Constant(0.3), 0.02), youngs_modulus_pa, 0.3);
