@@ -12,10 +12,6 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-// One substep's blend passes a pull on by a cluster, so even d_R = 1 is not rigid: measured on the bar of physics.md 0,
-// 1/E = (1/omega² + 0.92 h²) / (rho s²) within 3 % (elastic_livegs_v1_test.cpp).
-constexpr double kStepCompliance = 0.92;
-
 }  // namespace
 
 LivegsV1Body::LivegsV1Body(const ElasticBodyDescription& description, double rate_hz, int substeps, bool may_sleep,
@@ -37,6 +33,12 @@ LivegsV1Body::LivegsV1Body(const ElasticBodyDescription& description, double rat
   on_surface_.resize(count, false);
   for (const SurfacePoint& point : surface_points(description.particles)) {
     if (surface_.empty() || surface_.back().particle != point.particle) surface_.push_back(point);  // a ball each
+  }
+  contact_points_ = surface_;
+  std::vector<bool> outer(count, false);
+  for (const SurfacePoint& point : surface_) outer[point.particle] = true;
+  for (uint32_t i = 0; i < count; ++i) {
+    if (!outer[i]) contact_points_.push_back({i, rest_m_[i], 0.0});
   }
   for (const double v : volumes_m3_) volume_m3_ += v;
   spacing_m_ = description.particles.spacing_m > 0.0 ? description.particles.spacing_m
@@ -75,11 +77,10 @@ double LivegsV1Body::blend(double h) const {
   return steady_ ? resistance_blend(resistance_stiffness_per_s2(resistance), h) : resistance;
 }
 
+// Measured on the bar of physics.md 0, within 1 % at any step (elastic_livegs_v1_test.cpp). Of the steady variant that
+// is rho s² / (1/omega² + h²): a step passes a pull on by one cluster, so even d_R = 1 is not rigid.
 double LivegsV1Body::apparent_modulus_pa(double h) const {
-  const double part = blend(h);
-  if (!(part > 0.0)) return 0.0;
-  const double density = material_.mass_kg / volume_m3_;
-  return density * std::pow(spacing_m_ / h, 2) / ((1.0 - part) / part + kStepCompliance);
+  return blend(h) * material_.mass_kg / volume_m3_ * std::pow(spacing_m_ / h, 2);
 }
 
 // As CellsBody: hysteretic damping matched at the lowest mode, of the stiffness that this body shows.
@@ -171,7 +172,7 @@ ElasticAccuracy LivegsV1Body::accuracy() const {
   accuracy.particles = positions_m_.size();
   accuracy.bytes = clusters_.size() * sizeof(Cluster) + members_.size() * sizeof(uint32_t) +
                    positions_m_.size() * (5 * sizeof(Vector3d) + 2 * sizeof(double) + sizeof(uint32_t) + sizeof(int)) +
-                   surface_.size() * sizeof(SurfacePoint);
+                   (surface_.size() + contact_points_.size()) * sizeof(SurfacePoint);
   return accuracy;
 }
 

@@ -19,7 +19,7 @@
 // One substep:
 //   drive     held particles to where their regions are; forces, traction, gravity; damping relative to rigid motion
 //   match     clusters to their rest shapes, plastic flow, the blend
-//   contact   surface particles against colliders and balls
+//   contact   particles against colliders and balls
 //   advance   velocities from positions
 
 namespace livegs {
@@ -104,7 +104,8 @@ class LivegsV1Body final : public ElasticBody {
   std::vector<Vector3d> rest_m_;  // object frame
   std::vector<double> volumes_m3_, masses_kg_;
   std::vector<bool> on_surface_;
-  std::vector<SurfacePoint> surface_;
+  std::vector<SurfacePoint> surface_;         // outer particles
+  std::vector<SurfacePoint> contact_points_;  // those and the inner ones, by their centres: nothing sinks in
   std::vector<Cluster> clusters_;
   std::vector<uint32_t> members_;
   std::vector<uint32_t> cluster_counts_;  // clusters a particle is in

@@ -97,7 +97,9 @@ void LivegsV1Body::match_shapes(double blend) {
   std::fill(goals_m_.begin(), goals_m_.end(), Vector3d::Zero());
   for (Cluster& cluster : clusters_) {
     Vector3d centre = Vector3d::Zero();
-    for (uint32_t k = cluster.begin; k < cluster.end; ++k) centre += masses_kg_[members_[k]] * predicted_m_[members_[k]];
+    for (uint32_t k = cluster.begin; k < cluster.end; ++k) {
+      centre += masses_kg_[members_[k]] * predicted_m_[members_[k]];
+    }
     centre /= cluster.mass_kg;
     Matrix3d match = Matrix3d::Zero();
     for (uint32_t k = cluster.begin; k < cluster.end; ++k) {

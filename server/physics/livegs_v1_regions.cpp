@@ -68,7 +68,9 @@ void LivegsV1Body::load_regions() {
       const Vector3d half = Vector3d::Constant(0.5 * std::cbrt(volumes_m3_[i]));
       const Vector3d shared = (rest_m_[i] + half).cwiseMin(high) - (rest_m_[i] - half).cwiseMax(low);
       if (!(size[across] > 0.0) || (shared.array() <= 1e-9 * half[0]).any()) continue;
-      const auto column = [&](int d) { return static_cast<int64_t>(std::floor((rest_m_[i][d] - low_m_[d]) / spacing_m_)); };
+      const auto column = [&](int d) {
+        return static_cast<int64_t>(std::floor((rest_m_[i][d] - low_m_[d]) / spacing_m_));
+      };
       Column& at = columns.try_emplace({column(u), column(v)}, Column{i, 0.0}).first->second;
       at.area_m2 += shared.prod() / size[across];
       if (sign * (rest_m_[i][across] - rest_m_[at.outermost][across]) > 0.0) at.outermost = i;

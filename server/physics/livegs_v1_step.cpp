@@ -11,9 +11,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A longer substep than gravity crosses one spacing in would lay the whole body flat on the ground; it is taken as
-// several. The blend of each is the substep's own, so this changes what the body shows: never at the steps it is for
-// (2 mm particles at 60 Hz and one substep are the first to notice).
+// A substep in which gravity crosses a spacing would lay the whole body flat on the ground. It is taken as several of
+// the paper's own length, where the paper's d_R means what it meant there. No step that the baseline is for is so long
+// (2.7 mm particles at 60 Hz and one substep are the first), so its dependence on the step stays what it is.
 constexpr int kMostSteps = 1000;
 // A particle that goes further than this part of a spacing is followed along its way, or it would jump over the ground.
 constexpr double kFollowedWay = 0.5;
@@ -65,12 +65,12 @@ void LivegsV1Body::substep(const SubstepContext& context) {
 int LivegsV1Body::steps_of(const SubstepContext& context) {
   const double fall_m = context.duration_s * context.duration_s * context.gravity_m_s2.norm();
   if (fall_m <= spacing_m_) return 1;
-  const double steps = std::ceil(std::sqrt(fall_m / spacing_m_));
+  const double steps = std::max(2.0, std::ceil(context.duration_s / kPaperSubstep_s - 1e-9));
   const bool refused = !(steps <= kMostSteps);
   if (!warned_of_step_) {
-    log_warn("object %u: livegs-v1 %s a substep of %g s, in which gravity alone moves it %g m and its particles are %g m "
-             "apart; raise the rate or the substeps",
-             object_id_, refused ? "stands still over" : "takes several steps in place of", context.duration_s, fall_m,
+    log_warn("object %u: livegs-v1 %s a substep of %g s, in which gravity alone moves it %g m and its particles are "
+             "%g m apart; raise the rate or the substeps",
+             object_id_, refused ? "stands still for" : "takes several steps in place of", context.duration_s, fall_m,
              spacing_m_);
     warned_of_step_ = true;
   }
@@ -120,15 +120,14 @@ void LivegsV1Body::resolve_contacts(const SubstepContext& context, double h) {
   const Vector3d centre = origin_m_ + motion_.centre_m;
   reachable_colliders(context.colliders, centre, swept, reachable_);
 
-  for (const SurfacePoint& point : surface_) {
+  for (const SurfacePoint& point : contact_points_) {
     const size_t i = point.particle;
     for (const Collider* collider : reachable_) {
       const double friction = mixed_friction(material_.friction, collider->friction);
       const auto push = [&](const Vector3d& normal, double depth_m) {
         touching_ = true;
         if (held(i)) return;
-        const Vector3d correction =
-            contact_correction(normal, depth_m, predicted_m_[i] - positions_m_[i], friction);
+        const Vector3d correction = contact_correction(normal, depth_m, predicted_m_[i] - positions_m_[i], friction);
         predicted_m_[i] += correction;
         const double impulse_n_s = masses_kg_[i] * correction.norm() / h;
         contact_tally_.impulse_n_s += impulse_n_s;
@@ -136,8 +135,7 @@ void LivegsV1Body::resolve_contacts(const SubstepContext& context, double h) {
       };
       const Vector3d way = predicted_m_[i] - positions_m_[i];
       if (way.norm() > kFollowedWay * spacing_m_) {
-        const auto met =
-            first_meeting(*collider, origin_m_ + positions_m_[i], way, point.radius_m, 0.01 * spacing_m_);
+        const auto met = first_meeting(*collider, origin_m_ + positions_m_[i], way, point.radius_m, 0.01 * spacing_m_);
         const double depth = met ? met->normal.dot(met->point_m - origin_m_ - predicted_m_[i]) : 0.0;
         if (depth > 0.0) push(met->normal, depth);
       }
@@ -151,11 +149,11 @@ void LivegsV1Body::resolve_contacts(const SubstepContext& context, double h) {
     Vector3d end = start + h * sphere.velocity_m_s;
     if ((end - centre).norm() < swept + sphere.radius_m) {
       const double friction = mixed_friction(material_.friction, sphere.friction);
-      for (const SurfacePoint& point : surface_) {
+      for (const SurfacePoint& point : contact_points_) {
         const size_t i = point.particle;
-        const auto contact = ball_contact(origin_m_ + predicted_m_[i], point.radius_m, predicted_m_[i] - positions_m_[i],
-                                          held(i) ? 0.0 : 1.0 / masses_kg_[i], end, end - start, sphere.radius_m,
-                                          1.0 / sphere.mass_kg, friction);
+        const auto contact = ball_contact(origin_m_ + predicted_m_[i], point.radius_m,
+                                          predicted_m_[i] - positions_m_[i], held(i) ? 0.0 : 1.0 / masses_kg_[i], end,
+                                          end - start, sphere.radius_m, 1.0 / sphere.mass_kg, friction);
         if (!contact) continue;
         predicted_m_[i] += contact->correction_m;
         sphere.impulse_n_s -= contact->pull_kg_m / h;

@@ -67,7 +67,7 @@ Matrix3d within_limit(const Matrix3d& plastic_part, double limit) {
 
 // The width b of a bar stretched to 1 + y with free sides, by the energy of the cells (elastic-study.md 2.2):
 //   2 mu (b - 1) + lambda (det F - 1) (1 + y) b = 0,  det F = (1 + y) b²,  lambda / 2 mu = nu / (1 - 2 nu).
-// Both terms grow with b from (1 + y)^(-1/2), where the second is zero, and the sum is convex: Newton from 1 comes down.
+// Both terms grow with b from (1 + y)^(-1/2), where the second is zero, and are convex: Newton from 1 comes down.
 YieldSurface yield_surface(double plasticity, double poisson_ratio) {
   const double p = std::clamp(plasticity, 0.0, 1.0), nu = std::clamp(poisson_ratio, 0.0, 0.49);
   const double length = 1.0 + (1.0 - p), ratio = nu / (1.0 - 2.0 * nu);

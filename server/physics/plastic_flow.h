@@ -16,11 +16,11 @@
 //   flow    D' = D + (1 - r/|e|) e + beta I, beta from det D' = 1; beta I leaves e alone, so |e'| = r
 //
 // A strain is subtracted, not divided: a bar pulled to a strain sets at that strain minus its yield, as lengths, and
-// its load stays what it was at yield however the flow is shared along it. (With mu |sqrt((F D⁻¹)ᵀ F D⁻¹) - I|² the load
-// falls as the section shrinks and the bar necks: 5 % under to 11 % over at a yield of 0.1, depending on the rate.)
+// its load stays what it was at yield however the flow is shared along it. (Were the energy that of F D⁻¹, the load
+// would fall as the section shrinks and the bar neck: 5 % under to 11 % over at a yield of 0.1, depending on the rate.)
 //
-// What a solver must not leave out: with T = 2 mu (U - D), the force of the shear energy in the frame of F's rotation is
-// T + A, A antisymmetric with A U + U A = U T - T U. A is zero where U and D have the same axes. Without it cells that
+// What a solver must not leave out: with T = 2 mu (U - D), the stress of the shear energy in the frame of F's rotation
+// is T + A, A antisymmetric with A U + U A = U T - T U. A is zero where U and D have the same axes. Without it cells that
 // flowed in different directions turn the body and feed it energy (a free bar of such cells: half as much again in
 // 1.5 s; with it, none).
 //

@@ -62,6 +62,10 @@ void log_built(const BuiltObject& built) {
 // What is known of the body once it is in the world.
 void log_notes(const SceneObject& drawn) {
   if (drawn.elastic) log_info("%s: %s", drawn.name.c_str(), accuracy_line(*drawn.elastic).c_str());
+  const double alone_kg = drawn.physics.mass_kg().best();
+  if (drawn.elastic && std::abs(drawn.mass_kg - alone_kg) > 1e-3 * alone_kg) {
+    log_info("%s: %.3g kg with its regions", drawn.name.c_str(), drawn.mass_kg);
+  }
   for (const std::string& warning : drawn.all_warnings()) {
     if (warning != drawn.surface_note) log_warn("%s: %s", drawn.name.c_str(), warning.c_str());
   }

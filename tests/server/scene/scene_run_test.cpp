@@ -99,6 +99,66 @@ TEST(SceneRun, BallsAreCappedAndTheOldestGoes) {
   scene.step();
 }
 
+// A pillow's numbers change while it runs: what is told of it follows.
+TEST(SceneRun, AChangeOfPhysicsChangesWhatIsToldOfTheBody) {
+  v1::Scene file;
+  v1::Object& object = *file.add_objects();
+  object.set_name("soft");
+  for (int d = 0; d < 3; ++d) object.mutable_shape()->mutable_box()->add_size_m(0.2);
+  object.mutable_physics()->set_behavior(v1::Physics::ELASTIC);
+  object.mutable_physics()->set_density_kg_m3(500);
+  object.mutable_physics()->set_youngs_modulus_pa(1e4);
+  v1::Event& event = *file.add_events();
+  event.mutable_set_physics()->set_object("soft");
+  event.mutable_set_physics()->mutable_physics()->set_youngs_modulus_pa(4e4);
+  event.mutable_set_physics()->mutable_physics()->set_mass_kg(2);
+  auto scene = Scene::build(file, "", "soft", {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(scene->objects()[0].elastic->youngs_modulus_pa, 1e4);
+  EXPECT_NEAR(scene->objects()[0].mass_kg, 4.0, 1e-9);
+  scene->step();
+  EXPECT_EQ(scene->objects()[0].elastic->youngs_modulus_pa, 4e4);
+  EXPECT_NEAR(scene->objects()[0].mass_kg, 2.0, 1e-9);
+}
+
+TEST(SceneRun, PointsAreDrawnAKernelEachUnlessToldOtherwise) {
+  ScratchFolder folder;
+  std::string points = "x,y,z,vx,vy,vz\n";
+  for (int i = 0; i < 216; ++i) {
+    points += std::to_string(0.02 * (i % 6)) + "," + std::to_string(0.02 * (i / 6 % 6)) + "," +
+              std::to_string(0.02 * (i / 36)) + ",0,0,1\n";
+  }
+  folder.write("points.csv", points);
+  const auto load = [&](const std::string& more, const char* behavior) {
+    return Scene::load(folder.write("points.scene.json", R"({ "objects": [ { "points": "points.csv", )" +
+                                                             more + R"("physics": { "behavior": ")" +
+                                                             behavior + R"(", "density_kg_m3": 500 } } ] })"),
+                       {});
+  };
+  for (const char* more : {"", R"("kernel_per_point": true, )"}) {
+    const auto scene = load(more, "ELASTIC");
+    ASSERT_TRUE(scene) << scene.error().message;
+    const GaussianAsset& asset = *scene->objects()[0].asset;
+    ASSERT_EQ(asset.size(), 216u);
+    for (size_t i = 0; i < 216; ++i) {
+      EXPECT_NEAR(asset.positions[i].y(), 0.02 * static_cast<double>(i / 6 % 6), 1e-6);
+      EXPECT_EQ(asset.log_scales[i], Eigen::Vector3f::Constant(asset.log_scales[0].x()));  // round
+    }
+    EXPECT_NEAR(scene->objects()[0].mass_kg, 500 * 216 * 8e-6, 1e-9);
+  }
+  const auto surface = load(R"("kernel_per_point": false, )", "ELASTIC");
+  ASSERT_TRUE(surface) << surface.error().message;
+  EXPECT_EQ(surface->objects()[0].asset->size(), 6000u);  // as a shape
+
+  // Velocities of single points mean nothing to a body that cannot deform.
+  const auto rigid = load("", "RIGID");
+  ASSERT_FALSE(rigid);
+  EXPECT_NE(rigid.error().message.find(
+                "object \"points\": objects[0].points: have velocities, which are for elastic"),
+            std::string::npos)
+      << rigid.error().message;
+}
+
 // Both skinnings show the same motion: where the lattice deforms smoothly their pictures differ by little.
 TEST(SceneRun, BothSkinningsDrawTheSameBody) {
   Scene scene = busy_scene();
