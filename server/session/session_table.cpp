@@ -122,9 +122,9 @@ void SessionTable::sweep(int64_t now) {
     const int64_t silent_ns = now - session->heard_ns.load();
     if (silent_ns < (session->streaming ? kSilentAfter_ns : kJoinExpiry_ns)) continue;
     log_info("session %.8s: silent for %.1f s, dropped", session->id.c_str(), seconds_from_ns(silent_ns));
-    const auto writer = session->writer();
+    // First cancelled, then forgotten: else a client that hangs up in between is told that all went well.
+    if (const auto writer = session->writer()) writer->abort();
     remove(*session);
-    if (writer) writer->abort();
   }
 }
 
