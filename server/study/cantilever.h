@@ -11,8 +11,8 @@ namespace livegs::study {
 // reference at nu > 0, where the clamp stiffens: see clamp_stiffening.
 Result<Outcome> cantilever(const Setup& setup);
 
-// Deflection of the 3-D bar over Timoshenko's, extrapolated from the static solution on finer and finer lattices;
-// 1 at nu 0. Precondition: nu is 0, 0.3 or 0.45.
+// Deflection of the 3-D bar over Timoshenko's, extrapolated from finer and finer lattices
+// (cantilever_reference_test.cpp); 1 at nu 0. Precondition: nu is 0, 0.3 or 0.45.
 double clamp_stiffening(double poisson_ratio);
 
 // Timoshenko: rho g A L^4 / (8 E I) + rho g L^2 / (2 k G), for the weight that sags by 1 % of the length.

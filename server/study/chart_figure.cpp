@@ -48,6 +48,12 @@ std::string quoted(const std::string& text) {
   return twice;
 }
 
+// "youngs_modulus" as one says it.
+std::string words(std::string quantity) {
+  std::replace(quantity.begin(), quantity.end(), '_', ' ');
+  return quantity;
+}
+
 std::string modulus_text(double pa) {
   char text[48];
   std::snprintf(text, sizeof text, "E = 10^{%d} Pa", static_cast<int>(std::lround(std::log10(pa))));
@@ -69,13 +75,13 @@ bool run_gnuplot(const std::string& script) {
 }
 
 void plot_panel(std::FILE* out, const Panel& panel, size_t index, size_t count, double low_ms, double high_ms) {
-  const double left = 0.062, right = 0.985, gap = 0.012;
+  const double left = 0.07, right = 0.985, gap = 0.02;
   const double width = (right - left - gap * static_cast<double>(count - 1)) / static_cast<double>(count);
   const double from = left + static_cast<double>(index) * (width + gap);
   std::fprintf(out, "set lmargin at screen %.4f\nset rmargin at screen %.4f\n", from, from + width);
   std::fprintf(out, "set title '%s' offset 0,-0.6\n", modulus_text(panel.youngs_modulus_pa).c_str());
   if (index == 0) {
-    std::fprintf(out, "set format y '10^{%%T}'\nset ylabel 'error of %s' noenhanced\n", panel.quantity.c_str());
+    std::fprintf(out, "set format y '10^{%%T}'\nset ylabel 'error of %s'\n", words(panel.quantity).c_str());
   } else {
     std::fprintf(out, "set format y ''\nunset ylabel\n");
   }
@@ -105,7 +111,7 @@ void plot_key(std::FILE* out, const Panel& panel) {
                "set lmargin at screen 0.02\nset rmargin at screen 0.98\nset tmargin at screen 0.165\n"
                "set bmargin at screen 0.0\nunset title\nunset xlabel\nunset ylabel\nunset tics\nunset border\n"
                "unset grid\nunset logscale\nset xrange [0:1]\nset yrange [0:1]\n"
-               "set key inside center center horizontal maxcols 4 samplen 3 spacing 1.15 width 1 font ',11'\nplot ");
+               "set key inside center center vertical maxrows 4 Left reverse samplen 3 spacing 1.1 width 1 font ',10.5'\nplot ");
   for (const Curve& curve : panel.curves) {
     const Style style = style_of(curve.label);
     std::fprintf(out, "NaN with linespoints lc rgb '%s' dt %d pt %d ps 0.6 lw %.1f title '%s', ", style.colour,
@@ -136,15 +142,15 @@ Result<void> draw_figure(const ChartScene& scene, const std::vector<Panel>& pane
   std::FILE* out = std::fopen(script.c_str(), "w");
   if (!out) return Error{ErrorCode::PermissionDenied, script.string() + ": cannot be written"};
   std::fprintf(out, "set terminal svg size %zu,520 font 'Helvetica,12' background rgb 'white'\nset output '%s'\n",
-               260 + 290 * panels.size(), path.c_str());
+               std::max<size_t>(860, 260 + 290 * panels.size()), path.c_str());
   std::fprintf(out, "set multiplot\nset logscale xy\nset grid xtics ytics lc rgb '#e4e4e4'\nunset key\n"
                     "set tmargin at screen 0.845\nset bmargin at screen 0.285\nset tics font ',10'\n"
                     "set format x '10^{%%T}'\nset xlabel 'ms of CPU a simulated second' offset 0,0.4\n");
   char settings[256];
   std::snprintf(settings, sizeof settings,
-                "density 1000 kg/m^3, nu %g, 60 Hz; along each curve 1, 2, 4 ... 64 substeps a frame (numbers)",
+                "density 1000 kg/m^3, nu %g, 60 Hz; each curve from few substeps a frame to many, numbered on the thick one",
                 scene.poisson_ratio);
-  std::fprintf(out, "set label 1 '%s' at screen 0.02,0.965 font ',14' noenhanced\n", quoted(scene.title + ": " + panels.front().quantity).c_str());
+  std::fprintf(out, "set label 1 '%s' at screen 0.02,0.965 font ',14' noenhanced\n", quoted(scene.title + ", " + words(panels.front().quantity)).c_str());
   std::fprintf(out, "set label 2 '%s' at screen 0.02,0.915 font ',10' tc rgb '#555555'\n", settings);
   for (size_t i = 0; i < panels.size(); ++i) {
     plot_panel(out, panels[i], i, panels.size(), 0.6 * low_ms, 1.7 * high_ms);

@@ -8,13 +8,19 @@ namespace livegs::study {
 namespace {
 
 constexpr double kRampPeriods = 1.5, kWindowPeriods = 0.5, kSettledRelative = 1e-4;
-constexpr int kFewestRampFrames = 12, kFewestWindowFrames = 4, kMostWindows = 20;
+constexpr int kFewestRampFrames = 12, kFewestWindowFrames = 4, kMostWindows = 12;
 
 }  // namespace
 
 double predicted_softness(const Setup& setup, const ElasticBody& body) {
   const double reached = body.accuracy().reached_youngs_modulus_pa;
   return reached > 0.0 ? std::clamp(reached / setup.youngs_modulus_pa, 1e-4, 1.0) : 1.0;
+}
+
+void damp(Stage& stage, double softness) {
+  Material material = stage.body().material();
+  material.loss_factor = 2.0 * std::sqrt(softness);
+  stage.body().set_material(material);
 }
 
 Eigen::Vector2d load_slowly(Stage& stage, const QuasiStatic& scene) {

@@ -18,4 +18,8 @@ Eigen::Vector2d load_slowly(Stage& stage, const QuasiStatic& scene);
 // How far the body says that it is softer than asked for: 1 or less.
 double predicted_softness(const Setup& setup, const ElasticBody& body);
 
+// Gives the body the loss factor that damps its slowest motion about critically. Loss factors are relative to the
+// stiffness asked for, so a body that shows a softer one would creep.
+void damp(Stage& stage, double softness);
+
 }  // namespace livegs::study

@@ -40,6 +40,7 @@ Result<Outcome> squash(const Setup& given) {
   };
   // Slow beside the block's own swinging: 4 edges over the wave's speed.
   const double softness = predicted_softness(setup, stage.body());
+  if (softness < 1.0) damp(stage, softness);
   const double wave_m_s = std::sqrt(softness * setup.youngs_modulus_pa / setup.density_kg_m3);
   const double ratio = load_slowly(stage, {press, volume, 4 * kEdge_m / wave_m_s})[0];
   return stage.finish(

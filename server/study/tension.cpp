@@ -19,6 +19,7 @@ Result<Outcome> tension(const Setup& setup) {
 
   // A body that says it is softer is pulled less, so that strains stay small.
   const double softness = predicted_softness(setup, stage.body());
+  if (softness < 1.0) damp(stage, softness);
   const double stress_pa = 0.005 * softness * setup.youngs_modulus_pa;
   const int across = points_across(setup, stage.body(), kBarWidth_m);
   const auto pull = [&](double share) {

@@ -39,6 +39,7 @@ Result<Outcome> torsion(const Setup& setup) {
 
   const double shear_modulus_pa = 0.5 * setup.youngs_modulus_pa / (1 + setup.poisson_ratio);
   const double softness = predicted_softness(setup, stage.body());
+  if (softness < 1.0) damp(stage, softness);
   const double twist_rad_m = 0.1 * softness;  // 0.5 % of shear at the surface
   const double torque_n_m = kSaintVenant * std::pow(kBarWidth_m, 4) * shear_modulus_pa * twist_rad_m;
   const int across = std::max(2, points_across(setup, stage.body(), kBarWidth_m));

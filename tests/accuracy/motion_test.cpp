@@ -1,64 +1,72 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes 8 and 23, a pulse, and 27: vibration, travel and flow against closed forms.
-#include <gtest/gtest.h>
+// Scenes 8 and 23 and the pulse in a thin bar, all undamped. References: the axial mode and the wave of a bar at nu 0,
+// sqrt(E / rho); the physical pendulum.
+#include <cmath>
 
-#include "study/plastic_set.h"
+#include "accuracy/scene_checks.h"
+#include "study/pendulum.h"
 #include "study/pulse.h"
 #include "study/ring_down.h"
 
 namespace livegs::study {
 namespace {
 
-Setup chosen(double youngs_modulus_pa, double cell_width_m, double rate_hz) {
-  study::Setup setup;
-  setup.cells.choose = true;
-  setup.youngs_modulus_pa = youngs_modulus_pa;
-  setup.poisson_ratio = 0.0;
-  setup.cell_width_m = cell_width_m;
-  setup.rate_hz = rate_hz;
-  return setup;
-}
-
-// f = sqrt(E/rho) / 2L within 1 %, and 0.9 of the amplitude after five periods, at the substeps the body chose.
-TEST(RingDown, KeepsItsFrequencyAndAmplitude) {
+TEST(RingDown, KeepsFrequencyAndAmplitudeAtTheChosenSubsteps) {
+  // 1 % of the frequency, 0.9 of the amplitude after five periods, and never a gain.
   for (const double rate_hz : {60.0, 90.0}) {
-    for (const auto& [youngs, width] : {std::pair{1e4, 0.025}, {1e5, 0.025}, {1e6, 0.05}}) {
-      const auto outcome = ring_down(chosen(youngs, width, rate_hz));
-      ASSERT_TRUE(outcome) << outcome.error().message;
-      // Two cells across (1e6 Pa) miss both by a little. Goals: 1 % and 0.9; figures reached 1.18 % and 0.885.
-      const bool coarse = width > 0.04;
-      EXPECT_LT((*outcome)["frequency"].error, coarse ? 0.0125 : 0.01) << youngs << " Pa at " << rate_hz << " Hz";
-      EXPECT_GT((*outcome)["amplitude"].measured, coarse ? 0.88 : 0.9) << youngs << " Pa at " << rate_hz << " Hz";
-      EXPECT_LT((*outcome)["amplitude"].measured, 1.01) << youngs << " Pa at " << rate_hz << " Hz";
+    for (const study::Setup& setup : {chosen(1e4, 0.0, rate_hz, 0.025), chosen(1e5, 0.0, rate_hz, 0.025)}) {
+      const Outcome outcome = run(ring_down(setup));
+      expect_within_bar(outcome, "frequency", setup);
+      expect_within_bar(outcome, "amplitude", setup);
+      EXPECT_LE(outcome["amplitude"].measured, 1.01) << text_of(setup, outcome);
     }
   }
 }
 
-// sqrt(E/rho) within 10 % at a step that resolves it: Co 0.26.
-TEST(Pulse, TravelsAtTheSpeedOfSoundInABar) {
-  study::Setup setup = chosen(1e4, 0.025, 60.0);
-  setup.cells.choose = false;
-  setup.substeps = 8;
-  const auto outcome = pulse(setup);
-  ASSERT_TRUE(outcome) << outcome.error().message;
-  EXPECT_LT((*outcome)["speed"].error, 0.1);
+TEST(RingDown, LosesLittleMoreWithTwoCellsAcross) {
+  // Goals 1 % and 0.9 as above. Eight cells of 50 mm along the bar have a dispersion of (pi/8)²/24 = 0.6 % of their own,
+  // and figures reached are 1.18 % and 0.885: bars 1.25 % and 0.88.
+  for (const double rate_hz : {60.0, 90.0}) {
+    for (const study::Setup& setup : {chosen(1e4, 0.0, rate_hz), chosen(1e5, 0.0, rate_hz), chosen(1e6, 0.0, rate_hz),
+                               chosen(1e6, 0.0, rate_hz, 0.05)}) {
+      const Outcome outcome = run(ring_down(setup));
+      EXPECT_FALSE(outcome.accuracy.clipped);
+      EXPECT_LE(outcome["frequency"].error, 0.0125) << text_of(setup, outcome);
+      EXPECT_GE(outcome["amplitude"].measured, 0.88) << text_of(setup, outcome);
+      EXPECT_LE(outcome["amplitude"].measured, 1.01) << text_of(setup, outcome);
+    }
+  }
 }
 
-// Strain minus yield within 2 %, over substeps and over a tenfold rate of loading; volume to 1e-3.
-TEST(PlasticSet, KnowsNeitherSubstepsNorRate) {
-  for (const double nu : {0.0, 0.3}) {
-    for (const int substeps : {4, 16}) {
-      for (const double speed : {1.0, 10.0}) {
-        study::Setup setup = chosen(1e4, 0.025, 60.0);
-        setup.poisson_ratio = nu;
-        setup.cells.choose = false;
-        setup.substeps = substeps;
-        const auto outcome = plastic_set(setup, speed);
-        ASSERT_TRUE(outcome) << outcome.error().message;
-        EXPECT_LT((*outcome)["set"].error, 0.02) << nu << ", " << substeps << ", " << speed;
-        EXPECT_LT((*outcome)["volume_ratio"].error, 1e-3) << nu << ", " << substeps << ", " << speed;
-      }
+TEST(Pulse, TravelsAtTheSpeedOfSoundInABarWhenTheStepResolvesIt) {
+  for (const double rate_hz : {60.0, 90.0}) {
+    for (const study::Setup& setup : {setup_of(1e4, 0.0, rate_hz, 8, 0.025), chosen(1e5, 0.0, rate_hz, 0.025)}) {
+      expect_within_bar(run(pulse(setup)), "speed", setup);
     }
+  }
+}
+
+TEST(Pendulum, KeepsItsEnergy) {
+  // 1 % of the swing's energy in 10 s, from 5 and from 60 degrees.
+  for (const double amplitude_rad : {M_PI / 36, M_PI / 3}) {
+    for (const double rate_hz : {60.0, 90.0}) {
+      const study::Setup setup = chosen(1e6, 0.3, rate_hz, 0.05);
+      expect_within_bar(run(pendulum(setup, amplitude_rad)), "energy_lost", setup);
+    }
+  }
+}
+
+TEST(Pendulum, SwingsInTimeButForTheInertiaOfLumpedMasses) {
+  // A lattice's masses stand at the corners of its cells, so a body turns as if its moment of inertia were m a² / 3
+  // larger. With that in the reference the bar is 0.1 %; without it the period is 0.2 % too long at 25 mm, 0.9 % at 50.
+  for (const double width_m : {0.025, 0.05}) {
+    const study::Setup setup = chosen(1e6, 0.3, 60.0, width_m);
+    const Outcome outcome = run(pendulum(setup));
+    const Measurement& period = outcome["period"];
+    constexpr double length_m = 0.4, edge_m = 0.1, arm_m = 0.2 - edge_m / 6;
+    const double inertia_m2 = (length_m * length_m + edge_m * edge_m) / 12 + arm_m * arm_m;
+    const double longer = std::sqrt(1 + width_m * width_m / 3 / inertia_m2);
+    EXPECT_NEAR(period.measured / (period.reference * longer), 1.0, 1e-3) << text_of(setup, outcome);
   }
 }
 
