@@ -1,4 +1,32 @@
 # SPDX-License-Identifier: Apache-2.0
+# Headers that most files include and few change are parsed once, for rooms and for tests: half of what compiling costs.
+# Not with CGAL, whose rounding flags make other code of them.
+option(LIVEGS_PRECOMPILE "Precompile the headers of Eigen, GoogleTest and the standard library" ON)
+set(LIVEGS_COMMON_HEADERS <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <cmath> <cstdint> <functional> <map> <memory>
+                          <optional> <span> <string> <variant> <vector>)
+
+# livegs_precompile(TARGET common|tests LIBRARIES...): the target's libraries decide whether it can.
+function(livegs_precompile target set)
+  if(NOT LIVEGS_PRECOMPILE OR "${ARGN}" MATCHES "CGAL")
+    return()
+  endif()
+  if(NOT TARGET livegs_headers_${set})
+    find_package(Eigen3 REQUIRED NO_MODULE)
+    set(source ${CMAKE_BINARY_DIR}/headers_${set}.cpp)
+    file(CONFIGURE OUTPUT ${source} CONTENT "// Nothing but its precompiled headers.\n")
+    add_library(livegs_headers_${set} OBJECT ${source})
+    target_link_libraries(livegs_headers_${set} PRIVATE Eigen3::Eigen)
+    set(headers ${LIVEGS_COMMON_HEADERS})
+    if(set STREQUAL "tests")
+      find_package(GTest REQUIRED)
+      target_link_libraries(livegs_headers_${set} PRIVATE GTest::gtest)
+      list(APPEND headers <Eigen/LU> <fstream> <gtest/gtest.h> <random> <sstream>)
+    endif()
+    target_precompile_headers(livegs_headers_${set} PRIVATE ${headers})
+  endif()
+  target_precompile_headers(${target} REUSE_FROM livegs_headers_${set})
+endfunction()
+
 # livegs_add_room(NAME SOURCES ... [PUBLIC ...] [PRIVATE ...] [INCLUDE dir])
 #   A room is one static library livegs_NAME with the alias livegs::NAME. Its headers are included with the
 #   room in the path ("skin/driver_frame.h"), from the folder that holds the room: common/, server/ or client/.
@@ -8,6 +36,7 @@ function(livegs_add_room name)
   add_library(livegs::${name} ALIAS livegs_${name})
   target_include_directories(livegs_${name} PUBLIC ${CMAKE_CURRENT_SOURCE_DIR}/..)
   target_link_libraries(livegs_${name} PUBLIC ${ROOM_PUBLIC} PRIVATE livegs::options ${ROOM_PRIVATE})
+  livegs_precompile(livegs_${name} common ${ROOM_PRIVATE})
 endfunction()
 
 # livegs_add_test(NAME SOURCES ... LINK ... [LABELS ...])
@@ -25,6 +54,7 @@ function(livegs_add_test name)
   target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests)
   target_compile_definitions(${name} PRIVATE LIVEGS_SHARED_DATA_DIR="${CMAKE_SOURCE_DIR}/../shared/data"
                                              LIVEGS_TESTS_DIR="${CMAKE_SOURCE_DIR}/tests")
+  livegs_precompile(${name} tests ${TEST_LINK})
   set(environment)
   if(LIVEGS_SANITIZE MATCHES address AND TEST_LABELS MATCHES vulkan)
     # Drivers and layers keep memory until the process ends; none of it has a frame of ours.
