@@ -23,7 +23,8 @@ constexpr const char* kServiceName = "livegs.v1.LiveGs";
 // Everything a client sends is small.
 constexpr int kMaxRequestBytes = 16 << 10;
 constexpr int kMaxStreamsPerConnection = 16;
-constexpr std::chrono::seconds kShutdownPatience{1};
+// What clients that still read need on a machine that is busy to hear the reason; only one that does not takes it all.
+constexpr std::chrono::seconds kShutdownPatience{3};
 
 // Health and reflection are switched on for the process, before the first server is built; what gRPC has to
 // say goes to the log, so that a program's own one line is not drowned.
