@@ -8,6 +8,7 @@
 #include "physics/cut_boxes.h"
 #include "physics/lattice.h"
 #include "physics/lattice_order.h"
+#include "physics/thin_shape.h"
 #include "physics/virtual_nodes.h"
 #include "skin/cell_fill.h"
 
@@ -144,8 +145,8 @@ Lattice build_lattice(const BodyExtent& extent, double cell_width_m, std::span<c
     if (entry == entries.size()) entries.push_back({piece.box, piece.cell});
     entry_of_piece.push_back(entry);
   });
-  const VirtualCells virtual_cells =
-      make_virtual_cells(entries, link_boxes(extent, cell_width_m), kLatticeColours);
+  const auto links = link_boxes(extent, cell_width_m);
+  const VirtualCells virtual_cells = make_virtual_cells(entries, links, kLatticeColours);
 
   Lattice lattice;
   lattice.cell_width_m = cell_width_m;
@@ -179,6 +180,8 @@ Lattice build_lattice(const BodyExtent& extent, double cell_width_m, std::span<c
     lattice.cells.push_back(std::move(cell));
     ++lattice.colour_begin[virtual_cells.cells[i].colour + 1];
   }
+  find_thin_shapes(extent, links, entries, virtual_cells.cell_of_entry, origin + cell_width_m * lowest.cast<double>(),
+                   lattice);
   for (int colour = 0; colour < kLatticeColours; ++colour) {
     lattice.colour_begin[colour + 1] += lattice.colour_begin[colour];
   }

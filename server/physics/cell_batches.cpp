@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "physics/thin_cell.h"
+
 namespace livegs {
 namespace {
 
@@ -76,7 +78,9 @@ double heaviest_inverse_mass(std::span<const double> inverse_masses) {
 Eigen::Quaterniond CellBatches::rotation(size_t cell) const {
   const CellPlace& at = places[cell];
   if (at.kind == CellPlace::Kind::Held) return Eigen::Quaterniond::Identity();
-  const Lanes(&q)[4] = at.kind == CellPlace::Kind::Full ? full[at.index].rotation : cut[at.index].rotation;
+  const Lanes(&q)[4] = at.kind == CellPlace::Kind::Full  ? full[at.index].rotation
+                       : at.kind == CellPlace::Kind::Cut ? cut[at.index].rotation
+                                                         : thin[at.index].rotation;
   return Eigen::Quaterniond(q[0][at.lane], q[1][at.lane], q[2][at.lane], q[3][at.lane]).normalized();
 }
 
@@ -84,13 +88,16 @@ void CellBatches::set_rotations(const Eigen::Quaterniond& rotation) {
   const double q[4] = {rotation.w(), rotation.x(), rotation.y(), rotation.z()};
   for (const CellPlace& at : places) {
     if (at.kind == CellPlace::Kind::Held) continue;
-    Lanes(&turned)[4] = at.kind == CellPlace::Kind::Full ? full[at.index].rotation : cut[at.index].rotation;
+    Lanes(&turned)[4] = at.kind == CellPlace::Kind::Full  ? full[at.index].rotation
+                        : at.kind == CellPlace::Kind::Cut ? cut[at.index].rotation
+                                                          : thin[at.index].rotation;
     for (int k = 0; k < 4; ++k) turned[k][at.lane] = static_cast<float>(q[k]);
   }
 }
 
 size_t CellBatches::bytes() const {
-  return full.capacity() * sizeof(FullCells) + cut.capacity() * sizeof(CutCells) + places.capacity() * sizeof(CellPlace);
+  return full.capacity() * sizeof(FullCells) + cut.capacity() * sizeof(CutCells) +
+         thin.capacity() * sizeof(ThinCells) + places.capacity() * sizeof(CellPlace);
 }
 
 IsotropicMaterial CellMaterials::of(const LatticeCell& cell) const {
@@ -105,8 +112,14 @@ IsotropicMaterial CellMaterials::of(const LatticeCell& cell) const {
   return {youngs, std::max(0.0, youngs / (2.0 * shear) - 1.0)};
 }
 
+bool solved_as_thin(const LatticeCell& cell, std::span<const double> plasticities) {
+  return cell.thin && std::none_of(cell.materials.begin(), cell.materials.end(), [&](const MaterialShare& share) {
+    return plasticities[share.material] > 0.0;
+  });
+}
+
 CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> inverse_masses,
-                              std::span<const Eigen::Quaterniond> rotations, uint32_t spare_nodes, bool may_be_full) {
+                              std::span<const Eigen::Quaterniond> rotations, uint32_t spare_nodes, CellKinds kinds) {
   CellBatches result;
   result.places.resize(lattice.cells.size());
   result.paired = std::all_of(lattice.cells.begin(), lattice.cells.end(), [](const LatticeCell& cell) {
@@ -119,12 +132,22 @@ CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> in
   for (int colour = 0; colour < kSweepColours; ++colour) {
     result.colours.full_begin[colour] = result.full.size();
     result.colours.cut_begin[colour] = result.cut.size();
-    uint32_t full_used = 0, cut_used = 0;
+    result.colours.thin_begin[colour] = result.thin.size();
+    uint32_t full_used = 0, cut_used = 0, thin_used = 0;
     for (uint32_t i = lattice.colour_begin[colour]; i < lattice.colour_begin[colour + 1]; ++i) {
       const LatticeCell& cell = lattice.cells[i];
       const std::array<double, 8> inverse = of_corners(cell, inverse_masses);
       if (!movable(inverse)) continue;
-      if (may_be_full && full(cell, inverse, result.full_inverse_mass)) {
+      if (kinds.may_be_thin && solved_as_thin(cell, kinds.plasticities)) {
+        const CellPlace at = place(result.thin, result.colours.thin_begin[colour], thin_used, spare_nodes,
+                                   CellPlace::Kind::Thin, cell, rotations[i]);
+        result.places[i] = at;
+        ThinCells& eight = result.thin[at.index];
+        for (int d = 0; d < 3; ++d) eight.centroid[d][at.lane] = significant(cell.centroid[d], 1.0);
+        eight.used[at.lane] = 1.0f;
+        continue;
+      }
+      if (kinds.may_be_full && full(cell, inverse, result.full_inverse_mass)) {
         result.places[i] = place(result.full, result.colours.full_begin[colour], full_used, spare_nodes,
                                  CellPlace::Kind::Full, cell, rotations[i]);
         continue;
@@ -148,7 +171,21 @@ CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> in
   }
   result.colours.full_begin[kSweepColours] = result.full.size();
   result.colours.cut_begin[kSweepColours] = result.cut.size();
+  result.colours.thin_begin[kSweepColours] = result.thin.size();
   return result;
+}
+
+static void set_thin_gains(ThinGains& eight, int lane, const LatticeCell& cell, const CellBlock& block,
+                           double cell_width_m, const std::array<double, 8>& inverse_masses,
+                           const IsotropicMaterial& material, bool compensate, double step_s) {
+  const Matrix6 modulus = compensate ? compensated_modulus(cell, block, material, step_s) : strain_modulus(material);
+  const Matrix18 gain = thin_cell_gain(thin_cell_stiffness(cell, cell_width_m, material, modulus),
+                                       thin_cell_mobility(cell, cell_width_m, inverse_masses), step_s);
+  for (int row = 0, k = 0; row < kThinMeasures; ++row) {
+    for (int column = row; column < kThinMeasures; ++column, ++k) {
+      eight.gain[k][lane] = significant(gain(row, column), std::sqrt(gain(row, row) * gain(column, column)));
+    }
+  }
 }
 
 static void set_cell_gains(SweepGains& gains, const Lattice& lattice, const CellBatches& batches, size_t index,
@@ -158,6 +195,11 @@ static void set_cell_gains(SweepGains& gains, const Lattice& lattice, const Cell
   if (at.kind == CellPlace::Kind::Held) return;
   const LatticeCell& cell = lattice.cells[index];
   const CellBlock block = make_cell_block(cell, lattice.cell_width_m, of_corners(cell, inverse_masses));
+  if (at.kind == CellPlace::Kind::Thin) {
+    set_thin_gains(gains.thin[at.index], at.lane, cell, block, lattice.cell_width_m,
+                   of_corners(cell, inverse_masses), materials.of(cell), compensate, step_s);
+    return;
+  }
   const CellGains own = make_cell_gains(cell, block, lattice.cell_width_m, materials.of(cell), step_s, compensate);
   if (at.kind == CellPlace::Kind::Full) {
     gains.full.mobility = static_cast<float>(block.mobility(0, 0));
@@ -187,6 +229,10 @@ SweepGains make_sweep_gains(const Lattice& lattice, const CellBatches& batches, 
   std::memset(static_cast<void*>(&nothing), 0, sizeof nothing);
   nothing.volume_compliance = all_lanes(1.0f);
   result.cut.assign(batches.cut.size(), nothing);
+  result.thin.resize(batches.thin.size());
+  for (ThinGains& eight : result.thin) {
+    for (Lanes& gain : eight.gain) gain = all_lanes(0.0f);
+  }
   result.full.volume_compliance = 1.0f;
   bool full_known = false;  // they are all alike
   for (size_t i = 0; i < lattice.cells.size(); ++i) {

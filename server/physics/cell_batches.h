@@ -11,13 +11,14 @@
 #include "physics/lattice.h"
 
 // The cells of a lattice as the sweep wants them: eight of one parity colour at a time, so that they share no node,
-// and the many cells that are full, of the body's own material and between full nodes apart from the others.
+// and the many cells that are full, of the body's own material and between full nodes apart from the others, and from
+// those that hold a thin sheet or cord.
 
 namespace livegs {
 
 // Where a cell is: eights[index], place `lane`. A held cell, whose nodes never move, is nowhere.
 struct CellPlace {
-  enum class Kind : uint8_t { Held, Full, Cut } kind = Kind::Held;
+  enum class Kind : uint8_t { Held, Full, Cut, Thin } kind = Kind::Held;
   uint8_t lane = 0;
   uint32_t index = 0;
 };
@@ -25,6 +26,7 @@ struct CellPlace {
 struct CellBatches {
   std::vector<FullCells> full;
   std::vector<CutCells> cut;
+  std::vector<ThinCells> thin;
   SweepColours colours{};
   std::vector<CellPlace> places;  // by cell of the lattice
   double full_inverse_mass = 0.0; // of the nodes around full cells
@@ -41,16 +43,26 @@ struct CellMaterials {
   IsotropicMaterial of(const LatticeCell& cell) const;
 };
 
+// Whether a cell is one of thin_cell.h. What may flow is not: a plain cell's modes know their own yield.
+// `plasticities`: by material.
+bool solved_as_thin(const LatticeCell& cell, std::span<const double> plasticities);
+
 // `spare_nodes` is the first of eight nodes that stand at the corners of a cell and have no mass: unused places hold
-// them. `rotations` by cell are where the sweep's own rotations start. Without `may_be_full`, as when cells flow, all
-// are cut.
+// them. `rotations` by cell are where the sweep's own rotations start. Without `may_be_full`, as when cells flow, none
+// is full; without `may_be_thin` none is thin.
+struct CellKinds {
+  bool may_be_full = true, may_be_thin = true;
+  std::span<const double> plasticities;
+};
 CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> inverse_masses,
-                              std::span<const Eigen::Quaterniond> rotations, uint32_t spare_nodes, bool may_be_full);
+                              std::span<const Eigen::Quaterniond> rotations, uint32_t spare_nodes, CellKinds kinds);
 
 // Gains of all cells for a step that divides by `step_s`.
 struct SweepGains {
   FullGains full{};
   std::vector<CutGains> cut;
+  std::vector<ThinGains> thin;
+  size_t bytes() const { return cut.capacity() * sizeof(CutGains) + thin.capacity() * sizeof(ThinGains); }
 };
 SweepGains make_sweep_gains(const Lattice& lattice, const CellBatches& batches, std::span<const double> inverse_masses,
                             const CellMaterials& materials, bool compensate, double step_s);

@@ -399,6 +399,74 @@ LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const
   scatter<kPaired>(cells.nodes, inverse_mass, out, arrays.corrections);
 }
 
+// All eighteen measures at once; the energy is quadratic in them, so there is no volume row.
+template <bool kPaired>
+LIVEGS_INLINE void solve_thin(ThinCells& cells, const ThinGains& gains, const SweepArrays& arrays, Worst& worst) {
+  Lanes position[3][8], inverse_mass[8];
+  gather<kPaired>(cells.nodes, arrays.predicted, arrays.corrections, position, inverse_mass);
+  const Lanes q4 = all_lanes(arrays.inverse_four_widths);
+  const Lanes(&xi)[3] = cells.centroid;
+  const Lanes yz = xi[1] * xi[2], xz = xi[0] * xi[2], xy = xi[0] * xi[1];
+  Matrix f;
+  for (int d = 0; d < 3; ++d) {
+    Lanes(&h)[8] = position[d];
+    hadamard(h);
+    f.m[d][0] = (h[1] + xi[1] * h[3] + xi[2] * h[5] + yz * h[7]) * q4;
+    f.m[d][1] = (h[2] + xi[0] * h[3] + xi[2] * h[6] + xz * h[7]) * q4;
+    f.m[d][2] = (h[4] + xi[0] * h[5] + xi[1] * h[6] + xy * h[7]) * q4;
+  }
+  Matrix r, m;
+  follow_rotation(cells.rotation, f, r, m);
+  Symmetric lack;
+  Lanes volume;
+  strain_of(m, lack, volume);
+  Lanes lacking[kThinMeasures], impulse[kThinMeasures];
+  for (int k = 0; k < 6; ++k) lacking[k] = lack.v[k];
+  for (int j = 0; j < 4; ++j) {
+    const int k = kModeIndex[j];
+    for (int d = 0; d < 3; ++d) {
+      const Lanes turned = r.m[0][d] * position[0][k] + r.m[1][d] * position[1][k] + r.m[2][d] * position[2][k];
+      lacking[6 + 3 * j + d] = turned * all_lanes(-0.125f);
+    }
+  }
+  // A fold costs a sheet little and leaves no strain at the centroid: the report counts bending as a full cell's.
+  Lanes bent = all_lanes(0.0f);
+  for (int k = 6; k < kThinMeasures; ++k) bent += lacking[k] * lacking[k];
+  const auto used = cells.used > all_lanes(0.0f);
+  const Lanes strain = dot(lack, lack) + all_lanes(256.0f) * q4 * q4 * bent;
+  worst.strain = used & (strain > worst.strain) ? strain : worst.strain;
+  worst.volume = used & (volume < worst.volume) ? volume : worst.volume;
+
+  for (int i = 0; i < kThinMeasures; ++i) impulse[i] = all_lanes(0.0f);
+  const Lanes* gain = gains.gain;
+  for (int i = 0; i < kThinMeasures; ++i) {
+    Lanes sum = *gain++ * lacking[i];
+    for (int j = i + 1; j < kThinMeasures; ++j) {
+      sum += *gain * lacking[j];
+      impulse[j] += *gain++ * lacking[i];
+    }
+    impulse[i] += sum;
+  }
+  Symmetric sigma;
+  for (int k = 0; k < 6; ++k) sigma.v[k] = impulse[k];
+  const Matrix stress = matrix_of_mandel(sigma);
+  Lanes coefficient[8][3];
+  for (int d = 0; d < 3; ++d) {
+    const Lanes tx = stress.m[d][0] * q4, ty = stress.m[d][1] * q4, tz = stress.m[d][2] * q4;
+    const Lanes eighth = all_lanes(0.125f);
+    coefficient[1][d] = tx;
+    coefficient[2][d] = ty;
+    coefficient[3][d] = xi[1] * tx + xi[0] * ty + eighth * impulse[12 + d];
+    coefficient[4][d] = tz;
+    coefficient[5][d] = xi[2] * tx + xi[0] * tz + eighth * impulse[9 + d];
+    coefficient[6][d] = xi[2] * ty + xi[1] * tz + eighth * impulse[6 + d];
+    coefficient[7][d] = yz * tx + xz * ty + xy * tz + eighth * impulse[15 + d];
+  }
+  Lanes out[3][8];
+  to_corners(r, coefficient, out);
+  scatter<kPaired>(cells.nodes, inverse_mass, out, arrays.corrections);
+}
+
 LIVEGS_INLINE void flush(double (&sum)[3], Lanes& part) {
   for (int d = 0; d < 3; ++d) sum[d] += static_cast<double>(part[d]) + static_cast<double>(part[d + 4]);
   part = all_lanes(0.0f);
@@ -426,6 +494,13 @@ SweepReport sweep_cells(const SweepArrays& arrays, const SweepColours& colours) 
         solve_cut<true, false>(arrays.cut[k], nullptr, arrays.gains[k], arrays, worst);
       } else {
         solve_cut<false, false>(arrays.cut[k], nullptr, arrays.gains[k], arrays, worst);
+      }
+    }
+    for (size_t k = colours.thin_begin[colour]; k < colours.thin_begin[colour + 1]; ++k) {
+      if (arrays.paired) {
+        solve_thin<true>(arrays.thin[k], arrays.thin_gains[k], arrays, worst);
+      } else {
+        solve_thin<false>(arrays.thin[k], arrays.thin_gains[k], arrays, worst);
       }
     }
   }

@@ -63,6 +63,13 @@ struct CutCells {
   Lanes mobility[6];         // G: 11, 22, 33, 23, 13, 12
   Lanes mode_coupling[4][3];
 };
+// A cell that holds a thin sheet or cord (thin_cell.h).
+struct ThinCells {
+  uint32_t nodes[8][8];
+  Lanes rotation[4];
+  Lanes centroid[3];
+  Lanes used;  // 1; 0 in unused places
+};
 // Where the material has flowed its strain is S - D, D the plastic part in Mandel's notation, and its modes are at rest
 // at amplitudes of their own, m.
 struct PlasticCells {
@@ -79,19 +86,27 @@ struct CutGains {
   Lanes volume_compliance;
   Lanes mode[4][3];
 };
+// Impulses are -gain times what the cell measures: mean strain (Mandel), then the amplitudes of its modes.
+inline constexpr int kThinMeasures = 18;
+struct ThinGains {
+  Lanes gain[kThinMeasures * (kThinMeasures + 1) / 2];  // upper triangle by rows
+};
 
 // One colour after another, or from the last to the first: a sweep in a fixed order pulls a body sideways.
 inline constexpr int kSweepColours = 16;  // parities, and more for cells that stand at one place
 struct SweepColours {
-  size_t full_begin[kSweepColours + 1], cut_begin[kSweepColours + 1];  // eights of cells by colour
+  // Eights of cells by colour.
+  size_t full_begin[kSweepColours + 1], cut_begin[kSweepColours + 1], thin_begin[kSweepColours + 1];
 };
 struct SweepArrays {
   const NodeLanes* predicted = nullptr;
   NodeLanes* corrections = nullptr;
   FullCells* full = nullptr;
   CutCells* cut = nullptr;
+  ThinCells* thin = nullptr;
   const PlasticCells* plastic = nullptr;  // one a CutCells, or nullptr
   const CutGains* gains = nullptr;        // one a CutCells
+  const ThinGains* thin_gains = nullptr;  // one a ThinCells
   FullGains full_gains{};
   float inverse_four_widths = 0;  // 1 / (4 a), 1/m
   bool backward = false;

@@ -43,6 +43,24 @@ std::array<std::array<double, 3>, kModeCount> mode_stiffness(const LatticeCell& 
   return stiffness;
 }
 
+// 1 / (2 mu V h²) and 1 / (3 K V h²), less what the sweep adds by itself.
+struct Compliances {
+  double shear, bulk;
+};
+Compliances compliances(const LatticeCell& cell, const CellBlock& block, const IsotropicMaterial& material,
+                        double step_s, bool compensate) {
+  const double volume_step = cell.volume_m3 * step_s * step_s;
+  const double own_mobility = block.mobility.trace() / 3.0;
+  const double y_ratio = 1.0 / std::max(material.youngs_modulus_pa * volume_step * own_mobility, 1e-300);
+  const double softening = compensate ? own_mobility * sweep_compliance(y_ratio) : 0.0;
+  const auto compensated = [&](double modulus) {
+    const double compliance = 1.0 / (modulus * volume_step);
+    return std::max(compliance - softening, kLeastCompliance * compliance);
+  };
+  return {compensated(2.0 * material.shear_modulus_pa()),
+          compensated(material.youngs_modulus_pa / (1.0 - 2.0 * material.poisson_ratio))};
+}
+
 }  // namespace
 
 Vector6 mandel(const Matrix3d& m) {
@@ -83,21 +101,19 @@ CellBlock make_cell_block(const LatticeCell& cell, double cell_width_m, const st
   return block;
 }
 
+Matrix6 compensated_modulus(const LatticeCell& cell, const CellBlock& block, const IsotropicMaterial& material,
+                            double step_s) {
+  const auto [shear, bulk] = compliances(cell, block, material, step_s, true);
+  const double volume_step = cell.volume_m3 * step_s * step_s;
+  Matrix6 modulus = Matrix6::Identity() / (shear * volume_step);
+  modulus.topLeftCorner<3, 3>().array() += (1.0 / bulk - 1.0 / shear) / (3.0 * volume_step);
+  return modulus;
+}
+
 CellGains make_cell_gains(const LatticeCell& cell, const CellBlock& block, double cell_width_m,
                           const IsotropicMaterial& material, double step_s, bool compensate) {
-  const double volume_step = cell.volume_m3 * step_s * step_s;
   const double own_mobility = block.mobility.trace() / 3.0;
-  const double two_mu = 2.0 * material.shear_modulus_pa();
-  const double three_k = material.youngs_modulus_pa / (1.0 - 2.0 * material.poisson_ratio);
-
-  const double y_ratio = 1.0 / std::max(material.youngs_modulus_pa * volume_step * own_mobility, 1e-300);
-  const double softening = compensate ? own_mobility * sweep_compliance(y_ratio) : 0.0;
-  const auto compensated = [&](double modulus) {
-    const double compliance = 1.0 / (modulus * volume_step);
-    return std::max(compliance - softening, kLeastCompliance * compliance);
-  };
-  const double alpha_mu = compensated(two_mu);
-  const double alpha_k = compensated(three_k);
+  const auto [alpha_mu, alpha_k] = compliances(cell, block, material, step_s, compensate);
   const double lambda_step = (1.0 / alpha_k - 1.0 / alpha_mu) / 3.0;  // lambda V h²
 
   CellGains gains;

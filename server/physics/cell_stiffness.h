@@ -50,6 +50,11 @@ struct CellGains {
 CellGains make_cell_gains(const LatticeCell& cell, const CellBlock& block, double cell_width_m,
                           const IsotropicMaterial& material, double step_s, bool compensate = true);
 
+// Stress of a strain, Pa, Mandel, from which the sweep's own compliance has been taken: what make_cell_gains uses as one
+// matrix.
+Matrix6 compensated_modulus(const LatticeCell& cell, const CellBlock& block, const IsotropicMaterial& material,
+                            double step_s);
+
 // Energy of a cell with mean strain S - I, mean volume ratio det F and mode amplitudes q_j in the cell's turned frame.
 double cell_energy(const LatticeCell& cell, double cell_width_m, const IsotropicMaterial& material,
                    const Eigen::Matrix3d& strain, double volume_ratio,

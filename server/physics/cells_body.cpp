@@ -132,7 +132,8 @@ void CellsBody::rebuild_cells() {
   surface_mobility_.clear();
   for (const NodeSample& sample : surface_) surface_mobility_.push_back(static_cast<float>(mobility(sample)));
   predict_accuracy();
-  batches_ = make_cell_batches(lattice_, inverse_masses_, rotations, nodes_.spare(), plastic_parts_.empty());
+  batches_ = make_cell_batches(lattice_, inverse_masses_, rotations, nodes_.spare(),
+                               {plastic_parts_.empty(), options_.thin, plasticities_});
   gains_step_s_ = 0.0;
   if (!plastic_parts_.empty()) set_all_plastic();
 }
@@ -353,7 +354,7 @@ ElasticAccuracy CellsBody::accuracy() const {
   accuracy.particles = particle_points_.size();
   accuracy.bytes = nodes_.bytes() + batches_.bytes() + surface_.capacity() * sizeof(NodeSample) +
                    surface_cells_.capacity() * sizeof(SurfaceCell) +
-                   (gains_[0].cut.capacity() + gains_[1].cut.capacity()) * sizeof(CutGains);
+                   gains_[0].bytes() + gains_[1].bytes();
   return accuracy;
 }
 

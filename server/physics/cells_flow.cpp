@@ -7,6 +7,7 @@
 
 #include "physics/cells_body.h"
 #include "physics/plastic_flow.h"
+#include "physics/thin_cell.h"
 
 namespace livegs {
 
@@ -103,6 +104,14 @@ double CellsBody::energy_of(size_t index, const CellShape& shape) const {
   }
   const LatticeCell& cell = lattice_.cells[index];
   const Matrix3d stretch = shape.rotation.transpose() * shape.f;
+  if (options_.thin && solved_as_thin(cell, plasticities_)) {
+    const IsotropicMaterial material = cell_materials_.of(cell);
+    Vector18 measures;
+    measures.head<6>() = mandel(0.5 * (stretch + stretch.transpose()) - rest);
+    for (int j = 0; j < kModeCount; ++j) measures.segment<3>(6 + 3 * j) = modes[j];
+    return 0.5 * measures.dot(thin_cell_stiffness(cell, lattice_.cell_width_m, material, strain_modulus(material)) *
+                              measures);
+  }
   return cell_energy(cell, lattice_.cell_width_m, cell_materials_.of(cell),
                      0.5 * (stretch + stretch.transpose()) - rest, shape.f.determinant(), modes);
 }

@@ -89,8 +89,10 @@ void CellsBody::step(double time_s, double h, const SubstepContext& context) {
   sweep.corrections = nodes_.corrections();
   sweep.full = batches_.full.data();
   sweep.cut = batches_.cut.data();
+  sweep.thin = batches_.thin.data();
   sweep.plastic = plastic_.empty() ? nullptr : plastic_.data();
   sweep.gains = gains_[second_order].cut.data();
+  sweep.thin_gains = gains_[second_order].thin.data();
   sweep.full_gains = gains_[second_order].full;
   sweep.inverse_four_widths = static_cast<float>(0.25 / lattice_.cell_width_m);
   sweep.backward = backward_;

@@ -18,7 +18,8 @@ using Eigen::Vector3d;
 // det A / (|A| / sqrt 3)^3 is 1 for a rotation, 0 for what is flat or wound, negative for what is mirrored.
 constexpr double kTangled = 0.1, kUpright = 0.8;
 constexpr double kPatience_s = 0.5;  // most tangles come apart by themselves
-constexpr double kPull_per_s = 12.0; // of the way to the rigid shape
+constexpr double kPull_per_s = 12.0; // of the way to the rigid shape; twice that after each kPatience_s of pulling
+constexpr double kMostDoublings = 10.0;
 constexpr double kStrainedSquared = 0.01;  // |S - I|² of the worst cell
 constexpr double kSettled = 0.02;          // kinetic energy of the deviation over elastic energy
 
@@ -75,7 +76,10 @@ void CellsBody::untangle(double frame_s) {
     return;
   }
   // Pulled together about the centre: neither the centre nor its motion change, the deviation comes to rest.
-  const double part = 1.0 - std::exp(-kPull_per_s * frame_s);
+  // What snaps back between frames, as folds of a thin sheet do, is pulled harder and harder.
+  tangled_s_ += frame_s;
+  const double doublings = std::min(tangled_s_ / kPatience_s - 1.0, kMostDoublings);
+  const double part = 1.0 - std::exp(-kPull_per_s * std::exp2(doublings) * frame_s);
   const Matrix3d rotation = nearest_rotation(fit);
   const Vector3d velocity = motion_.velocity_m_s(), spin = motion_.angular_velocity_rad_s();
   for (size_t i = 0; i < masses_kg_.size(); ++i) {

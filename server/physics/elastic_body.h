@@ -27,6 +27,7 @@ namespace livegs {
 struct CellsOptions {
   bool second_order = true;  // BDF2; false: BDF1 throughout
   bool compensate = true;    // subtract the numerical compliance of the sweep
+  bool thin = true;          // cells that hold a thin sheet or cord know how it lies (thin_cell.h)
   uint64_t scramble = 0;     // > 0: a seed; every free node starts anywhere in twice the body's box
   bool choose = true;        // more substeps, or a clipped stiffness, where it needs them; false: as given, however wrong
 };

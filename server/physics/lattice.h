@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -29,6 +30,14 @@ struct MaterialShare {
   double part;
 };
 
+// The material in and about a cell, where that is a sheet or a cord thinner than half the cell: its principal axes
+// (columns, lattice axes, the thinnest first) and its variance along each. Along the thinnest it is that of a sheet of
+// this volume over this area, whatever boxes stand for it.
+struct ThinShape {
+  Eigen::Matrix3d axes;
+  Eigen::Vector3d variance_m2;
+};
+
 struct LatticeCell {
   Eigen::Vector3i coordinates;
   std::array<uint32_t, 8> nodes{};
@@ -38,6 +47,7 @@ struct LatticeCell {
   bool fixed = false;        // all its material lies in fixed regions
   std::vector<MaterialShare> materials;  // ascending, parts sum to 1
   uint64_t fill = 0;         // where the material is (skin/cell_fill.h)
+  std::optional<ThinShape> thin;
 };
 
 // A material point as its cell and local coordinates; slightly beyond -1 ... 1 for points outside every cell.

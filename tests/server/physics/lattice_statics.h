@@ -54,8 +54,10 @@ class LatticeStatics {
  public:
   using CellMatrix = std::function<Matrix24(const LatticeCell&)>;
 
-  // `held` nodes do not move.
-  LatticeStatics(const Lattice& lattice, double density_kg_m3, const std::vector<bool>& held, const CellMatrix& matrix_of)
+  // `held` nodes do not move; each other is tied to its place by its mass times `tie_per_s2`, which lets a free body
+  // be solved under forces that balance.
+  LatticeStatics(const Lattice& lattice, double density_kg_m3, const std::vector<bool>& held, const CellMatrix& matrix_of,
+                 double tie_per_s2 = 0.0)
       : unknown_(lattice.node_coordinates.size(), -1) {
     for (size_t i = 0; i < unknown_.size(); ++i) {
       if (held[i]) continue;
@@ -73,6 +75,7 @@ class LatticeStatics {
         }
       }
     }
+    for (int i = 0; i < 3 * count_; ++i) entries.emplace_back(i, i, tie_per_s2 * masses_kg_[i]);
     Eigen::SparseMatrix<double> stiffness(3 * count_, 3 * count_);
     stiffness.setFromTriplets(entries.begin(), entries.end());
     solver_.compute(stiffness);
