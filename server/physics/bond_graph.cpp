@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "physics/bond_graph.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "core/assert.h"
+#include "geometry/disjoint_sets.h"
+
+namespace livegs {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// The pieces that hang together with the struck one, and the load of their bonds by unit impulse.
+struct LoadedGroup {
+  std::vector<uint32_t> pieces;
+  std::vector<uint32_t> bonds;  // unbroken, the most loaded first
+  std::vector<double> loads;    // 1/m², over health, of each of `bonds`
+  double area_m2 = 0.0;
+  double health = 1.0;  // how much the health of bonds lowers the threshold
+};
+
+LoadedGroup loads_of(const BondGraph& graph, const Blow& blow) {
+  LoadedGroup group;
+  const std::vector<uint32_t> groups = connected_groups(graph);
+  std::vector<int> number(graph.pieces.size(), -1);
+  for (uint32_t p = 0; p < graph.pieces.size(); ++p) {
+    if (groups[p] != groups[blow.piece]) continue;
+    number[p] = static_cast<int>(group.pieces.size());
+    group.pieces.push_back(p);
+  }
+  std::vector<uint32_t> bonds;
+  for (uint32_t b = 0; b < graph.bonds.size(); ++b) {
+    if (graph.bonds[b].health > 0.0 && number[graph.bonds[b].first] >= 0) bonds.push_back(b);
+  }
+  const double impulse = blow.impulse_n_s.norm();
+  if (bonds.empty() || !(impulse > 0.0)) return group;
+
+  const BondGraph::Piece body = joined_piece(graph, groups, groups[blow.piece]);
+  const Vector3d unit = blow.impulse_n_s / impulse;
+  const Vector3d velocity = unit / body.mass_kg;
+  const Vector3d turning = body.inertia.inverse() * (blow.point_m - body.centre_m).cross(unit);
+
+  const auto count = static_cast<Eigen::Index>(group.pieces.size());
+  Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(count, count);
+  Eigen::MatrixX3d momentum = Eigen::MatrixX3d::Zero(count, 3);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const BondGraph::Piece& piece = graph.pieces[group.pieces[i]];
+    momentum.row(i) = -piece.mass_kg * (velocity + turning.cross(piece.centre_m - body.centre_m));
+  }
+  momentum.row(number[blow.piece]) += unit;
+  const auto spring = [&](const BondGraph::Bond& bond) {
+    const double length = (graph.pieces[bond.second].centre_m - graph.pieces[bond.first].centre_m).norm();
+    return bond.area_m2 / std::max(length, 1e-9);
+  };
+  for (uint32_t b : bonds) {
+    const int i = number[graph.bonds[b].first], j = number[graph.bonds[b].second];
+    const double k = spring(graph.bonds[b]);
+    stiffness(i, i) += k, stiffness(j, j) += k;
+    stiffness(i, j) -= k, stiffness(j, i) -= k;
+  }
+  // Displacements are free up to a shift: hold the first piece.
+  Eigen::MatrixX3d displacement = Eigen::MatrixX3d::Zero(count, 3);
+  displacement.bottomRows(count - 1) =
+      stiffness.bottomRightCorner(count - 1, count - 1).ldlt().solve(momentum.bottomRows(count - 1));
+
+  std::vector<double> load(graph.bonds.size(), 0.0);
+  double most = 0.0, most_by_health = 0.0;
+  for (uint32_t b : bonds) {
+    const BondGraph::Bond& bond = graph.bonds[b];
+    const Vector3d stretch = displacement.row(number[bond.first]) - displacement.row(number[bond.second]);
+    const double by_area = spring(bond) * stretch.norm() / bond.area_m2;
+    load[b] = by_area / bond.health;
+    most = std::max(most, by_area);
+    most_by_health = std::max(most_by_health, load[b]);
+    group.area_m2 += bond.area_m2;
+  }
+  std::stable_sort(bonds.begin(), bonds.end(), [&](uint32_t a, uint32_t b) { return load[a] > load[b]; });
+  group.bonds = std::move(bonds);
+  for (uint32_t b : group.bonds) group.loads.push_back(load[b]);
+  group.health = most_by_health > 0.0 ? most / most_by_health : 1.0;
+  return group;
+}
+
+double threshold_n_s(const BondGraph& graph, const LoadedGroup& group) {
+  if (group.bonds.empty()) return std::numeric_limits<double>::infinity();
+  return graph.break_impulse_n_s * group.area_m2 / graph.whole_area_m2 * group.health;
+}
+
+// How many bonds, from the most loaded, have to break for the group to come apart.
+size_t bonds_to_separate(const BondGraph& graph, const LoadedGroup& group) {
+  // The first bond from the end that joins the last two sets is the last that holds.
+  DisjointSets sets(graph.pieces.size());
+  size_t set_count = group.pieces.size();
+  for (size_t k = group.bonds.size(); k-- > 0;) {
+    const BondGraph::Bond& bond = graph.bonds[group.bonds[k]];
+    if (sets.find(bond.first) == sets.find(bond.second)) continue;
+    sets.join(bond.first, bond.second);
+    if (--set_count == 1) return k + 1;
+  }
+  return group.bonds.size();
+}
+
+}  // namespace
+
+BondGraph make_bond_graph(const VoronoiPieces& pieces, double mass_kg, double break_impulse_n_s) {
+  LIVEGS_ASSERT(mass_kg > 0.0 && break_impulse_n_s > 0.0);
+  BondGraph graph;
+  graph.break_impulse_n_s = break_impulse_n_s;
+  double volume = 0.0;
+  for (const VoronoiPiece& piece : pieces.pieces) volume += piece.mass.volume_m3;
+  for (const VoronoiPiece& piece : pieces.pieces) {
+    const double piece_kg = mass_kg * piece.mass.volume_m3 / volume;
+    graph.pieces.push_back({piece_kg, piece.mass.centre_of_mass_m, piece_kg * piece.mass.inertia_m2});
+  }
+  double least_m2 = std::numeric_limits<double>::max();
+  for (const VoronoiBond& bond : pieces.bonds) {
+    graph.bonds.push_back({bond.first, bond.second, bond.area_m2});
+    least_m2 = std::min(least_m2, bond.area_m2);
+  }
+  if (graph.bonds.empty()) least_m2 = 1e-6;
+  for (;;) {
+    // The nearest two pieces of different groups.
+    const std::vector<uint32_t> groups = connected_groups(graph);
+    double nearest = std::numeric_limits<double>::max();
+    BondGraph::Bond bond{0, 0, least_m2};
+    for (uint32_t a = 0; a < groups.size(); ++a) {
+      for (uint32_t b = a + 1; b < groups.size(); ++b) {
+        const double distance = (graph.pieces[a].centre_m - graph.pieces[b].centre_m).norm();
+        if (groups[a] == groups[b] || distance >= nearest) continue;
+        nearest = distance;
+        bond.first = a, bond.second = b;
+      }
+    }
+    if (bond.first == bond.second) break;
+    graph.bonds.push_back(bond);
+  }
+  for (const BondGraph::Bond& bond : graph.bonds) graph.whole_area_m2 += bond.area_m2;
+  return graph;
+}
+
+double break_threshold_n_s(const BondGraph& graph, const Blow& blow) {
+  return threshold_n_s(graph, loads_of(graph, blow));
+}
+
+std::vector<uint32_t> broken_bonds(const BondGraph& graph, const Blow& blow) {
+  const LoadedGroup group = loads_of(graph, blow);
+  const double threshold = threshold_n_s(graph, group);
+  const double impulse = blow.impulse_n_s.norm();
+  if (!(impulse >= threshold)) return {};
+  size_t count = bonds_to_separate(graph, group);
+  double area = 0.0;
+  for (size_t k = 0; k < count; ++k) area += graph.bonds[group.bonds[k]].area_m2;
+  const double paid_m2 = area * (impulse / threshold) * (impulse / threshold);
+  while (count < group.bonds.size() && area + graph.bonds[group.bonds[count]].area_m2 <= paid_m2) {
+    area += graph.bonds[group.bonds[count++]].area_m2;
+  }
+  return {group.bonds.begin(), group.bonds.begin() + static_cast<std::ptrdiff_t>(count)};
+}
+
+std::vector<uint32_t> connected_groups(const BondGraph& graph) {
+  DisjointSets sets(graph.pieces.size());
+  for (const BondGraph::Bond& bond : graph.bonds) {
+    if (bond.health > 0.0) sets.join(bond.first, bond.second);
+  }
+  std::vector<uint32_t> groups(graph.pieces.size());
+  for (uint32_t p = 0; p < groups.size(); ++p) groups[p] = sets.find(p);
+  return groups;
+}
+
+BondGraph::Piece joined_piece(const BondGraph& graph, const std::vector<uint32_t>& group_of_piece,
+                              uint32_t group) {
+  BondGraph::Piece whole;
+  whole.inertia.setZero();
+  for (size_t p = 0; p < graph.pieces.size(); ++p) {
+    if (group_of_piece[p] != group) continue;
+    whole.mass_kg += graph.pieces[p].mass_kg;
+    whole.centre_m += graph.pieces[p].mass_kg * graph.pieces[p].centre_m;
+  }
+  LIVEGS_ASSERT(whole.mass_kg > 0.0);
+  whole.centre_m /= whole.mass_kg;
+  for (size_t p = 0; p < graph.pieces.size(); ++p) {
+    if (group_of_piece[p] != group) continue;
+    const Vector3d arm = graph.pieces[p].centre_m - whole.centre_m;
+    whole.inertia += graph.pieces[p].inertia +
+                     graph.pieces[p].mass_kg * (arm.squaredNorm() * Matrix3d::Identity() - arm * arm.transpose());
+  }
+  return whole;
+}
+
+}  // namespace livegs

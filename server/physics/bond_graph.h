@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "geometry/voronoi_pieces.h"
+
+// What holds the pieces of a fragile body together, and which bonds a blow breaks. Pure functions of the graph and the
+// blow: an impulse in N s, never a force, so that the step has no say in what breaks.
+//
+// The rule. A blow's impulse has to set the whole body in motion, and what it gives to the pieces far from the blow
+// passes through bonds. Bonds are springs in parallel, stiffness area / length; the impulse through each follows from
+// one linear solve (Newton's law for each piece as a node: what comes in minus what goes out is the momentum of its
+// rigid motion). A bond's load is that impulse by area and health.
+//   - Nothing breaks below the threshold of the body, J_c = break_impulse_n_s for the whole, scaled by its share of the
+//     bond area for a fragment, and lower where the most loaded bond is weak.
+//   - Bonds break in order of load, largest first (fuse networks: de Arcangelis, Redner and Herrmann 1985). At J_c they
+//     break until the body comes apart: an area A_c.
+//   - Beyond, cracked area is paid for by the energy of the blow, which goes with J² (Griffith 1921): bonds break until
+//     their area reaches A_c (J / J_c)².
+// What a blow breaks, a stronger one at the same place and direction breaks too. Bonds may break without the body coming apart
+// there: they stay broken.
+
+namespace livegs {
+
+struct BondGraph {
+  struct Piece {
+    double mass_kg = 0.0;
+    Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();     // object frame at rest, as are all lengths here
+    Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity();  // kg m², about its centre
+  };
+  struct Bond {
+    uint32_t first = 0, second = 0;
+    double area_m2 = 0.0;
+    double health = 1.0;  // of its strength, 0 … 1; 0 is broken
+  };
+  std::vector<Piece> pieces;
+  std::vector<Bond> bonds;         // in the order of VoronoiPieces::bonds; after them, those of parts that touch nothing
+  double break_impulse_n_s = 0.0;  // of the whole, > 0
+  double whole_area_m2 = 0.0;      // of all bonds when whole
+};
+
+// mass_kg is shared by volume. Parts of the body that touch nothing (a captured leaf) are held by a bond to the piece
+// nearest to them, of the smallest area there is. Preconditions: mass and break impulse > 0.
+BondGraph make_bond_graph(const VoronoiPieces& pieces, double mass_kg, double break_impulse_n_s);
+
+// An impulse on one piece, summed over the frame.
+struct Blow {
+  uint32_t piece = 0;  // the one that was struck: VoronoiPieces::locate(point_m)
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();      // object frame at rest
+  Eigen::Vector3d impulse_n_s = Eigen::Vector3d::Zero();  // the same axes
+};
+
+// The least impulse at this place and in this direction that breaks the body the struck piece belongs to, N s; infinite
+// for a lone piece.
+double break_threshold_n_s(const BondGraph& graph, const Blow& blow);
+
+// Numbers of the bonds that break, in the order they do; empty below the threshold.
+std::vector<uint32_t> broken_bonds(const BondGraph& graph, const Blow& blow);
+
+// For each piece the lowest number of a piece it hangs together with.
+std::vector<uint32_t> connected_groups(const BondGraph& graph);
+
+// Mass, centre and inertia of pieces that move as one.
+BondGraph::Piece joined_piece(const BondGraph& graph, const std::vector<uint32_t>& group_of_piece, uint32_t group);
+
+}  // namespace livegs
