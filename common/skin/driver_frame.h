@@ -22,6 +22,7 @@ enum class DriverKind : uint8_t {
 struct ObjectDrivers {
   uint32_t object_id = 0;
   DriverKind kind = DriverKind::Rigid;
+  uint32_t revision = 0;  // of the RestBody these go with
   bool asleep = false;
   std::vector<Pose> poses;                     // Rigid: world_from_body; the body's origin is its centre of mass
   std::vector<Eigen::Vector3f> positions_m;    // Lattice, Particles

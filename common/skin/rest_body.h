@@ -18,6 +18,7 @@ namespace livegs {
 // The object frame is the asset scaled to metres and turned +Y up: the frame of regions and force points in scenes.
 struct RestBody {
   DriverKind kind = DriverKind::Rigid;
+  uint32_t revision = 0;  // counts how often the object has broken; drivers name the one they go with
   Similarity object_from_asset;
 
   // Rigid: object_from_body of each body, in the order of ObjectDrivers::poses.

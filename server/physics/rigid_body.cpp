@@ -16,6 +16,12 @@ void RigidBody::update_turning() {
   inverse_inertia = asleep ? Eigen::Matrix3d::Zero().eval() : inverse;
 }
 
+void RigidBody::wake() {
+  asleep = false;
+  still_s = 0.0;
+  update_turning();
+}
+
 void RigidBody::set_angular_velocity(const Eigen::Vector3d& velocity_rad_s) {
   angular_momentum = rotated_tensor(world_from_body.orientation, mass_kg * unit_inertia_body) * velocity_rad_s;
   update_turning();

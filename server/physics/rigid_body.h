@@ -12,11 +12,29 @@
 
 namespace livegs {
 
+// Fragments of one object, at most.
+inline constexpr uint32_t kMaxBodiesOfObject = 256;
+
+// Impulses added up: how much, where and which way. Body axes, from the centre of mass.
+struct ImpulseSum {
+  double impulse_n_s = 0.0;                          // sum of sizes
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // impulse times point
+  Eigen::Vector3d push_n_s = Eigen::Vector3d::Zero();
+
+  void add(double size_n_s, const Eigen::Vector3d& direction, const Eigen::Vector3d& point_m) {
+    impulse_n_s += size_n_s;
+    moment += size_n_s * point_m;
+    push_n_s += size_n_s * direction;
+  }
+};
+
 // One rigid body or ball in motion. World frame unless a name says body; the body's origin is its centre of mass.
 // One thread at a time. The velocity solver reads and writes velocity, angular velocity and angular momentum together
 // through apply_impulse; everything else reads.
 struct RigidBody {
   uint32_t object_id = 0;
+  uint32_t body_index = 0;  // within the object: 0 until it breaks; under kMaxBodiesOfObject
+  Eigen::Vector3d rest_centre_m = Eigen::Vector3d::Zero();  // the centre of mass at rest, object frame
   RigidShape shape;
 
   double mass_kg = 0.0;
@@ -46,11 +64,22 @@ struct RigidBody {
   // Over the tick, for events.
   double contact_impulse_n_s = 0.0;
   Eigen::Vector3d contact_moment = Eigen::Vector3d::Zero();  // impulse times point
+  ImpulseSum blow;  // over the tick, what may break it
+  ImpulseSum substep_blow;
+  double carried_speed_m_s = 0.0;  // what the supports of its own weight took of its speed in this substep
 
+  // Unique in a world and ascending as its list of bodies; below kColliderBit.
+  uint64_t contact_id() const { return uint64_t{object_id} * kMaxBodiesOfObject + body_index; }
+
+  // Where a material point (object frame, at rest) is, from the centre of mass, world axes.
+  Eigen::Vector3d arm_of(const Eigen::Vector3d& rest_point_m) const {
+    return world_from_body.orientation * (rest_point_m - rest_centre_m);
+  }
   Eigen::Matrix3d inverse_inertia_body() const { return (mass_kg * unit_inertia_body).inverse(); }
   Eigen::Vector3d point_velocity(const Eigen::Vector3d& arm_m) const {
     return velocity_m_s + angular_velocity_rad_s.cross(arm_m);
   }
+  void wake();
   // Refreshes what follows from orientation, angular momentum and sleep.
   void update_turning();
   void set_angular_velocity(const Eigen::Vector3d& velocity_rad_s);

@@ -28,6 +28,7 @@ struct ContactPoint {
   Eigen::Vector3d arm_body_m;  // the same in its own axes
   double separation_m = 0;
   double impact_speed_m_s = 0;  // closing speed at touch, > 0 when closing
+  double touching_s = 0;        // how much of the substep is left after the touch
   double impulse_n_s = 0;       // of this substep, >= 0; the next one starts from it
   double largest_impulse_n_s = 0;
 
@@ -38,7 +39,7 @@ struct ContactPoint {
 
 struct ContactPatch {
   RigidBody* other = nullptr;  // nullptr: a collider, which does not move
-  uint64_t other_id = 0;       // object id, or kColliderBit + index
+  uint64_t other_id = 0;       // RigidBody::contact_id, or kColliderBit + index
   double friction = 0;
   double restitution = 0;
   double restitution_speed_m_s = 0;  // impacts slower than this do not bounce

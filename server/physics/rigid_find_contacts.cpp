@@ -156,9 +156,9 @@ void keep_patches(RigidBody& body, uint64_t other_id) {
 void find_ball_contacts(RigidBody& ball, std::span<RigidBody* const> bodies, double gravity_m_s2,
                         double duration_s, std::vector<ContactCandidate>& candidates) {
   for (RigidBody* other : bodies) {
-    if (other == &ball || (other->shape.is_ball() && other->object_id < ball.object_id)) continue;
+    if (other == &ball || (other->shape.is_ball() && other->contact_id() < ball.contact_id())) continue;
     if (ball.asleep && other->asleep) {
-      keep_patches(ball, other->object_id);
+      keep_patches(ball, other->contact_id());
       continue;
     }
     const Pose& pose = other->world_from_body;
@@ -180,7 +180,7 @@ void find_ball_contacts(RigidBody& ball, std::span<RigidBody* const> bodies, dou
     if (candidates.empty()) continue;
     ContactPair pair = pair_of(ball, other->friction, other->restitution, gravity_m_s2, duration_s);
     pair.other = other;
-    pair.other_id = other->object_id;
+    pair.other_id = other->contact_id();
     append_patches(ball, pair, duration_s, candidates);
   }
 }

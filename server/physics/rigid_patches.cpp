@@ -90,9 +90,10 @@ double earlier_impulse(const RigidBody& body, uint64_t other_id, uint64_t featur
   return 0.0;
 }
 
-// The closing speed the point will have at the moment of touch, from the constant acceleration of the substep.
-double impact_speed_m_s(const RigidBody& body, const RigidBody* other, const ContactCandidate& candidate,
-                        double duration_s) {
+// The closing speed the point will have at the moment of touch, from the constant acceleration of the substep, and how
+// much of the substep is left then.
+void foresee_touch(const RigidBody& body, const RigidBody* other, const ContactCandidate& candidate,
+                   double duration_s, ContactPoint& point) {
   Eigen::Vector3d velocity = body.point_velocity(candidate.point_m - body.world_from_body.position_m);
   Eigen::Vector3d acceleration = body.substep_acceleration_m_s2;
   if (other) {
@@ -101,9 +102,11 @@ double impact_speed_m_s(const RigidBody& body, const RigidBody* other, const Con
   }
   const double normal_acceleration = candidate.normal.dot(acceleration);
   const double closing = -(candidate.normal.dot(velocity) - normal_acceleration * duration_s);
-  if (closing <= 0.0) return 0.0;
-  const double gained = -2.0 * normal_acceleration * std::max(0.0, candidate.separation_m);
-  return std::sqrt(std::max(0.0, closing * closing + gained));
+  const double gap = std::max(0.0, candidate.separation_m);
+  const double at_touch = std::sqrt(std::max(0.0, closing * closing - 2.0 * normal_acceleration * gap));
+  point.impact_speed_m_s = closing > 0.0 ? at_touch : 0.0;
+  const double until_touch = gap > 0.0 && closing + at_touch > 0.0 ? 2.0 * gap / (closing + at_touch) : 0.0;
+  point.touching_s = std::clamp(duration_s - until_touch, 0.0, duration_s);
 }
 
 // How far a turning point strays, along its normal, from the straight line its velocity points along. Without it the
@@ -155,7 +158,7 @@ void append_patches(RigidBody& body, const ContactPair& pair, double duration_s,
       point.separation_m = candidate->separation_m;
       if (patch.turns) point.separation_m += way_off_line_m(body, point, duration_s);
       point.impulse_n_s = earlier_impulse(body, pair.other_id, candidate->feature_id);
-      point.impact_speed_m_s = impact_speed_m_s(body, pair.other, *candidate, duration_s);
+      foresee_touch(body, pair.other, *candidate, duration_s, point);
       patch.normal += candidate->normal;
       centre += point.impulse_n_s * point.arm_a_m;
       weight += point.impulse_n_s;

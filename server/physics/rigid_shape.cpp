@@ -114,7 +114,7 @@ RigidShape mesh_shape(const TriangleMesh& object_mesh, const Eigen::Vector3d& ce
   }
   const double longest = (shape.max_m - shape.min_m).maxCoeff();
   const double cell = longest / kBodyFieldCells;
-  shape.field = std::make_unique<DistanceField>(shape.mesh, cell, 3.0 * cell);
+  shape.field = std::make_shared<const DistanceField>(shape.mesh, cell, 3.0 * cell);
 
   shape.contact_spacing_m = kContactPointSpacing * longest;
   shape.contact_points_m = contact_points(shape.mesh, shape.contact_spacing_m);
@@ -138,6 +138,18 @@ DistanceField::Sample RigidShape::sample(const Eigen::Vector3d& point_m) const {
   if (is_ball()) {
     const double length = point_m.norm();
     return {length - sphere_radius_m, length > 0.0 ? Eigen::Vector3d(point_m / length) : Eigen::Vector3d::UnitY()};
+  }
+  if (!parts.empty()) {
+    DistanceField::Sample nearest{INFINITY, Eigen::Vector3d::UnitY()};
+    for (const Part& part : parts) {
+      const Eigen::Vector3d local = point_m - part.offset_m;
+      const Eigen::Vector3d box = local.cwiseMax(part.shape->min_m).cwiseMin(part.shape->max_m);
+      const double outside = (local - box).norm();
+      if (outside > 0.0 && outside >= nearest.distance_m) continue;
+      const DistanceField::Sample sample = part.shape->sample(local);
+      if (sample.distance_m < nearest.distance_m) nearest = sample;
+    }
+    return nearest;
   }
   // Beyond the grid's margin the field only knows an upper bound; the way to the bounding box is a lower one.
   const Eigen::Vector3d nearest = point_m.cwiseMax(min_m).cwiseMin(max_m);

@@ -27,13 +27,22 @@ struct RigidShape {
   TriangleMesh mesh;
   std::vector<Eigen::Vector3d> contact_points_m;
   double contact_spacing_m = 0.0;
-  std::unique_ptr<const DistanceField> field;
+  std::shared_ptr<const DistanceField> field;  // shared by copies
+  // Several shapes that hold together, in place of a field: the distance is the least of theirs. Within, it is that to
+  // the nearest face of a part, open or not.
+  struct Part;
+  std::vector<Part> parts;
   Eigen::Vector3d min_m, max_m;
   double bounding_radius_m = 0.0;  // about the centre of mass
 
   bool is_ball() const { return sphere_radius_m > 0.0; }
   // Signed distance to the body's surface. Never more than the true distance away from it, so that it can be marched.
   DistanceField::Sample sample(const Eigen::Vector3d& point_m) const;
+};
+
+struct RigidShape::Part {
+  std::shared_ptr<const RigidShape> shape;
+  Eigen::Vector3d offset_m;
 };
 
 // Precondition: a closed mesh with a volume.

@@ -35,9 +35,7 @@ void wake_struck(std::span<RigidBody* const> bodies) {
       // Without this substep's gravity, which alone is above the sleep speed of small things.
       const double speed = three_point_speed_m_s(striker, striker.substep_velocity_m_s);
       if (speed < 2.0 * sleep_speed_m_s(striker.shape)) continue;
-      sleeper.asleep = false;
-      sleeper.still_s = 0.0;
-      sleeper.update_turning();
+      sleeper.wake();
     }
   }
 }
@@ -56,6 +54,30 @@ void accelerate(RigidBody& body, const RigidLoad& load, const Eigen::Vector3d& g
   body.apply_angular_impulse(load.angular_impulse);
 }
 
+void tally_blow(RigidBody& body, const ContactPoint& point, const Eigen::Vector3d& normal,
+                const Eigen::Vector3d& where) {
+  if (point.impulse_n_s <= 0.0) return;
+  const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
+  body.substep_blow.add(point.impulse_n_s, body_from_world * normal,
+                        body_from_world * (where - body.world_from_body.position_m));
+  body.carried_speed_m_s =
+      std::max(body.carried_speed_m_s, -point.touching_s * normal.dot(body.substep_acceleration_m_s2));
+}
+
+// The impulse that carries a body's own weight is no blow: without it a drop gives m v (1 + e), whenever in the tick it
+// lands and however long the substep is.
+void add_blows(RigidBody& body) {
+  ImpulseSum& last = body.substep_blow;
+  if (last.impulse_n_s > 0.0) {
+    const double share = std::max(0.0, 1.0 - body.mass_kg * body.carried_speed_m_s / last.impulse_n_s);
+    body.blow.impulse_n_s += share * last.impulse_n_s;
+    body.blow.moment += share * last.moment;
+    body.blow.push_n_s += share * last.push_n_s;
+  }
+  last = {};
+  body.carried_speed_m_s = 0.0;
+}
+
 void tally(RigidBody& body, ContactPatch& patch) {
   bool struck = false;
   for (int i = 0; i < patch.point_count; ++i) {
@@ -63,7 +85,9 @@ void tally(RigidBody& body, ContactPatch& patch) {
     const Eigen::Vector3d where = body.world_from_body.position_m + point.arm_a_m;
     body.contact_impulse_n_s += point.impulse_n_s;
     body.contact_moment += point.impulse_n_s * where;
+    tally_blow(body, point, point.normal, where);
     if (patch.other) {
+      tally_blow(*patch.other, point, -point.normal, where);
       patch.other->contact_impulse_n_s += point.impulse_n_s;
       patch.other->contact_moment += point.impulse_n_s * where;
     }
@@ -120,6 +144,7 @@ void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const Rigid
     });
   }
   for_each_patch(bodies, tally);
+  for (RigidBody* body : bodies) add_blows(*body);
 }
 
 void update_sleep(std::span<RigidBody* const> bodies, double tick_s) {

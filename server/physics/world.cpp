@@ -11,16 +11,19 @@
 namespace livegs {
 
 bool WorldObject::asleep() const {
-  if (const RigidObject* object = rigid()) return object->body->asleep;
+  if (const RigidObject* object = rigid()) {
+    for (size_t i = 0; i < object->body_count(); ++i) {
+      if (!object->body_at(i).asleep) return false;
+    }
+    return true;
+  }
   if (const ElasticObject* object = elastic()) return object->body->asleep();
   return true;
 }
 
 void WorldObject::wake() {
   if (RigidObject* object = rigid()) {
-    object->body->asleep = false;
-    object->body->still_s = 0.0;
-    object->body->update_turning();
+    for (size_t i = 0; i < object->body_count(); ++i) object->body_at(i).wake();
   } else if (ElasticObject* soft = elastic()) {
     soft->body->wake();
   }
@@ -40,7 +43,9 @@ void World::State::list_bodies() {
   rigid_bodies.clear();
   elastic_objects.clear();
   for (auto& [id, object] : objects) {
-    if (RigidObject* rigid = object.rigid()) rigid_bodies.push_back(rigid->body.get());
+    if (RigidObject* rigid = object.rigid()) {
+      for (size_t i = 0; i < rigid->body_count(); ++i) rigid_bodies.push_back(&rigid->body_at(i));
+    }
     if (ElasticObject* elastic = object.elastic()) elastic_objects.push_back(elastic);
   }
   loads.resize(rigid_bodies.size());
@@ -96,19 +101,19 @@ Result<void> World::add_rigid(const RigidBodyDescription& description) {
   if (auto checked = check_rigid(description); !checked) return checked;
 
   RigidObject object;
-  object.centre_of_mass_m = description.properties.centre_of_mass_m;
   object.material = description.material;
   object.material.behavior = Behavior::Rigid;
   object.body = std::make_unique<RigidBody>();
   RigidBody& body = *object.body;
   body.object_id = id;
-  body.shape = mesh_shape(description.mesh, object.centre_of_mass_m);
+  body.rest_centre_m = description.properties.centre_of_mass_m;
+  body.shape = mesh_shape(description.mesh, body.rest_centre_m);
   body.mass_kg = description.material.mass_kg;
   body.unit_inertia_body = 0.5 * (description.properties.inertia_m2 + description.properties.inertia_m2.transpose());
   body.friction = description.material.friction;
   body.restitution = description.material.restitution;
   body.world_from_body = normalized(description.world_from_object);
-  body.world_from_body.position_m = body.world_from_body * object.centre_of_mass_m;
+  body.world_from_body.position_m = body.world_from_body * body.rest_centre_m;
   body.velocity_m_s = description.velocity_m_s;
   body.set_angular_velocity(description.angular_velocity_rad_s);
   state_->objects[id] = {std::move(object), false};
@@ -167,15 +172,19 @@ void World::remove(uint32_t object_id) {
   if (found == state_->objects.end()) return;
   // Contacts name bodies by pointer: none may outlive its body. What leaned on it must move.
   if (const RigidObject* rigid = found->second.rigid()) {
-    for (const ContactPatch& patch : rigid->body->patches) {
-      if (patch.other) state_->find(patch.other->object_id)->wake();
+    for (size_t i = 0; i < rigid->body_count(); ++i) {
+      for (const ContactPatch& patch : rigid->body_at(i).patches) {
+        if (patch.other) patch.other->wake();
+      }
     }
   }
   state_->objects.erase(found);
   state_->list_bodies();
-  const auto gone = [&](const ContactPatch& patch) { return patch.other_id == object_id; };
+  const auto gone = [&](const ContactPatch& patch) {
+    return patch.other_id < kColliderBit && patch.other_id / kMaxBodiesOfObject == object_id;
+  };
   for (RigidBody* body : state_->rigid_bodies) {
-    if (std::erase_if(body->patches, gone) > 0) state_->find(body->object_id)->wake();
+    if (std::erase_if(body->patches, gone) > 0) body->wake();
     std::erase_if(body->previous_patches, gone);
   }
 }
@@ -223,12 +232,21 @@ Result<void> World::set_material(uint32_t object_id, const Material& material) {
   }
   if (auto checked = check_material(object_id, material); !checked) return checked;
   if (RigidObject* rigid = object->rigid()) {
-    const Eigen::Vector3d spin = rigid->body->angular_velocity_rad_s;
+    const double growth = material.mass_kg / rigid->material.mass_kg;
     rigid->material = material;
-    rigid->body->mass_kg = material.mass_kg;
-    rigid->body->friction = material.friction;
-    rigid->body->restitution = material.restitution;
-    rigid->body->set_angular_velocity(spin);
+    for (size_t i = 0; i < rigid->body_count(); ++i) {
+      RigidBody& body = rigid->body_at(i);
+      const Eigen::Vector3d spin = body.angular_velocity_rad_s;
+      body.mass_kg = rigid->fragments.empty() ? material.mass_kg : growth * body.mass_kg;
+      body.friction = material.friction;
+      body.restitution = material.restitution;
+      body.set_angular_velocity(spin);
+    }
+    rigid->bonds.break_impulse_n_s = material.break_impulse_n_s;
+    for (BondGraph::Piece& piece : rigid->bonds.pieces) {
+      piece.mass_kg *= growth;
+      piece.inertia *= growth;
+    }
   } else {
     object->elastic()->body->set_material(material);
   }

@@ -14,6 +14,7 @@
 #include "core/result.h"
 #include "geometry/mass_properties.h"
 #include "geometry/triangle_mesh.h"
+#include "physics/breakable_pieces.h"
 #include "physics/collider.h"
 #include "physics/elastic_body.h"
 #include "physics/material.h"
@@ -63,12 +64,13 @@ struct BodyState {
   bool asleep = false;
 };
 
-enum class WorldEventKind { Contact, Sleep, Wake };
+enum class WorldEventKind { Contact, Sleep, Wake, Fracture };
 struct WorldEvent {
   uint64_t tick = 0;
   WorldEventKind kind = WorldEventKind::Contact;
   uint32_t object_id = 0;
-  double impulse_n_s = 0;  // Contact: summed over the tick, when above kReportedImpulse
+  double impulse_n_s = 0;  // Contact: summed over the tick, when above kReportedImpulse. Fracture: the blow's, over
+                           // the tick, without what carried the body's own weight; 0 when broken at will
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
 };
 
@@ -130,6 +132,17 @@ class World {
   Result<void> set_material(uint32_t object_id, const Material& material);  // the same behaviour only
   const Material* material(uint32_t object_id) const;
 
+  // What a rigid object can break into (of the very mesh and fill it was added with); until then it does not break.
+  // From now on it does when the impulses on it, summed over a tick, reach material().break_impulse_n_s, if it is
+  // fragile. Its fragments break again, down to single pieces.
+  Result<void> set_pieces(uint32_t object_id, std::shared_ptr<const BreakablePieces> pieces);
+  // Breaks it at a material point (rest object frame) as a blow of kBreakAtWill times what it bears would, without
+  // giving it any momentum. Fails, and says why, if there is nothing to break there.
+  Result<void> break_object(uint32_t object_id, const Eigen::Vector3d& rest_point_m);
+  // The body (BodyState::body_index) of each piece; empty until the object breaks.
+  std::span<const uint32_t> piece_bodies(uint32_t object_id) const;
+  uint32_t revision(uint32_t object_id) const;  // how often the object has broken
+
   // Without object_from_asset, which the scene fills in. Precondition: the object exists.
   RestBody rest_body(uint32_t object_id) const;
   DriverFrame drivers() const;  // objects in ascending id
@@ -146,5 +159,7 @@ class World {
 
 // Contacts weaker than this over a tick are not reported as events.
 inline constexpr double kReportedImpulse_n_s = 0.02;
+
+inline constexpr double kBreakAtWill = 2.5;
 
 }  // namespace livegs

@@ -6,6 +6,11 @@
 #include "physics/world_state.h"
 
 namespace livegs {
+namespace {
+
+constexpr double kWithinFragment = 1e-5;  // in bounding radii
+
+}  // namespace
 
 std::optional<RayHit> World::ray_cast(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
                                       double max_distance_m) const {
@@ -16,9 +21,14 @@ std::optional<RayHit> World::ray_cast(const Eigen::Vector3d& origin_m, const Eig
   };
   for (const auto& [id, object] : state_->objects) {
     if (const RigidObject* rigid = object.rigid()) {
-      if (const auto distance = livegs::ray_cast(*rigid->body, origin_m, direction)) {
-        const Eigen::Vector3d point = origin_m + *distance * direction;
-        offer(id, *distance, rigid->body->world_from_body.inverse() * point + rigid->centre_of_mass_m);
+      for (size_t i = 0; i < rigid->body_count(); ++i) {
+        const RigidBody& body = rigid->body_at(i);
+        const auto distance = livegs::ray_cast(body, origin_m, direction);
+        if (!distance) continue;
+        // Of a fragment, a point just within, so that it is told from the pieces beyond its cut faces.
+        const double depth = rigid->fragments.empty() ? 0.0 : kWithinFragment * body.shape.bounding_radius_m;
+        const Eigen::Vector3d point = origin_m + (*distance + depth) * direction;
+        offer(id, *distance, body.world_from_body.inverse() * point + body.rest_centre_m);
       }
     } else if (const ElasticObject* elastic = object.elastic()) {
       if (const auto hit = elastic->body->ray_cast(origin_m, direction)) {
@@ -34,7 +44,8 @@ Eigen::Vector3d World::world_point(uint32_t object_id, const Eigen::Vector3d& re
   if (!object) return rest_point_m;
   if (const StaticObject* fixed = object->fixed()) return fixed->world_from_object * rest_point_m;
   if (const RigidObject* rigid = object->rigid()) {
-    return rigid->body->world_from_body * Eigen::Vector3d(rest_point_m - rigid->centre_of_mass_m);
+    const RigidBody& body = rigid->body_with(rest_point_m);
+    return body.world_from_body * Eigen::Vector3d(rest_point_m - body.rest_centre_m);
   }
   return object->elastic()->body->world_point(rest_point_m);
 }
@@ -45,9 +56,11 @@ RestBody World::rest_body(uint32_t object_id) const {
   if (const ElasticObject* elastic = object->elastic()) return elastic->body->rest_body();
   RestBody rest;
   rest.kind = DriverKind::Rigid;
-  Pose object_from_body;
-  if (const RigidObject* rigid = object->rigid()) object_from_body.position_m = rigid->centre_of_mass_m;
-  rest.bodies.push_back(object_from_body);
+  const RigidObject* rigid = object->rigid();
+  rest.bodies.resize(rigid ? rigid->body_count() : 1);
+  if (!rigid) return rest;
+  rest.revision = rigid->revision;
+  for (size_t i = 0; i < rest.bodies.size(); ++i) rest.bodies[i].position_m = rigid->body_at(i).rest_centre_m;
   return rest;
 }
 
@@ -58,7 +71,10 @@ DriverFrame World::drivers() const {
   for (const auto& [id, object] : state_->objects) {
     ObjectDrivers drivers;
     if (const ElasticObject* elastic = object.elastic()) elastic->body->write_drivers(drivers);
-    if (const RigidObject* rigid = object.rigid()) drivers.poses.push_back(rigid->body->world_from_body);
+    if (const RigidObject* rigid = object.rigid()) {
+      drivers.revision = rigid->revision;
+      for (size_t i = 0; i < rigid->body_count(); ++i) drivers.poses.push_back(rigid->body_at(i).world_from_body);
+    }
     if (const StaticObject* fixed = object.fixed()) drivers.poses.push_back(fixed->world_from_object);
     drivers.object_id = id;
     drivers.asleep = object.asleep();
@@ -78,10 +94,17 @@ std::vector<BodyState> World::bodies() const {
     if (const StaticObject* fixed = object.fixed()) {
       state.world_from_body = fixed->world_from_object;
     } else if (const RigidObject* rigid = object.rigid()) {
-      state.world_from_body = rigid->body->world_from_body;
-      state.velocity_m_s = rigid->body->velocity_m_s;
-      state.angular_velocity_rad_s = rigid->body->angular_velocity_rad_s;
-      state.mass_kg = rigid->body->mass_kg;
+      for (size_t i = 0; i < rigid->body_count(); ++i) {
+        const RigidBody& body = rigid->body_at(i);
+        state.body_index = body.body_index;
+        state.asleep = body.asleep;
+        state.world_from_body = body.world_from_body;
+        state.velocity_m_s = body.velocity_m_s;
+        state.angular_velocity_rad_s = body.angular_velocity_rad_s;
+        state.mass_kg = body.mass_kg;
+        bodies.push_back(state);
+      }
+      continue;
     } else {
       const ElasticBody& body = *object.elastic()->body;
       state.world_from_body = body.centre_pose();
@@ -103,12 +126,14 @@ BodyEnergy World::energy() const {
   BodyEnergy total;
   for (const auto& [id, object] : state_->objects) {
     if (const RigidObject* rigid = object.rigid()) {
-      const RigidBody& body = *rigid->body;
-      const Eigen::Vector3d momentum = body.mass_kg * body.velocity_m_s;
-      total.kinetic_j += body.kinetic_j();
-      total.gravity_j -= body.mass_kg * state_->settings.gravity_m_s2.dot(body.world_from_body.position_m);
-      total.linear_momentum += momentum;
-      total.angular_momentum += body.world_from_body.position_m.cross(momentum) + body.angular_momentum;
+      for (size_t i = 0; i < rigid->body_count(); ++i) {
+        const RigidBody& body = rigid->body_at(i);
+        const Eigen::Vector3d momentum = body.mass_kg * body.velocity_m_s;
+        total.kinetic_j += body.kinetic_j();
+        total.gravity_j -= body.mass_kg * state_->settings.gravity_m_s2.dot(body.world_from_body.position_m);
+        total.linear_momentum += momentum;
+        total.angular_momentum += body.world_from_body.position_m.cross(momentum) + body.angular_momentum;
+      }
     } else if (const ElasticObject* elastic = object.elastic()) {
       const BodyEnergy energy = elastic->body->energy(state_->settings.gravity_m_s2);
       total.kinetic_j += energy.kinetic_j;

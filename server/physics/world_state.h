@@ -8,6 +8,8 @@
 #include <variant>
 #include <vector>
 
+#include "physics/bond_graph.h"
+#include "physics/breakable_pieces.h"
 #include "physics/rigid_body.h"
 #include "physics/rigid_step.h"
 #include "physics/world.h"
@@ -25,9 +27,26 @@ struct StaticObject {
 };
 
 struct RigidObject {
-  std::unique_ptr<RigidBody> body;
-  Eigen::Vector3d centre_of_mass_m = Eigen::Vector3d::Zero();  // object frame: object_from_body
+  std::unique_ptr<RigidBody> body;  // the whole; once it is broken, the fragment with body_index 0
+  std::vector<std::unique_ptr<RigidBody>> fragments;  // the others, body_index 1, 2, …
   Material material;
+
+  // Fragile objects: what they can break into, nullptr until it is prepared.
+  std::shared_ptr<const BreakablePieces> pieces;
+  BondGraph bonds;                     // as they are now, if there are pieces
+  std::vector<uint32_t> piece_bodies;  // body_index of each piece; empty until it breaks
+  uint32_t revision = 0;               // counts its breaks
+
+  uint32_t body_of(uint32_t piece) const { return piece_bodies.empty() ? 0 : piece_bodies[piece]; }
+  size_t body_count() const { return 1 + fragments.size(); }
+  RigidBody& body_at(size_t index) { return index == 0 ? *body : *fragments[index - 1]; }
+  const RigidBody& body_at(size_t index) const { return index == 0 ? *body : *fragments[index - 1]; }
+  // The one that holds a material point (object frame, at rest).
+  RigidBody& body_with(const Eigen::Vector3d& rest_point_m) { return body_at(index_with(rest_point_m)); }
+  const RigidBody& body_with(const Eigen::Vector3d& rest_point_m) const { return body_at(index_with(rest_point_m)); }
+  size_t index_with(const Eigen::Vector3d& rest_point_m) const {
+    return piece_bodies.empty() ? 0 : body_of(pieces->cut.locate(rest_point_m));
+  }
 };
 
 struct ElasticObject {
@@ -91,6 +110,13 @@ struct World::State {
   void meet_balls(ElasticObject& elastic, double duration_s);
   void step_elastic(double start_s, double duration_s);
   void report_contacts();
+  // At the end of a tick: what was struck hard enough comes apart.
+  void break_struck();
+  // Breaks what a blow on one body breaks. Returns whether the body came apart.
+  bool strike(uint32_t object_id, RigidObject& object, uint32_t body_index, const Blow& blow);
+  // Makes a body of each group of pieces (at least two groups, together all of the body's); the largest keeps the index.
+  void split_body(uint32_t object_id, RigidObject& object, uint32_t body_index,
+                  const std::vector<std::vector<uint32_t>>& groups);
   void report_sleep();
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <utility>
 
 #include "core/clock.h"
 #include "core/parallel_for.h"
@@ -9,13 +10,9 @@
 namespace livegs {
 namespace {
 
-Eigen::Vector3d arm_of(const RigidObject& object, const Eigen::Vector3d& rest_point_m) {
-  return object.body->world_from_body.orientation * (rest_point_m - object.centre_of_mass_m);
-}
-
 size_t index_of(const std::vector<RigidBody*>& bodies, const RigidBody& body) {
-  const auto at = std::lower_bound(bodies.begin(), bodies.end(), body.object_id,
-                                   [](const RigidBody* other, uint32_t id) { return other->object_id < id; });
+  const auto at = std::lower_bound(bodies.begin(), bodies.end(), body.contact_id(),
+                                   [](const RigidBody* other, uint64_t id) { return other->contact_id() < id; });
   return static_cast<size_t>(at - bodies.begin());
 }
 
@@ -32,9 +29,14 @@ void World::State::gather_loads(double duration_s) {
                         bool implicit) {
     if (ElasticObject* elastic = object.elastic()) elastic->forces.push_back({rest_point, force});
     if (RigidObject* rigid = object.rigid()) {
-      RigidLoad& load = loads[index_of(rigid_bodies, *rigid->body)];
+      RigidBody& body = rigid->body_with(rest_point);
+      RigidLoad& load = loads[index_of(rigid_bodies, body)];
       (implicit ? load.implicit_impulse_n_s : load.impulse_n_s) += duration_s * force;
-      load.angular_impulse += duration_s * arm_of(*rigid, rest_point).cross(force);
+      if (!implicit && !force.isZero(0.0)) {  // a hand's spring is no blow
+        const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
+        body.blow.add(duration_s * force.norm(), body_from_world * force.normalized(), rest_point - body.rest_centre_m);
+      }
+      load.angular_impulse += duration_s * body.arm_of(rest_point).cross(force);
     }
   };
   for (const auto& [id, held] : forces) {
@@ -44,9 +46,10 @@ void World::State::gather_loads(double duration_s) {
     held.force_n.setZero();
     WorldObject* object = find(held.object_id);
     if (!object || object->fixed()) continue;
-    if (const RigidObject* rigid = object->rigid()) {
-      object->wake();
-      held.force_n = spring_force(held.spring, *rigid->body, arm_of(*rigid, held.spring.rest_point_m), duration_s);
+    if (RigidObject* rigid = object->rigid()) {
+      RigidBody& body = rigid->body_with(held.spring.rest_point_m);
+      body.wake();
+      held.force_n = spring_force(held.spring, body, body.arm_of(held.spring.rest_point_m), duration_s);
     } else {
       held.force_n = spring_force(held.spring, *object->elastic()->body, mass_of(*object->elastic()), duration_s);
     }
@@ -98,6 +101,7 @@ void World::State::step_elastic(double start_s, double duration_s) {
       elastic->contact_moment += size * ball.world_from_body.position_m;
       ball.contact_impulse_n_s += size;
       ball.contact_moment += size * ball.world_from_body.position_m;
+      if (size > 0.0) ball.blow.add(size, ball.world_from_body.orientation.conjugate() * (sphere.impulse_n_s / size), Eigen::Vector3d::Zero());
     }
   }
 }
@@ -112,7 +116,14 @@ void World::State::report_contacts() {
   };
   for (auto& [id, object] : objects) {
     if (RigidObject* rigid = object.rigid()) {
-      report(id, rigid->body->contact_impulse_n_s, rigid->body->contact_moment);
+      double impulse = 0.0;
+      Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+      for (size_t i = 0; i < rigid->body_count(); ++i) {
+        RigidBody& body = rigid->body_at(i);
+        impulse += std::exchange(body.contact_impulse_n_s, 0.0);
+        moment += std::exchange(body.contact_moment, Eigen::Vector3d::Zero());
+      }
+      report(id, impulse, moment);
     } else if (ElasticObject* elastic = object.elastic()) {
       const ContactTally tally = elastic->body->take_contacts();
       elastic->contact_impulse_n_s += tally.impulse_n_s;
@@ -158,6 +169,7 @@ void World::step() {
     for (size_t i = first; i < last; ++i) state.elastic_objects[i]->body->end_frame(tick_s);
   });
   state.times.elastic_ms += milliseconds_from_ns(now_ns() - end_ns);
+  state.break_struck();
   if (state.settings.sleep) update_sleep(state.rigid_bodies, tick_s);
   state.report_contacts();
   state.report_sleep();

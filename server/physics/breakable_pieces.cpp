@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "physics/breakable_pieces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/parallel_for.h"
+#include "geometry/fracture_seeds.h"
+
+namespace livegs {
+namespace {
+
+constexpr size_t kOutsidePoints = 32;  // of a piece
+constexpr size_t kFacePoints = 12;     // of one cut face
+// A piece with less of the outside than this part of its share of the volume is no piece of a shell.
+constexpr double kLeastOutside = 0.05;
+
+TriangleMesh triangles_on(const VoronoiPiece& piece, uint32_t bond) {
+  TriangleMesh mesh;
+  std::map<uint32_t, uint32_t> kept;
+  for (size_t t = 0; t < piece.mesh.triangles.size(); ++t) {
+    if (piece.triangle_bond[t] != bond) continue;
+    std::array<uint32_t, 3> triangle;
+    for (int c = 0; c < 3; ++c) {
+      const uint32_t from = piece.mesh.triangles[t][c];
+      const auto [at, fresh] = kept.try_emplace(from, static_cast<uint32_t>(mesh.vertices_m.size()));
+      if (fresh) mesh.vertices_m.push_back(piece.mesh.vertices_m[from]);
+      triangle[c] = at->second;
+    }
+    mesh.triangles.push_back(triangle);
+  }
+  return mesh;
+}
+
+// Farthest point sampling (Gonzalez 1985) from the point farthest from `centre` on; ties go to the first.
+std::vector<Eigen::Vector3d> spread(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& centre,
+                                    size_t most) {
+  std::vector<Eigen::Vector3d> chosen;
+  std::vector<double> distance(points.size(), 0.0);
+  for (size_t i = 0; i < points.size(); ++i) distance[i] = (points[i] - centre).squaredNorm();
+  while (chosen.size() < std::min(most, points.size())) {
+    const size_t best = static_cast<size_t>(std::max_element(distance.begin(), distance.end()) - distance.begin());
+    if (!chosen.empty() && distance[best] <= 0.0) break;
+    chosen.push_back(points[best]);
+    for (size_t i = 0; i < points.size(); ++i) {
+      const double way = (points[i] - points[best]).squaredNorm();
+      distance[i] = chosen.size() == 1 ? way : std::min(distance[i], way);
+    }
+  }
+  return chosen;
+}
+
+std::vector<BreakablePiece::SurfacePoints> surface_points(const VoronoiPiece& piece) {
+  std::vector<uint32_t> bonds(piece.triangle_bond.begin(), piece.triangle_bond.end());
+  std::sort(bonds.begin(), bonds.end());
+  bonds.erase(std::unique(bonds.begin(), bonds.end()), bonds.end());
+  std::vector<BreakablePiece::SurfacePoints> surface;
+  for (const uint32_t bond : bonds) {
+    const TriangleMesh face = triangles_on(piece, bond);
+    double area = 0.0;
+    for (const auto& [a, b, c] : face.triangles) {
+      const Eigen::Vector3d& corner = face.vertices_m[a];
+      area += 0.5 * (face.vertices_m[b] - corner).cross(face.vertices_m[c] - corner).norm();
+    }
+    const size_t most = bond == kNoBond ? kOutsidePoints : kFacePoints;
+    const double spacing = std::sqrt(area / static_cast<double>(most)) + 1e-9;
+    surface.push_back({bond, spread(contact_points(face, spacing), piece.mass.centre_of_mass_m, most)});
+  }
+  return surface;
+}
+
+// Of a piece of a shell: its part of the outside. Cut faces weigh nothing.
+MassProperties outside_mass(const VoronoiPiece& piece) {
+  const TriangleMesh outside = triangles_on(piece, kNoBond);
+  MassProperties mass = shell_mass_properties(outside);
+  mass.volume_m3 = piece.mass.volume_m3;
+  return mass;
+}
+
+bool has_outside(const VoronoiPiece& piece) {
+  const TriangleMesh outside = triangles_on(piece, kNoBond);
+  double area = 0.0;
+  for (const auto& [a, b, c] : outside.triangles) {
+    const Eigen::Vector3d& corner = outside.vertices_m[a];
+    area += 0.5 * (outside.vertices_m[b] - corner).cross(outside.vertices_m[c] - corner).norm();
+  }
+  return area > kLeastOutside * std::pow(piece.mass.volume_m3, 2.0 / 3.0);
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const BreakablePieces>> prepare_pieces(const TriangleMesh& mesh, Fill fill,
+                                                              const BreakableOptions& options) {
+  SeedOptions seeding;
+  seeding.count = options.piece_count;
+  seeding.seed = options.seed;
+  const auto seeds = fracture_seeds(mesh, seeding);
+  if (!seeds) return seeds.error();
+  CutOptions cutting;
+  cutting.stop = options.stop;
+  auto cut = cut_voronoi_pieces(mesh, *seeds, cutting);
+  if (!cut) return cut.error();
+
+  auto prepared = std::make_shared<BreakablePieces>();
+  prepared->cut = std::move(*cut);
+  const std::vector<VoronoiPiece>& pieces = prepared->cut.pieces;
+  const bool shell = (fill == Fill::Shell || fill == Fill::OpenShell) &&
+                     std::all_of(pieces.begin(), pieces.end(), has_outside);
+  prepared->pieces.resize(pieces.size());
+  parallel_for(pieces.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      if (options.stop.stop_requested()) return;
+      BreakablePiece& piece = prepared->pieces[i];
+      piece.mass = shell ? outside_mass(pieces[i]) : pieces[i].mass;
+      piece.mass_share = shell ? piece.mass.area_m2 : piece.mass.volume_m3;
+      piece.shape = std::make_shared<const RigidShape>(mesh_shape(pieces[i].mesh, piece.mass.centre_of_mass_m));
+      piece.surface = surface_points(pieces[i]);
+    }
+  });
+  if (options.stop.stop_requested()) return Error{ErrorCode::Unavailable, "cutting was cancelled"};
+  double total = 0.0;
+  for (const BreakablePiece& piece : prepared->pieces) total += piece.mass_share;
+  for (BreakablePiece& piece : prepared->pieces) piece.mass_share /= total;
+  return std::shared_ptr<const BreakablePieces>(std::move(prepared));
+}
+
+double joined_share(const BreakablePieces& pieces, std::span<const uint32_t> members) {
+  double share = 0.0;
+  for (const uint32_t member : members) share += pieces.pieces[member].mass_share;
+  return share;
+}
+
+MassProperties joined_mass(const BreakablePieces& pieces, std::span<const uint32_t> members) {
+  MassProperties joined;
+  joined.inertia_m2.setZero();
+  const double share = joined_share(pieces, members);
+  for (const uint32_t member : members) {
+    const BreakablePiece& piece = pieces.pieces[member];
+    joined.volume_m3 += piece.mass.volume_m3;
+    joined.area_m2 += piece.mass.area_m2;
+    joined.centre_of_mass_m += piece.mass_share / share * piece.mass.centre_of_mass_m;
+  }
+  for (const uint32_t member : members) {
+    const BreakablePiece& piece = pieces.pieces[member];
+    const Eigen::Vector3d arm = piece.mass.centre_of_mass_m - joined.centre_of_mass_m;
+    joined.inertia_m2 += piece.mass_share / share *
+                         (piece.mass.inertia_m2 + arm.squaredNorm() * Eigen::Matrix3d::Identity() -
+                          arm * arm.transpose());
+  }
+  return joined;
+}
+
+RigidShape joined_shape(const BreakablePieces& pieces, std::span<const uint32_t> members,
+                        const Eigen::Vector3d& centre_m) {
+  if (members.size() == 1) return *pieces.pieces[members[0]].shape;
+  RigidShape shape;
+  shape.min_m.setConstant(INFINITY);
+  shape.max_m.setConstant(-INFINITY);
+  const auto within = [&](uint32_t bond) {
+    return bond != kNoBond &&
+           std::binary_search(members.begin(), members.end(), pieces.cut.bonds[bond].first) &&
+           std::binary_search(members.begin(), members.end(), pieces.cut.bonds[bond].second);
+  };
+  for (const uint32_t member : members) {
+    const BreakablePiece& piece = pieces.pieces[member];
+    const VoronoiPiece& cut = pieces.cut.pieces[member];
+    const Eigen::Vector3d offset = piece.mass.centre_of_mass_m - centre_m;
+    shape.parts.push_back({piece.shape, offset});
+    const auto first = static_cast<uint32_t>(shape.mesh.vertices_m.size());
+    for (const Eigen::Vector3d& vertex : cut.mesh.vertices_m) shape.mesh.vertices_m.push_back(vertex - centre_m);
+    for (size_t t = 0; t < cut.mesh.triangles.size(); ++t) {
+      if (within(cut.triangle_bond[t])) continue;
+      const auto& [a, b, c] = cut.mesh.triangles[t];
+      shape.mesh.triangles.push_back({first + a, first + b, first + c});
+    }
+    shape.min_m = shape.min_m.cwiseMin(offset + piece.shape->min_m);
+    shape.max_m = shape.max_m.cwiseMax(offset + piece.shape->max_m);
+  }
+  for (const Eigen::Vector3d& vertex : shape.mesh.vertices_m) {
+    shape.bounding_radius_m = std::max(shape.bounding_radius_m, vertex.norm());
+  }
+  // The first points of each list, as many as may be.
+  const size_t most = std::max<size_t>(1, kMaxContactPoints / members.size());
+  for (const uint32_t member : members) {
+    size_t left = most;
+    for (const BreakablePiece::SurfacePoints& face : pieces.pieces[member].surface) {
+      if (within(face.bond)) continue;
+      const size_t share = face.bond == kNoBond ? most * 3 / 4 + 1 : most / 4 + 1;
+      const size_t count = std::min({left, share, face.points_m.size()});
+      for (size_t i = 0; i < count; ++i) shape.contact_points_m.push_back(face.points_m[i] - centre_m);
+      left -= count;
+    }
+  }
+  shape.contact_spacing_m = kContactPointSpacing * (shape.max_m - shape.min_m).maxCoeff();
+  return shape;
+}
+
+}  // namespace livegs

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How a rigid object becomes several. A body that breaks hands each fragment the velocity its material has at that
+// place, v + w x r, and its own share of mass and inertia: mass, linear and angular momentum are those of the whole to
+// rounding, and so is kinetic energy.
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "physics/world_state.h"
+
+namespace livegs {
+namespace {
+
+// Blows below this part of the break impulse of the whole break nothing, of a fragment either.
+constexpr double kFaintBlow = 0.01;
+
+// Contacts of the body that was are void: their features are gone. What leaned on it wakes.
+void forget_contacts(std::span<RigidBody* const> bodies, RigidBody& broken) {
+  for (ContactPatch& patch : broken.patches) {
+    if (patch.other && patch.other->asleep) patch.other->wake();
+  }
+  broken.patches.clear();
+  broken.previous_patches.clear();
+  const auto gone = [&](const ContactPatch& patch) { return patch.other == &broken; };
+  for (RigidBody* body : bodies) {
+    if (std::erase_if(body->patches, gone) > 0 && body->asleep) body->wake();
+    std::erase_if(body->previous_patches, gone);
+  }
+}
+
+void take_mass(RigidBody& body, const MassProperties& properties, double mass_kg) {
+  body.mass_kg = mass_kg;
+  body.unit_inertia_body = 0.5 * (properties.inertia_m2 + properties.inertia_m2.transpose());
+  body.rest_centre_m = properties.centre_of_mass_m;
+}
+
+// Makes `body` the part `members` of what `whole` was. Both may be the same.
+void become_fragment(RigidBody& body, const RigidBody& whole, const RigidObject& object,
+                     std::span<const uint32_t> members) {
+  const MassProperties properties = joined_mass(*object.pieces, members);
+  const Eigen::Vector3d spin = whole.angular_velocity_rad_s;
+  const Eigen::Vector3d arm = whole.arm_of(properties.centre_of_mass_m);
+  body.velocity_m_s = whole.velocity_m_s + spin.cross(arm);
+  body.world_from_body = {whole.world_from_body.position_m + arm, whole.world_from_body.orientation};
+  take_mass(body, properties, object.material.mass_kg * joined_share(*object.pieces, members));
+  body.shape = joined_shape(*object.pieces, members, properties.centre_of_mass_m);
+  body.friction = object.material.friction;
+  body.restitution = object.material.restitution;
+  body.asleep = false;
+  body.still_s = 0.0;
+  body.blow = {};
+  body.set_angular_velocity(spin);
+}
+
+BondGraph bond_graph_of(const RigidObject& object) {
+  BondGraph graph =
+      make_bond_graph(object.pieces->cut, object.material.mass_kg, object.material.break_impulse_n_s);
+  for (size_t i = 0; i < graph.pieces.size(); ++i) {
+    const BreakablePiece& piece = object.pieces->pieces[i];
+    const double mass_kg = object.material.mass_kg * piece.mass_share;
+    graph.pieces[i] = {mass_kg, piece.mass.centre_of_mass_m, mass_kg * piece.mass.inertia_m2};
+  }
+  return graph;
+}
+
+// The piece of this body that was struck at a point which may lie a little off its surface.
+uint32_t nearest_piece(const RigidObject& object, uint32_t body_index, const Eigen::Vector3d& point_m) {
+  uint32_t nearest = 0;
+  double least = INFINITY;
+  for (uint32_t i = 0; i < object.pieces->pieces.size(); ++i) {
+    if (object.body_of(i) != body_index) continue;
+    const BreakablePiece& piece = object.pieces->pieces[i];
+    const double distance = piece.shape->sample(point_m - piece.mass.centre_of_mass_m).distance_m;
+    if (distance < least) {
+      least = distance;
+      nearest = i;
+    }
+  }
+  return nearest;
+}
+
+}  // namespace
+
+void World::State::split_body(uint32_t object_id, RigidObject& object, uint32_t body_index,
+                              const std::vector<std::vector<uint32_t>>& groups) {
+  RigidBody& broken = object.body_at(body_index);
+  forget_contacts(rigid_bodies, broken);
+  const auto share = [&](const std::vector<uint32_t>& group) { return joined_share(*object.pieces, group); };
+  const auto largest = std::max_element(groups.begin(), groups.end(),
+                                        [&](const auto& a, const auto& b) { return share(a) < share(b); });
+  for (const std::vector<uint32_t>& group : groups) {
+    if (&group == &*largest) continue;
+    auto fragment = std::make_unique<RigidBody>();
+    fragment->object_id = object_id;
+    fragment->body_index = static_cast<uint32_t>(object.body_count());
+    become_fragment(*fragment, broken, object, group);
+    for (const uint32_t piece : group) object.piece_bodies[piece] = fragment->body_index;
+    object.fragments.push_back(std::move(fragment));
+  }
+  become_fragment(broken, broken, object, *largest);
+}
+
+bool World::State::strike(uint32_t object_id, RigidObject& object, uint32_t body_index, const Blow& blow) {
+  for (const uint32_t bond : broken_bonds(object.bonds, blow)) object.bonds.bonds[bond].health = 0.0;
+  const std::vector<uint32_t> group_of = connected_groups(object.bonds);
+  std::map<uint32_t, std::vector<uint32_t>> members;
+  for (uint32_t piece = 0; piece < group_of.size(); ++piece) {
+    if (object.body_of(piece) == body_index) members[group_of[piece]].push_back(piece);
+  }
+  if (members.size() < 2) return false;
+  std::vector<std::vector<uint32_t>> groups;
+  for (auto& [first, group] : members) groups.push_back(std::move(group));
+  if (object.piece_bodies.empty()) object.piece_bodies.assign(group_of.size(), 0);
+  split_body(object_id, object, body_index, groups);
+  ++object.revision;
+  return true;
+}
+
+void World::State::break_struck() {
+  bool broke = false;
+  for (auto& [id, thing] : objects) {
+    RigidObject* object = thing.rigid();
+    if (!object) continue;
+    const size_t count = object->body_count();
+    for (uint32_t index = 0; index < count; ++index) {
+      RigidBody& body = object->body_at(index);
+      const ImpulseSum sum = std::exchange(body.blow, {});
+      if (!object->pieces || !object->material.fragile) continue;
+      if (sum.impulse_n_s < kFaintBlow * object->bonds.break_impulse_n_s) continue;
+      Blow blow;
+      blow.point_m = body.rest_centre_m + sum.moment / sum.impulse_n_s;
+      blow.impulse_n_s = sum.impulse_n_s * sum.push_n_s.normalized();
+      blow.piece = nearest_piece(*object, index, blow.point_m);
+      const Eigen::Vector3d where = body.world_from_body * Eigen::Vector3d(blow.point_m - body.rest_centre_m);
+      if (!strike(id, *object, index, blow)) continue;
+      broke = true;
+      events.push_back({tick, WorldEventKind::Fracture, id, sum.impulse_n_s, where});
+    }
+  }
+  if (broke) list_bodies();
+}
+
+Result<void> World::set_pieces(uint32_t object_id, std::shared_ptr<const BreakablePieces> pieces) {
+  const std::string name = "object " + std::to_string(object_id);
+  WorldObject* thing = state_->find(object_id);
+  RigidObject* object = thing ? thing->rigid() : nullptr;
+  if (!object) return not_found(name + ": there is no rigid object of this id to break");
+  if (object->revision > 0) return invalid_argument(name + ": it is broken already");
+  if (!(object->material.break_impulse_n_s > 0.0)) {
+    return invalid_argument(name + ": break_impulse_n_s is not positive; give one to a fragile object");
+  }
+  std::vector<uint32_t> all(pieces->pieces.size());
+  std::iota(all.begin(), all.end(), 0u);
+  const MassProperties whole = joined_mass(*pieces, all);
+  RigidBody& body = *object->body;
+  const double apart = (whole.centre_of_mass_m - body.rest_centre_m).norm();
+  if (apart > 1e-6 * body.shape.bounding_radius_m) {
+    return invalid_argument(name + ": its pieces are of another body: their centre of mass is " +
+                            std::to_string(apart) + " m away");
+  }
+  const Eigen::Vector3d spin = body.angular_velocity_rad_s;
+  body.unit_inertia_body = 0.5 * (whole.inertia_m2 + whole.inertia_m2.transpose());
+  body.set_angular_velocity(spin);
+  object->pieces = std::move(pieces);
+  object->bonds = bond_graph_of(*object);
+  return {};
+}
+
+Result<void> World::break_object(uint32_t object_id, const Eigen::Vector3d& rest_point_m) {
+  const std::string name = "object " + std::to_string(object_id);
+  WorldObject* thing = state_->find(object_id);
+  RigidObject* object = thing ? thing->rigid() : nullptr;
+  if (!object) return not_found(name + ": there is no rigid object of this id to break");
+  if (!object->pieces) return invalid_argument(name + ": it cannot break (yet): it has no pieces");
+  Blow blow;
+  blow.piece = object->pieces->cut.locate(rest_point_m);
+  blow.point_m = rest_point_m;
+  const uint32_t index = object->body_of(blow.piece);
+  const RigidBody& body = object->body_at(index);
+  const Eigen::Vector3d inwards = body.rest_centre_m - rest_point_m;
+  const Eigen::Vector3d direction =
+      inwards.norm() > 0.01 * body.shape.bounding_radius_m ? inwards.normalized() : -Eigen::Vector3d::UnitY();
+  blow.impulse_n_s = direction;
+  const double threshold = break_threshold_n_s(object->bonds, blow);
+  if (!std::isfinite(threshold)) return invalid_argument(name + ": the piece at this point breaks no further");
+  blow.impulse_n_s = kBreakAtWill * threshold * direction;
+  const Eigen::Vector3d where = body.world_from_body.position_m + body.arm_of(rest_point_m);
+  thing->wake();
+  if (state_->strike(object_id, *object, index, blow)) {
+    state_->events.push_back({state_->tick, WorldEventKind::Fracture, object_id, 0.0, where});
+    state_->list_bodies();
+  }
+  return {};
+}
+
+std::span<const uint32_t> World::piece_bodies(uint32_t object_id) const {
+  const WorldObject* object = state_->find(object_id);
+  return object && object->rigid() ? std::span<const uint32_t>(object->rigid()->piece_bodies)
+                                   : std::span<const uint32_t>();
+}
+
+uint32_t World::revision(uint32_t object_id) const {
+  const WorldObject* object = state_->find(object_id);
+  return object && object->rigid() ? object->rigid()->revision : 0;
+}
+
+}  // namespace livegs
