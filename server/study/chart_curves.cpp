@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/chart_curves.h"
 
+#include <cmath>
 #include <cstdio>
 
 namespace livegs::study {
@@ -43,11 +44,16 @@ std::vector<Panel> panels_of(const ChartScene& scene, const std::string& quantit
   std::vector<Panel> panels;
   for (const double modulus : scene.youngs_moduli_pa) {
     Panel panel;
-    panel.youngs_modulus_pa = modulus;
+    char name[48], title[48];
+    std::snprintf(name, sizeof name, "%.0e Pa", modulus);
+    std::snprintf(title, sizeof title, "E = 10^{%d} Pa", static_cast<int>(std::lround(std::log10(modulus))));
+    panel.name = name;
+    panel.title = title;
     for (const ChartRow& row : rows) {
       if (row.scene != scene.name || row.setup.youngs_modulus_pa != modulus || row.variant == "table") continue;
       panel.bar = row.outcome[quantity].bar;
       panel.quantity = quantity;
+      panel.unit = row.outcome[quantity].unit;
       if (row.variant == "chosen") {
         panel.chosen = point_of(row, quantity);
         panel.chosen_accuracy = row.outcome.accuracy;

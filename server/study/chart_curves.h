@@ -26,10 +26,13 @@ struct Curve {
   CurvePoint best() const;   // smallest error
 };
 
+// A figure is several panels side by side, or one.
 struct Panel {
-  double youngs_modulus_pa = 0.0;
-  double bar = 0.0;
+  std::string name;          // for the page: "1e+05 Pa"
+  std::string title;         // above the panel, gnuplot's enhanced text: "E = 10^{5} Pa"
   std::string quantity;
+  std::string unit;          // of errors: "relative" and "absolute" are shown in percent
+  double bar = 0.0;
   std::vector<Curve> curves;
   std::optional<CurvePoint> chosen;  // what the program takes by itself
   ElasticAccuracy chosen_accuracy;

@@ -8,8 +8,16 @@
 
 namespace livegs::study {
 
-// Draws a scene's panels as SVG with gnuplot: error (log) against processor time a simulated second (log), one curve a
-// method. Points on the upper edge are beyond the axis or did not stay finite. Fails when gnuplot is not installed.
-Result<void> draw_figure(const ChartScene& scene, const std::vector<Panel>& panels, const std::filesystem::path& svg);
+struct Figure {
+  std::string title, settings;  // plain text
+  std::vector<Panel> panels;    // the key is that of the first
+  bool same_axis = true;        // of errors, for all panels; otherwise each has its own
+};
+
+// Draws it as SVG with gnuplot: error (log) against processor time a simulated second (log), one curve a method. Points
+// on the upper edge are beyond the axis or have no finite error. Fails when gnuplot is not installed.
+Result<void> draw_figure(const Figure& figure, const std::filesystem::path& svg);
+
+Figure elastic_figure(const ChartScene& scene, std::vector<Panel> panels);
 
 }  // namespace livegs::study

@@ -3,86 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
-#include <optional>
 
 #include "study/chart_curves.h"
+#include "study/chart_words.h"
 
 namespace livegs::study {
 namespace {
 
-__attribute__((format(printf, 1, 2))) std::string text(const char* format, ...) {
-  char buffer[1024];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(buffer, sizeof buffer, format, arguments);
-  va_end(arguments);
-  return buffer;
-}
-
-std::string percent(double error) {
-  if (!std::isfinite(error)) return "no finite result";
-  if (error > 10) return text("a factor of %.2g", 1 + error);
-  return text("%.2g %%", 100 * error);
-}
-
-std::string cost(double ms) { return ms < 100 ? text("%.2g ms", ms) : text("%.0f ms", ms); }
-
 std::string modulus(double pa) { return text("%.0e Pa", pa); }
 
-// Costs nearer to each other than this are the machine's noise.
-constexpr double kSameCost = 1.15;
-
-struct Contender {
-  const Curve* curve;
-  CurvePoint point;
-};
-
-// Curves that meet the bar, cheapest first; ties keep their order.
-std::vector<Contender> ranking(const Panel& panel) {
-  std::vector<Contender> contenders;
-  for (const Curve& curve : panel.curves) {
-    if (const auto point = curve.cheapest_within(panel.bar)) contenders.push_back({&curve, *point});
-  }
-  std::stable_sort(contenders.begin(), contenders.end(),
-                   [](const Contender& a, const Contender& b) { return a.point.cost_ms < b.point.cost_ms; });
-  return contenders;
-}
-
-std::string who_wins(const Panel& panel) {
-  const std::vector<Contender> ranked = ranking(panel);
-  std::string words = "- **" + modulus(panel.youngs_modulus_pa) + ".** ";
-  if (ranked.empty()) {
-    words += "Nothing meets the bar. ";
-  } else {
-    const Contender& first = ranked.front();
-    words += text("Cheapest: `%s` at %d substeps, %s of CPU a simulated second (error %s)",
-                  first.curve->label.c_str(), first.point.substeps, cost(first.point.cost_ms).c_str(),
-                  percent(first.point.error).c_str());
-    for (size_t i = 1; i < ranked.size(); ++i) {
-      const double times = ranked[i].point.cost_ms / first.point.cost_ms;
-      words += text("%s `%s` at %d, %s", i == 1 ? "; then" : ",", ranked[i].curve->label.c_str(),
-                    ranked[i].point.substeps, times < kSameCost ? "as dear" : text("%.2g times the cost", times).c_str());
-    }
-    words += ". ";
-  }
-  std::string losers;
-  for (const Curve& curve : panel.curves) {
-    if (curve.cheapest_within(panel.bar)) continue;
-    const CurvePoint best = curve.best();
-    losers += text("%s `%s` (best: %s at %d)", losers.empty() ? "" : ",", curve.label.c_str(), percent(best.error).c_str(),
-                   best.substeps);
-  }
-  if (!losers.empty()) words += "Never within the bar:" + losers + ". ";
-  if (panel.chosen) {
-    const ElasticAccuracy& a = panel.chosen_accuracy;
-    words += text("Left to itself at 4 substeps the program takes %.3g mm cells and %d substeps: error %s for %s%s.",
-                  1e3 * a.cell_width_m, a.substeps, percent(panel.chosen->error).c_str(),
-                  cost(panel.chosen->cost_ms).c_str(), a.clipped ? ", and says that the stiffness is clipped" : "");
-  }
-  return words + "\n";
-}
+std::string percent(double error) { return error_text(error, "relative"); }
 
 // How far a method's figure moves over substeps: the smallest and largest E_app / E of livegs-v1 in tension.
 std::string v1_spread(const std::vector<ChartRow>& rows) {

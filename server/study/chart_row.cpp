@@ -11,7 +11,7 @@ constexpr const char* kHeader =
     "scene,solver,skinning,backend,precision,rate,substeps,nodes,particles,bodies,ns_per_node_substep,wall_s,error,"
     "error_unit,bar,quantity,measured,reference,variant,youngs_modulus_pa,poisson_ratio,spacing_m,cell_width_m,"
     "scene_substeps,courant,band,ratio_low,ratio_high,reached_youngs_modulus_pa,simulated_s,cpu_s,"
-    "cpu_ns_per_simulated_s,finite\n";
+    "cpu_ns_per_simulated_s,finite,parameter,end\n";
 
 __attribute__((format(printf, 2, 3))) void append(std::string& text, const char* format, ...) {
   char buffer[512];
@@ -39,7 +39,7 @@ std::string chart_csv(const std::vector<ChartRow>& rows) {
       append(text, "%s,%s,none,cpu,%s,%g,%d,%zu,%zu,1,%.2f,%.4f,%.6g,%s,%g,", row.scene.c_str(),
              solver_name(row.setup).c_str(), precision(row.setup.engine), row.setup.rate_hz, a.substeps, a.nodes,
              a.particles, work > 0.0 ? 1e9 * cost.cpu_s / work : 0.0, cost.wall_s, m.error, m.unit.c_str(), m.bar);
-      append(text, "%s,%.9g,%.9g,%s,%g,%g,%g,%g,%d,%.4g,%s,%.4g,%.4g,%.4g,%.6g,%.6g,%.6g,%d\n", m.quantity.c_str(),
+      append(text, "%s,%.9g,%.9g,%s,%g,%g,%g,%g,%d,%.4g,%s,%.4g,%.4g,%.4g,%.6g,%.6g,%.6g,%d,,\n", m.quantity.c_str(),
              m.measured, m.reference, row.variant.c_str(), row.setup.youngs_modulus_pa, row.setup.poisson_ratio,
              row.setup.spacing_m, a.cell_width_m, row.setup.substeps, a.courant, name_of(a.band), a.modulus_ratio_low,
              a.modulus_ratio_high, a.reached_youngs_modulus_pa, cost.simulated_s, cost.cpu_s,

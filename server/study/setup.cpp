@@ -42,8 +42,8 @@ Measurement relative(std::string quantity, double measured, double reference, do
           "relative", bar};
 }
 
-Measurement absolute(std::string quantity, double measured, double reference, double bar) {
-  return {std::move(quantity), measured, reference, finite_or_infinity(std::abs(measured - reference)), "absolute",
+Measurement absolute(std::string quantity, double measured, double reference, double bar, std::string unit) {
+  return {std::move(quantity), measured, reference, finite_or_infinity(std::abs(measured - reference)), std::move(unit),
           bar};
 }
 

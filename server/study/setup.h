@@ -51,7 +51,7 @@ struct Measurement {
   std::string quantity;      // "youngs_modulus", "poisson_ratio", "deflection", …
   double measured = 0.0, reference = 0.0;
   double error = 0.0;        // never negative; relative unless the unit says otherwise
-  std::string unit;          // of `error`: "relative", "absolute"
+  std::string unit;          // of `error`: "relative", "absolute" (of something without a unit), "m", "m/s", …
   double bar = 0.0;          // `error` should not exceed it where the program calls the setting valid
 };
 
@@ -64,8 +64,9 @@ struct Outcome {
   const Measurement& operator[](const std::string& quantity) const;  // precondition: it is there
 };
 
-// |measured / reference - 1|; infinite when `measured` is not finite.
+// |measured / reference - 1| or |measured - reference|; infinite when `measured` is not finite.
 Measurement relative(std::string quantity, double measured, double reference, double bar);
-Measurement absolute(std::string quantity, double measured, double reference, double bar);
+Measurement absolute(std::string quantity, double measured, double reference, double bar,
+                     std::string unit = "absolute");
 
 }  // namespace livegs::study

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/livegs_rigid.h"
+
+#include "geometry/mass_properties.h"
+#include "geometry/shape_mesh.h"
+#include "physics/world.h"
+
+namespace livegs::study {
+namespace {
+
+class LivegsRigid final : public RigidSolver {
+ public:
+  LivegsRigid(const RigidSetup& setup, const RigidConditions& conditions)
+      : world_({.gravity_m_s2 = conditions.gravity_m_s2,
+                .rate_hz = setup.rate_hz,
+                .substeps = setup.substeps,
+                .sleep = conditions.sleep}) {}
+
+  void add_floor(const Pose& world_from_floor, double friction) override {
+    world_.add_collider({PlaneShape{}, world_from_floor, friction, 0.0});
+  }
+  Result<void> add(const RigidPart& part) override;
+  Result<void> join(size_t, std::optional<size_t>, const Eigen::Vector3d&) override {
+    return Error{ErrorCode::Unavailable, "livegs: no joints"};
+  }
+  void push(size_t part, const Eigen::Vector3d& force_n) override {
+    // On the rest centre, which is the centre of mass of every part.
+    world_.set_force(part, id_of(part), {Eigen::Vector3d::Zero(), force_n});
+  }
+  void frame() override { world_.step(); }
+  std::vector<RigidMotion> motions() const override;
+
+ private:
+  static uint32_t id_of(size_t part) { return static_cast<uint32_t>(part) + 1; }
+
+  World world_;
+  uint32_t parts_ = 0;
+};
+
+Result<void> LivegsRigid::add(const RigidPart& part) {
+  const uint32_t id = id_of(parts_);
+  Result<void> added;
+  if (part.radius_m > 0.0) {
+    BallDescription ball;
+    ball.object_id = id;
+    ball.position_m = part.world_from_part.position_m;
+    ball.velocity_m_s = part.velocity_m_s;
+    ball.radius_m = part.radius_m;
+    ball.mass_kg = part.mass_kg;
+    ball.friction = part.friction;
+    ball.restitution = 0.0;
+    added = world_.add_ball(ball);
+  } else {
+    RigidBodyDescription body;
+    body.object_id = id;
+    body.mesh = box_mesh(part.size_m);
+    body.properties = solid_mass_properties(body.mesh);
+    if (part.moments_kg_m2) body.properties.inertia_m2 = (*part.moments_kg_m2 / part.mass_kg).asDiagonal();
+    body.material.behavior = Behavior::Rigid;
+    body.material.mass_kg = part.mass_kg;
+    body.material.friction = part.friction;
+    body.material.restitution = 0.0;
+    body.world_from_object = part.world_from_part;
+    body.velocity_m_s = part.velocity_m_s;
+    body.angular_velocity_rad_s = part.angular_velocity_rad_s;
+    added = world_.add_rigid(body);
+  }
+  if (added) ++parts_;
+  return added;
+}
+
+std::vector<RigidMotion> LivegsRigid::motions() const {
+  std::vector<RigidMotion> motions;
+  for (const BodyState& state : world_.bodies()) {  // ascending id
+    motions.push_back({state.world_from_body, state.velocity_m_s, state.angular_velocity_rad_s, state.asleep});
+  }
+  return motions;
+}
+
+}  // namespace
+
+std::unique_ptr<RigidSolver> make_livegs_rigid(const RigidSetup& setup, const RigidConditions& conditions) {
+  return std::make_unique<LivegsRigid>(setup, conditions);
+}
+
+}  // namespace livegs::study
