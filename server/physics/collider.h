@@ -12,9 +12,12 @@
 
 namespace livegs {
 
+struct ConvexPolyhedron;
+
 struct PlaneShape {};  // the half-space y <= 0 of the collider's frame is solid
 struct BoxShape {
-  Eigen::Vector3d size_m = Eigen::Vector3d::Ones();  // full edge lengths, centred
+  Eigen::Vector3d size_m = Eigen::Vector3d::Ones();            // full edge lengths, centred
+  std::shared_ptr<const ConvexPolyhedron> polyhedron = nullptr;  // the same; the World makes it
 };
 struct SphereShape {
   double radius_m = 0.5;

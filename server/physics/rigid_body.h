@@ -49,6 +49,8 @@ struct RigidBody {
 
   bool asleep = false;
   double still_s = 0.0;  // for how long it has been slower than the sleep speed
+  uint64_t sleep_group = 0;  // bodies that fell asleep together wake together: the lowest id of them, plus one
+  uint32_t slot = 0;         // its place in the list that is being worked on
 
   // What resists an impulse now; zero while asleep, so that a sleeper is as good as a wall.
   double inverse_mass = 0.0;
@@ -58,6 +60,7 @@ struct RigidBody {
   Eigen::Vector3d substep_acceleration_m_s2 = Eigen::Vector3d::Zero();
   bool pushed_by_owner = false;  // in this substep, by a patch that another body owns
   bool met_body = false;         // in this substep, as owner or not
+  std::vector<RigidBody*> near;                // pairs this body owns: ascending id, see rigid_broad_phase.h
   std::vector<ContactPatch> patches;           // where this body is the first of the pair
   std::vector<ContactPatch> previous_patches;  // of the substep before, for warm starting
 

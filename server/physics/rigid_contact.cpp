@@ -12,7 +12,7 @@
 namespace livegs {
 namespace {
 
-constexpr double kContactHertz = 30.0;
+constexpr double kContactCycles = 0.25;   // of the contact spring in a step; more and overlaps bounce
 constexpr double kContactDamping = 10.0;  // ratio; lower parts overlaps faster and bounces
 
 Eigen::Vector3d relative_velocity(const RigidBody& a, const RigidBody* b, const Eigen::Vector3d& arm_a,
@@ -33,6 +33,14 @@ double response(const RigidBody& body, const Eigen::Vector3d& arm, const Eigen::
   return body.inverse_mass * u.dot(v) + arm.cross(u).dot(body.inverse_inertia * arm.cross(v));
 }
 
+// How far a turning point strays in `step_s`, along its normal, from the straight line its velocity points along. Without
+// it the next facets of a rolling body are stopped before they would land, and a body that pivots on a corner rises.
+double way_off_line_m(const RigidBody& body, const ContactPoint& point, double step_s) {
+  if (!point.turns) return 0.0;
+  const Eigen::Vector3d& spin = body.angular_velocity_rad_s;
+  return 0.5 * step_s * step_s * point.normal.dot(spin.cross(spin.cross(point.arm_a_m)));
+}
+
 double pair_response(const RigidBody& a, const RigidBody* b, const Eigen::Vector3d& arm_a,
                      const Eigen::Vector3d& arm_b, const Eigen::Vector3d& u, const Eigen::Vector3d& v) {
   return response(a, arm_a, u, v) + (b ? response(*b, arm_b, u, v) : 0.0);
@@ -40,11 +48,10 @@ double pair_response(const RigidBody& a, const RigidBody* b, const Eigen::Vector
 
 }  // namespace
 
-ContactSoftness contact_softness(double substep_s, bool against_static) {
-  const double hertz = std::min((against_static ? 2.0 : 1.0) * kContactHertz, 0.25 / substep_s);
-  const double omega = 2.0 * std::numbers::pi * hertz;
-  const double a1 = 2.0 * kContactDamping + substep_s * omega;
-  const double a2 = substep_s * omega * a1;
+ContactSoftness contact_softness(double step_s) {
+  const double omega = 2.0 * std::numbers::pi * kContactCycles / step_s;
+  const double a1 = 2.0 * kContactDamping + step_s * omega;
+  const double a2 = step_s * omega * a1;
   return {omega / a1, a2 / (1.0 + a2), 1.0 / (1.0 + a2)};
 }
 
@@ -55,7 +62,7 @@ void prepare_patch(RigidBody& a, ContactPatch& patch) {
       b ? Eigen::Vector3d(a.world_from_body.position_m - b->world_from_body.position_m) : Eigen::Vector3d::Zero();
   for (int i = 0; i < patch.point_count; ++i) {
     ContactPoint& point = patch.points[i];
-    if (patch.turns) point.arm_a_m = a.world_from_body.orientation * point.arm_body_m;
+    if (point.turns) point.arm_a_m = a.world_from_body.orientation * point.arm_body_m;
     point.arm_b_m = point.arm_a_m + between;
     const double k = pair_response(a, b, point.arm_a_m, point.arm_b_m, point.normal, point.normal);
     point.mass_kg = k > 0.0 ? 1.0 / k : 0.0;
@@ -114,16 +121,17 @@ void rub_patch(RigidBody& a, ContactPatch& patch) {
   patch.friction_impulse_n_s = wanted;
 }
 
-void solve_patch(RigidBody& a, ContactPatch& patch, ContactPhase phase, double substep_s) {
+void solve_patch(RigidBody& a, ContactPatch& patch, ContactPhase phase, double step_s) {
   rub_patch(a, patch);
-  const ContactSoftness soft = contact_softness(substep_s, patch.other == nullptr || patch.other->asleep);
+  const ContactSoftness soft = contact_softness(step_s);
   for (int i = 0; i < patch.point_count; ++i) {
     ContactPoint& point = patch.points[i];
     double bias = 0.0, mass_scale = 1.0, impulse_scale = 0.0;
-    if (point.separation_m > 0.0) {
-      bias = point.separation_m / substep_s;  // may close the gap, no more
+    const double separation = point.separation_m + way_off_line_m(a, point, step_s);
+    if (separation > 0.0) {
+      bias = separation / step_s;  // may close the gap, no more
     } else if (phase == ContactPhase::Push) {
-      bias = std::max(soft.bias_rate * point.separation_m, -patch.push_speed_m_s);
+      bias = std::max(soft.bias_rate * separation, -patch.push_speed_m_s);
       mass_scale = soft.mass_scale;
       impulse_scale = soft.impulse_scale;
     }
@@ -137,11 +145,11 @@ void solve_patch(RigidBody& a, ContactPatch& patch, ContactPhase phase, double s
   }
 }
 
-void follow_patch(RigidBody& a, ContactPatch& patch, double substep_s) {
+void follow_patch(RigidBody& a, ContactPatch& patch, double step_s) {
   for (int i = 0; i < patch.point_count; ++i) {
     ContactPoint& point = patch.points[i];
     point.separation_m +=
-        substep_s * point.normal.dot(relative_velocity(a, patch.other, point.arm_a_m, point.arm_b_m));
+        way_off_line_m(a, point, step_s) + step_s * point.normal.dot(relative_velocity(a, patch.other, point.arm_a_m, point.arm_b_m));
   }
 }
 

@@ -13,14 +13,9 @@
 
 namespace livegs {
 
-// Points closer than this part of the bounding radius are contacts whatever their speed.
-inline constexpr double kContactMargin = 0.01;
-
 // Fills body.patches for everything it may touch in the next `duration_s` at its present velocity; the former patches
-// become previous_patches. `bodies` are all rigid bodies in ascending id. A pair is owned by a ball; of two balls, by
-// the one with the lower id. (Two meshes do not touch each other.)
+// become previous_patches. Partners are those in body.near (rigid_broad_phase.h); what two sleepers lie on stays as it was.
 // Writes only `body`, reads everything: bodies can be done in parallel.
-void find_contacts(RigidBody& body, std::span<const Collider> colliders, std::span<RigidBody* const> bodies,
-                   double gravity_m_s2, double duration_s);
+void find_contacts(RigidBody& body, std::span<const Collider> colliders, double gravity_m_s2, double duration_s);
 
 }  // namespace livegs

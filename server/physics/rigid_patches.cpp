@@ -7,7 +7,7 @@
 namespace livegs {
 namespace {
 
-// Points whose depths differ by less than this part of the bounding radius are equally deep: a box face that rests
+// Points whose depths differ by less than this part of the smaller bounding radius are equally deep: a box face that rests
 // is held by its corners, not by whichever point rounding made the deepest.
 constexpr double kEqualDepth = 0.002;
 
@@ -109,13 +109,6 @@ void foresee_touch(const RigidBody& body, const RigidBody* other, const ContactC
   point.touching_s = std::clamp(duration_s - until_touch, 0.0, duration_s);
 }
 
-// How far a turning point strays, along its normal, from the straight line its velocity points along. Without it the
-// next facets of a rolling body are stopped before they would land, and a body that pivots on a corner rises off it.
-double way_off_line_m(const RigidBody& body, const ContactPoint& point, double duration_s) {
-  const Eigen::Vector3d& spin = body.angular_velocity_rad_s;
-  return 0.5 * duration_s * duration_s * point.normal.dot(spin.cross(spin.cross(point.arm_a_m)));
-}
-
 }  // namespace
 
 void append_patches(RigidBody& body, const ContactPair& pair, double duration_s,
@@ -133,7 +126,7 @@ void append_patches(RigidBody& body, const ContactPair& pair, double duration_s,
       taken[i] = 1;
       group.push_back(&candidates[i]);
     }
-    Chosen chosen = spread_points(std::move(group), kEqualDepth * body.shape.bounding_radius_m);
+    Chosen chosen = spread_points(std::move(group), kEqualDepth * pair.size_m);
     std::sort(chosen.begin(), chosen.end(), [](const ContactCandidate* a, const ContactCandidate* b) {
       return a->feature_id < b->feature_id;
     });
@@ -145,7 +138,7 @@ void append_patches(RigidBody& body, const ContactPair& pair, double duration_s,
     patch.restitution = pair.restitution;
     patch.restitution_speed_m_s = pair.restitution_speed_m_s;
     patch.push_speed_m_s = pair.push_speed_m_s;
-    patch.turns = chosen.front()->feature_id < kForeignFeature;
+    patch.turns = chosen.back()->feature_id < kForeignFeature;
     patch.normal.setZero();
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     double weight = 0.0;
@@ -156,7 +149,7 @@ void append_patches(RigidBody& body, const ContactPair& pair, double duration_s,
       point.arm_a_m = candidate->point_m - body.world_from_body.position_m;
       point.arm_body_m = body_from_world * point.arm_a_m;
       point.separation_m = candidate->separation_m;
-      if (patch.turns) point.separation_m += way_off_line_m(body, point, duration_s);
+      point.turns = candidate->feature_id < kForeignFeature;
       point.impulse_n_s = earlier_impulse(body, pair.other_id, candidate->feature_id);
       foresee_touch(body, pair.other, *candidate, duration_s, point);
       patch.normal += candidate->normal;

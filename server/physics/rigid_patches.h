@@ -17,6 +17,7 @@ struct ContactPair {
   double restitution = 0;
   double restitution_speed_m_s = 0;
   double push_speed_m_s = 0;
+  double size_m = 0;  // bounding radius of the smaller one
 };
 
 // Normals within 30 degrees of the deepest point's belong to one patch.

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 
 namespace livegs {
 namespace {
@@ -113,8 +114,12 @@ RigidShape mesh_shape(const TriangleMesh& object_mesh, const Eigen::Vector3d& ce
     shape.bounding_radius_m = std::max(shape.bounding_radius_m, vertex.norm());
   }
   const double longest = (shape.max_m - shape.min_m).maxCoeff();
-  const double cell = longest / kBodyFieldCells;
-  shape.field = std::make_shared<const DistanceField>(shape.mesh, cell, 3.0 * cell);
+  if (auto convex = convex_polyhedron(shape.mesh)) {
+    shape.convex = std::make_shared<const ConvexPolyhedron>(std::move(*convex));
+  } else {
+    const double cell = longest / kBodyFieldCells;
+    shape.field = std::make_shared<const DistanceField>(shape.mesh, cell, 3.0 * cell);
+  }
 
   shape.contact_spacing_m = kContactPointSpacing * longest;
   shape.contact_points_m = contact_points(shape.mesh, shape.contact_spacing_m);
@@ -138,6 +143,10 @@ DistanceField::Sample RigidShape::sample(const Eigen::Vector3d& point_m) const {
   if (is_ball()) {
     const double length = point_m.norm();
     return {length - sphere_radius_m, length > 0.0 ? Eigen::Vector3d(point_m / length) : Eigen::Vector3d::UnitY()};
+  }
+  if (convex) {
+    const ConvexPolyhedron::Sample found = convex->sample(point_m);
+    return {found.distance_m, found.normal};
   }
   if (!parts.empty()) {
     DistanceField::Sample nearest{INFINITY, Eigen::Vector3d::UnitY()};

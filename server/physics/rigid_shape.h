@@ -7,6 +7,7 @@
 
 #include "geometry/distance_field.h"
 #include "geometry/triangle_mesh.h"
+#include "physics/convex_polyhedron.h"
 
 // What a rigid body is for contact: points against the surfaces of others, and a distance field against their
 // points. A ball is its radius alone.
@@ -27,7 +28,9 @@ struct RigidShape {
   TriangleMesh mesh;
   std::vector<Eigen::Vector3d> contact_points_m;
   double contact_spacing_m = 0.0;
-  std::shared_ptr<const DistanceField> field;  // shared by copies
+  // Where the mesh is one: exact, and used in place of the field. Both are shared by copies.
+  std::shared_ptr<const ConvexPolyhedron> convex;
+  std::shared_ptr<const DistanceField> field;
   // Several shapes that hold together, in place of a field: the distance is the least of theirs. Within, it is that to
   // the nearest face of a part, open or not.
   struct Part;

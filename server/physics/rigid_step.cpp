@@ -2,56 +2,75 @@
 #include "physics/rigid_step.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "core/parallel_for.h"
 #include "physics/rigid_contact.h"
 #include "physics/rigid_find_contacts.h"
+#include "physics/rigid_islands.h"
 
 namespace livegs {
 namespace {
 
-// Sweeps over all contacts. A body on four points needs a few before its corners share the load evenly; a contact
-// costs about 60 ns a sweep.
-constexpr int kPushSweeps = 4;
-constexpr int kRelaxSweeps = 4;
+// A substep's contacts, found once, are solved in this many short steps of one sweep each: against heavy things on light
+// ones and tall stacks that does more than as many sweeps of one step (Macklin et al. 2019, Small steps in physics
+// simulation), since the contacts may be that much stiffer.
+constexpr int kSolverSteps = 4;
+constexpr int kPushSweeps = 1;
+constexpr int kRelaxSweeps = 1;
 constexpr int kRestitutionSweeps = 4;
 
-template <class Visit>
-void for_each_patch(std::span<RigidBody* const> bodies, const Visit& visit) {
+// What fell asleep together wakes together. Returns whether anything woke.
+bool wake_groups(std::span<RigidBody* const> bodies) {
+  std::vector<uint64_t> woken;
   for (RigidBody* body : bodies) {
-    for (ContactPatch& patch : body->patches) {
-      if (!body->asleep || (patch.other && !patch.other->asleep)) visit(*body, patch);
-    }
+    if (body->asleep || body->sleep_group == 0) continue;
+    woken.push_back(body->sleep_group);
+    body->sleep_group = 0;
   }
+  if (woken.empty()) return false;
+  for (RigidBody* body : bodies) {
+    if (!body->asleep || std::find(woken.begin(), woken.end(), body->sleep_group) == woken.end()) continue;
+    body->wake();
+    body->sleep_group = 0;
+  }
+  return true;
 }
 
-// Whoever is touched by something faster than rest wakes, before the contact is solved.
-void wake_struck(std::span<RigidBody* const> bodies) {
+// Whether the patch will press within the substep.
+bool will_press(const RigidBody& owner, const ContactPatch& patch, double duration_s) {
+  for (int i = 0; i < patch.point_count; ++i) {
+    const ContactPoint& point = patch.points[i];
+    Eigen::Vector3d velocity = owner.point_velocity(point.arm_a_m);
+    if (patch.other) {
+      const Eigen::Vector3d between = owner.world_from_body.position_m - patch.other->world_from_body.position_m;
+      velocity -= patch.other->point_velocity(point.arm_a_m + between);
+    }
+    if (point.separation_m + duration_s * point.normal.dot(velocity) < 0.0) return true;
+  }
+  return false;
+}
+
+// Sleepers that will be touched wake before the contact is solved.
+bool wake_touched(std::span<RigidBody* const> bodies, double duration_s) {
+  bool any = false;
   for (RigidBody* body : bodies) {
     for (const ContactPatch& patch : body->patches) {
-      if (!patch.other || body->asleep == patch.other->asleep) continue;
-      RigidBody& sleeper = body->asleep ? *body : *patch.other;
-      const RigidBody& striker = body->asleep ? *patch.other : *body;
-      // Without this substep's gravity, which alone is above the sleep speed of small things.
-      const double speed = three_point_speed_m_s(striker, striker.substep_velocity_m_s);
-      if (speed < 2.0 * sleep_speed_m_s(striker.shape)) continue;
-      sleeper.wake();
+      if (!patch.other || body->asleep == patch.other->asleep || !will_press(*body, patch, duration_s)) continue;
+      (body->asleep ? *body : *patch.other).wake();
+      any = true;
     }
   }
+  return any;
 }
 
+// Contacts are looked for with the velocity that the body would have after the substep without them.
 void accelerate(RigidBody& body, const RigidLoad& load, const Eigen::Vector3d& gravity, double duration_s) {
-  body.pushed_by_owner = body.met_body = false;
-  if (!body.asleep) body.velocity_m_s += load.implicit_impulse_n_s / body.mass_kg;
-  body.substep_velocity_m_s = body.velocity_m_s;
-  if (body.asleep) {
-    body.substep_acceleration_m_s2.setZero();
-    return;
-  }
-  const Eigen::Vector3d change = duration_s * gravity + load.impulse_n_s / body.mass_kg;
-  body.substep_acceleration_m_s2 = change / duration_s;
-  body.velocity_m_s += change;
+  body.velocity_m_s += load.implicit_impulse_n_s / body.mass_kg;
   body.apply_angular_impulse(load.angular_impulse);
+  body.substep_velocity_m_s = body.velocity_m_s;
+  body.substep_acceleration_m_s2 = gravity + load.impulse_n_s / (body.mass_kg * duration_s);
+  body.velocity_m_s += duration_s * body.substep_acceleration_m_s2;
 }
 
 void tally_blow(RigidBody& body, const ContactPoint& point, const Eigen::Vector3d& normal,
@@ -86,7 +105,7 @@ void tally(RigidBody& body, ContactPatch& patch) {
     body.contact_impulse_n_s += point.impulse_n_s;
     body.contact_moment += point.impulse_n_s * where;
     tally_blow(body, point, point.normal, where);
-    if (patch.other) {
+    if (patch.other && !patch.other->asleep) {
       tally_blow(*patch.other, point, -point.normal, where);
       patch.other->contact_impulse_n_s += point.impulse_n_s;
       patch.other->contact_moment += point.impulse_n_s * where;
@@ -103,62 +122,116 @@ void tally(RigidBody& body, ContactPatch& patch) {
   }
 }
 
+void solve_island(RigidIsland& island, double duration_s) {
+  const auto each = [&](const auto& visit) {
+    for (const RigidIsland::Contact& contact : island.contacts) visit(*contact.owner, *contact.patch);
+  };
+  const double step_s = duration_s / kSolverSteps;
+  for (RigidBody* body : island.bodies) body->velocity_m_s = body->substep_velocity_m_s;
+  for (int step = 0; step < kSolverSteps; ++step) {
+    for (RigidBody* body : island.bodies) {
+      body->pushed_by_owner = body->met_body = false;
+      body->substep_velocity_m_s = body->velocity_m_s;
+      body->velocity_m_s += step_s * body->substep_acceleration_m_s2;
+    }
+    each(prepare_patch);
+    each(warm_start_patch);
+    for (int sweep = 0; sweep < kPushSweeps; ++sweep) {
+      each([&](RigidBody& body, ContactPatch& patch) { solve_patch(body, patch, ContactPhase::Push, step_s); });
+    }
+    each([&](RigidBody& body, ContactPatch& patch) {
+      follow_patch(body, patch, step_s);
+      if (!patch.other || total_impulse(patch) <= 0.0) return;
+      if (!body.asleep) body.met_body = true;
+      if (!patch.other->asleep) patch.other->met_body = patch.other->pushed_by_owner = true;
+    });
+    for (RigidBody* body : island.bodies) body->move(step_s);
+
+    each(prepare_patch);
+    for (int sweep = 0; sweep < kRelaxSweeps; ++sweep) {
+      each([&](RigidBody& body, ContactPatch& patch) { solve_patch(body, patch, ContactPhase::Relax, step_s); });
+    }
+    if (step + 1 == kSolverSteps) {
+      for (int sweep = 0; sweep < kRestitutionSweeps; ++sweep) {
+        each([&](RigidBody& body, ContactPatch& patch) {
+          if (restitute_patch(body, patch)) rub_patch(body, patch);
+        });
+      }
+    }
+    each(tally);
+  }
+  for (RigidBody* body : island.bodies) add_blows(*body);
+}
+
 }  // namespace
 
 void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const RigidLoad> loads,
-                       std::span<const Collider> colliders, const Eigen::Vector3d& gravity_m_s2, double duration_s) {
-  for (size_t i = 0; i < bodies.size(); ++i) accelerate(*bodies[i], loads[i], gravity_m_s2, duration_s);
-  parallel_for(bodies.size(), 1, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      find_contacts(*bodies[i], colliders, bodies, gravity_m_s2.norm(), duration_s);
+                       std::span<const Collider> colliders, const Eigen::Vector3d& gravity_m_s2, double duration_s,
+                       RigidBroadPhase& broad_phase) {
+  if (wake_groups(bodies)) broad_phase.forget();
+  std::vector<char> accelerated(bodies.size(), 0);
+  const auto accelerate_awake = [&] {
+    bool any = false;
+    for (size_t i = 0; i < bodies.size(); ++i) {
+      if (bodies[i]->asleep || accelerated[i]) continue;
+      accelerate(*bodies[i], loads[i], gravity_m_s2, duration_s);
+      accelerated[i] = any = true;
     }
-  });
-  wake_struck(bodies);
+    return any;
+  };
+  if (!accelerate_awake()) return;
+  broad_phase.update(bodies, gravity_m_s2.norm(), duration_s);
 
-  for_each_patch(bodies, prepare_patch);
-  for_each_patch(bodies, warm_start_patch);
-  for (int sweep = 0; sweep < kPushSweeps; ++sweep) {
-    for_each_patch(bodies, [&](RigidBody& body, ContactPatch& patch) {
-      solve_patch(body, patch, ContactPhase::Push, duration_s);
-    });
-  }
-  for_each_patch(bodies, [&](RigidBody& body, ContactPatch& patch) {
-    follow_patch(body, patch, duration_s);
-    if (patch.other && total_impulse(patch) > 0.0) {
-      body.met_body = patch.other->met_body = patch.other->pushed_by_owner = true;
-    }
-  });
+  std::vector<RigidBody*> active;  // awake, or first of a pair with an awake one
   for (RigidBody* body : bodies) {
-    if (!body->asleep) body->move(duration_s);
+    const auto awake = [](const RigidBody* other) { return !other->asleep; };
+    if (!body->asleep || std::any_of(body->near.begin(), body->near.end(), awake)) active.push_back(body);
+  }
+  parallel_for(active.size(), 8, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) find_contacts(*active[i], colliders, gravity_m_s2.norm(), duration_s);
+  });
+  if (wake_touched(active, duration_s)) {
+    // They start with the contacts that they fell asleep with.
+    wake_groups(bodies);
+    broad_phase.forget();
+    accelerate_awake();
+    active.clear();
+    for (RigidBody* body : bodies) {
+      const auto meets_awake = [](const ContactPatch& patch) { return patch.other && !patch.other->asleep; };
+      if (!body->asleep || std::any_of(body->patches.begin(), body->patches.end(), meets_awake)) active.push_back(body);
+    }
   }
 
-  for_each_patch(bodies, prepare_patch);
-  for (int sweep = 0; sweep < kRelaxSweeps; ++sweep) {
-    for_each_patch(bodies, [&](RigidBody& body, ContactPatch& patch) {
-      solve_patch(body, patch, ContactPhase::Relax, duration_s);
-    });
-  }
-  for (int sweep = 0; sweep < kRestitutionSweeps; ++sweep) {
-    for_each_patch(bodies, [&](RigidBody& body, ContactPatch& patch) {
-      if (restitute_patch(body, patch)) rub_patch(body, patch);
-    });
-  }
-  for_each_patch(bodies, tally);
-  for (RigidBody* body : bodies) add_blows(*body);
+  std::vector<RigidIsland> islands = rigid_islands(active, IslandLink::AnyPatch, gravity_m_s2);
+  parallel_for(islands.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) solve_island(islands[i], duration_s);
+  });
 }
 
-void update_sleep(std::span<RigidBody* const> bodies, double tick_s) {
+void update_sleep(std::span<RigidBody* const> bodies, double tick_s, RigidBroadPhase& broad_phase) {
+  std::vector<RigidBody*> awake;
   for (RigidBody* body : bodies) {
     if (body->asleep) continue;
+    awake.push_back(body);
     bool touching = body->pushed_by_owner;
     for (const ContactPatch& patch : body->patches) touching = touching || total_impulse(patch) > 0.0;
     const bool still = touching && three_point_speed_m_s(*body, body->velocity_m_s) < sleep_speed_m_s(body->shape);
     body->still_s = still ? body->still_s + tick_s : 0.0;
-    if (body->still_s < kSleepSeconds) continue;
-    body->asleep = true;
-    body->velocity_m_s.setZero();
-    body->angular_momentum.setZero();
-    body->update_turning();
+  }
+  for (RigidIsland& island : rigid_islands(awake, IslandLink::TouchingPatch, Eigen::Vector3d::Zero())) {
+    const bool still = std::all_of(island.bodies.begin(), island.bodies.end(),
+                                   [](const RigidBody* body) { return body->still_s >= kSleepSeconds; });
+    if (!still) continue;
+    for (RigidBody* body : island.bodies) {
+      body->asleep = true;
+      body->sleep_group = island.bodies.front()->contact_id() + 1;
+      body->velocity_m_s.setZero();
+      body->angular_momentum.setZero();
+      body->substep_velocity_m_s.setZero();
+      body->substep_acceleration_m_s2.setZero();
+      body->update_turning();
+    }
+    broad_phase.forget();
   }
 }
 

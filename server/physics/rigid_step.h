@@ -6,6 +6,7 @@
 
 #include "physics/collider.h"
 #include "physics/rigid_body.h"
+#include "physics/rigid_broad_phase.h"
 
 namespace livegs {
 
@@ -18,11 +19,13 @@ struct RigidLoad {
 };
 
 // One substep of all rigid bodies and balls (ascending id), `loads` in the same order. Contacts are found again in
-// each substep; a sleeper that is struck wakes.
+// each substep. A sleeper that is touched wakes, and with it all that fell asleep together; sleepers cost nothing.
 void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const RigidLoad> loads,
-                       std::span<const Collider> colliders, const Eigen::Vector3d& gravity_m_s2, double duration_s);
+                       std::span<const Collider> colliders, const Eigen::Vector3d& gravity_m_s2, double duration_s,
+                       RigidBroadPhase& broad_phase);
 
-// The sleep test at the end of a tick: sleepers lose what motion they have left.
-void update_sleep(std::span<RigidBody* const> bodies, double tick_s);
+// The sleep test at the end of a tick. Bodies that touch each other sleep together, when all of them have been still for
+// long enough; sleepers lose what motion they have left.
+void update_sleep(std::span<RigidBody* const> bodies, double tick_s, RigidBroadPhase& broad_phase);
 
 }  // namespace livegs

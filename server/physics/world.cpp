@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/assert.h"
+#include "physics/convex_polyhedron.h"
 #include "physics/world_check.h"
 #include "physics/world_state.h"
 
@@ -41,6 +42,7 @@ const WorldObject* World::State::find(uint32_t object_id) const {
 
 void World::State::list_bodies() {
   rigid_bodies.clear();
+  broad_phase.forget();
   elastic_objects.clear();
   for (auto& [id, object] : objects) {
     if (RigidObject* rigid = object.rigid()) {
@@ -69,6 +71,10 @@ StepTimes World::last_times() const { return state_->times; }
 
 void World::add_collider(const Collider& collider) {
   state_->colliders.push_back(collider);
+  if (auto* box = std::get_if<BoxShape>(&state_->colliders.back().shape);
+      box && box->size_m.minCoeff() > 0.0) {
+    box->polyhedron = std::make_shared<ConvexPolyhedron>(box_polyhedron(box->size_m));
+  }
   state_->wake_all();
 }
 

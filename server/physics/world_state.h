@@ -100,6 +100,7 @@ struct World::State {
   std::vector<RigidBody*> rigid_bodies;
   std::vector<ElasticObject*> elastic_objects;
   std::vector<RigidLoad> loads;
+  RigidBroadPhase broad_phase;
 
   WorldObject* find(uint32_t object_id);
   const WorldObject* find(uint32_t object_id) const;

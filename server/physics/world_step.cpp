@@ -160,7 +160,8 @@ void World::step() {
     const int64_t elastic_ns = now_ns();
     state.step_elastic((state.tick - 1) * tick_s + substep * duration_s, duration_s);
     const int64_t rigid_ns = now_ns();
-    step_rigid_bodies(state.rigid_bodies, state.loads, state.colliders, state.settings.gravity_m_s2, duration_s);
+    step_rigid_bodies(state.rigid_bodies, state.loads, state.colliders, state.settings.gravity_m_s2, duration_s,
+                      state.broad_phase);
     state.times.elastic_ms += milliseconds_from_ns(rigid_ns - elastic_ns);
     state.times.rigid_ms += milliseconds_from_ns(now_ns() - rigid_ns);
   }
@@ -170,7 +171,7 @@ void World::step() {
   });
   state.times.elastic_ms += milliseconds_from_ns(now_ns() - end_ns);
   state.break_struck();
-  if (state.settings.sleep) update_sleep(state.rigid_bodies, tick_s);
+  if (state.settings.sleep) update_sleep(state.rigid_bodies, tick_s, state.broad_phase);
   state.report_contacts();
   state.report_sleep();
   if (state.events.size() > kMaxKeptEvents) {
