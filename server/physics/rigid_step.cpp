@@ -14,11 +14,11 @@ namespace {
 
 // A substep's contacts, found once, are solved in this many short steps of one sweep each: against heavy things on light
 // ones and tall stacks that does more than as many sweeps of one step (Macklin et al. 2019, Small steps in physics
-// simulation), since the contacts may be that much stiffer.
+// simulation), since the contacts may be that much stiffer. The corners of a body that strikes share the blow only after
+// some sweeps of one step.
 constexpr int kSolverSteps = 4;
-constexpr int kPushSweeps = 1;
-constexpr int kRelaxSweeps = 1;
-constexpr int kRestitutionSweeps = 4;
+constexpr int kSweeps = 1;
+constexpr int kImpactSweeps = 4;
 
 // What fell asleep together wakes together. Returns whether anything woke.
 bool wake_groups(std::span<RigidBody* const> bodies) {
@@ -122,11 +122,21 @@ void tally(RigidBody& body, ContactPatch& patch) {
   }
 }
 
+bool is_impact(const ContactPatch& patch) {
+  for (int i = 0; i < patch.point_count; ++i) {
+    if (patch.points[i].impact_speed_m_s >= patch.restitution_speed_m_s) return true;
+  }
+  return false;
+}
+
 void solve_island(RigidIsland& island, double duration_s) {
   const auto each = [&](const auto& visit) {
     for (const RigidIsland::Contact& contact : island.contacts) visit(*contact.owner, *contact.patch);
   };
   const double step_s = duration_s / kSolverSteps;
+  const bool struck = std::any_of(island.contacts.begin(), island.contacts.end(),
+                                  [](const RigidIsland::Contact& contact) { return is_impact(*contact.patch); });
+  const int sweeps = struck ? kImpactSweeps : kSweeps;
   for (RigidBody* body : island.bodies) body->velocity_m_s = body->substep_velocity_m_s;
   for (int step = 0; step < kSolverSteps; ++step) {
     for (RigidBody* body : island.bodies) {
@@ -136,7 +146,7 @@ void solve_island(RigidIsland& island, double duration_s) {
     }
     each(prepare_patch);
     each(warm_start_patch);
-    for (int sweep = 0; sweep < kPushSweeps; ++sweep) {
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
       each([&](RigidBody& body, ContactPatch& patch) { solve_patch(body, patch, ContactPhase::Push, step_s); });
     }
     each([&](RigidBody& body, ContactPatch& patch) {
@@ -148,11 +158,11 @@ void solve_island(RigidIsland& island, double duration_s) {
     for (RigidBody* body : island.bodies) body->move(step_s);
 
     each(prepare_patch);
-    for (int sweep = 0; sweep < kRelaxSweeps; ++sweep) {
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
       each([&](RigidBody& body, ContactPatch& patch) { solve_patch(body, patch, ContactPhase::Relax, step_s); });
     }
     if (step + 1 == kSolverSteps) {
-      for (int sweep = 0; sweep < kRestitutionSweeps; ++sweep) {
+      for (int sweep = 0; sweep < kImpactSweeps; ++sweep) {
         each([&](RigidBody& body, ContactPatch& patch) {
           if (restitute_patch(body, patch)) rub_patch(body, patch);
         });
