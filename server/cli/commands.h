@@ -16,6 +16,7 @@ void add_convert(CLI::App& app, int& exit_code);
 void add_sample(CLI::App& app, int& exit_code);
 void add_render(CLI::App& app, int& exit_code);
 void add_mesh(CLI::App& app, int& exit_code);
+void add_fracture(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
 void add_analyze(CLI::App& app, int& exit_code);
 void add_chart(CLI::App& app, int& exit_code);

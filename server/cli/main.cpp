@@ -46,6 +46,7 @@ int main(int argc, char** argv) {
   livegs::add_sample(app, exit_code);
   livegs::add_render(app, exit_code);
   livegs::add_mesh(app, exit_code);
+  livegs::add_fracture(app, exit_code);
   livegs::add_simulate(app, exit_code);
   livegs::add_analyze(app, exit_code);
   livegs::add_chart(app, exit_code);

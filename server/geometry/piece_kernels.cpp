@@ -8,6 +8,8 @@
 
 #include "core/parallel_for.h"
 #include "gaussian/opacity.h"
+#include "geometry/face_kernels.h"
+#include "geometry/point_grid.h"
 #include "geometry/split_gaussian.h"
 
 namespace livegs {
@@ -17,6 +19,12 @@ constexpr size_t kBlock = 1024;
 constexpr double kDefaultOverhang = 1.0 / 200.0;  // of the diagonal
 constexpr double kMostOpacity = 0.998;
 constexpr double kLeastOpacity = 1.0 / 255.0;
+constexpr double kInteriorOpacity = 0.98;
+// A kernel says what colour the surface has from this opacity on.
+constexpr double kOpaque = 0.3;
+// Of the colour of a kernel on a cut face: the part that the surface kernel nearest to it gives; the rest is the mean
+// of its face, which keeps a speckled glaze from running through the clay.
+constexpr float kNearestShare = 0.25f;
 // Of the largest standard deviation: a part is never flatter, so that a renderer's inverse has its digits.
 constexpr double kLeastFlatness = 1e-3;
 
@@ -71,6 +79,82 @@ double body_diagonal_m(const VoronoiPieces& pieces) {
     for (const auto& vertex : piece.mesh.vertices_m) bounds.extend(vertex);
   }
   return bounds.diagonal().norm();
+}
+
+// Kernels on cut faces as far apart as those of the surface are wide, but no more than `most`.
+double interior_spacing_m(const GaussianAsset& asset, double scale, const VoronoiPieces& pieces,
+                          const PieceKernelOptions& options) {
+  double area_m2 = 0.0;
+  for (const VoronoiBond& bond : pieces.bonds) area_m2 += bond.area_m2;
+  // Two sides, a hexagon of 0.87 spacing² each, and as many again along rims at most.
+  const double least_m = std::sqrt(4.0 * area_m2 / (0.87 * static_cast<double>(std::max<size_t>(options.most_interior, 1))));
+  if (options.interior_spacing_m > 0.0) return std::max(options.interior_spacing_m, least_m);
+  std::vector<float> widths;
+  for (size_t k = 0; k < asset.size(); ++k) {
+    Eigen::Vector3f log_scale = asset.log_scales[k];
+    std::sort(log_scale.begin(), log_scale.end());
+    if (opacity_of_logit(asset.opacity_logits[k]) >= kOpaque) widths.push_back(0.5f * (log_scale[1] + log_scale[2]));
+  }
+  if (widths.empty()) return std::max(least_m, body_diagonal_m(pieces) / 100.0);
+  std::nth_element(widths.begin(), widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2), widths.end());
+  const double width_m = std::exp(static_cast<double>(widths[widths.size() / 2])) * scale;
+  // A deviation of 0.6 spacings is what a kernel on a face gets.
+  return std::clamp(width_m / 0.6, least_m, std::max(least_m, body_diagonal_m(pieces) / 40.0));
+}
+
+void add_face_kernels(const GaussianAsset& asset, const Similarity& object_from_asset, const VoronoiPieces& pieces,
+                      const PieceKernelOptions& options, PieceKernels& out) {
+  const double spacing_m = interior_spacing_m(asset, object_from_asset.scale, pieces, options);
+  const std::vector<FaceKernel> faces =
+      options.most_interior > 0 && spacing_m > 0.0 ? face_kernels(pieces, spacing_m) : std::vector<FaceKernel>{};
+  const size_t begin = out.asset.size();
+  out.interior_begin = begin;
+  out.asset.resize(begin + faces.size());
+  out.piece.resize(begin + faces.size());
+  out.source.resize(begin + faces.size(), kInteriorKernel);
+  if (faces.empty()) return;
+
+  std::vector<Eigen::Vector3f> colours(faces.size(), options.interior_sh_dc.value_or(Eigen::Vector3f::Zero()));
+  if (!options.interior_sh_dc) {
+    Eigen::AlignedBox3d bounds;
+    std::vector<uint32_t> opaque;
+    for (uint32_t k = 0; k < asset.size(); ++k) {
+      if (opacity_of_logit(asset.opacity_logits[k]) < kOpaque) continue;
+      opaque.push_back(k);
+      bounds.extend(object_from_asset * asset.positions[k].cast<double>());
+    }
+    if (!opaque.empty()) {
+      PointGrid grid(bounds, std::max(2.0 * spacing_m, bounds.diagonal().norm() / 200.0));
+      for (uint32_t k : opaque) grid.insert(object_from_asset * asset.positions[k].cast<double>());
+      parallel_for(faces.size(), 256, [&](size_t first, size_t last) {
+        for (size_t f = first; f < last; ++f) colours[f] = asset.sh_dc[opaque[grid.nearest(faces[f].position_m)]];
+      });
+    }
+    std::vector<Eigen::Vector3d> sums(pieces.bonds.size(), Eigen::Vector3d::Zero());
+    std::vector<double> counts(pieces.bonds.size(), 0.0);
+    for (size_t f = 0; f < faces.size(); ++f) {
+      sums[faces[f].bond] += colours[f].cast<double>();
+      counts[faces[f].bond] += 1.0;
+    }
+    for (size_t f = 0; f < faces.size(); ++f) {
+      const Eigen::Vector3f mean = (sums[faces[f].bond] / counts[faces[f].bond]).cast<float>();
+      colours[f] = kNearestShare * colours[f] + (1.0f - kNearestShare) * mean;
+    }
+  }
+
+  const Eigen::Quaterniond asset_from_object = object_from_asset.rotation.conjugate();
+  for (size_t f = 0; f < faces.size(); ++f) {
+    const size_t k = begin + f;
+    out.piece[k] = faces[f].piece;
+    out.asset.positions[k] = (asset_from_object * (faces[f].position_m - object_from_asset.translation_m) /
+                              object_from_asset.scale)
+                                 .cast<float>();
+    out.asset.rotations[k] = (asset_from_object * Eigen::Quaterniond(faces[f].axes)).normalized().cast<float>();
+    out.asset.log_scales[k] =
+        (faces[f].deviations_m / object_from_asset.scale).array().log().matrix().cast<float>();
+    out.asset.opacity_logits[k] = static_cast<float>(std::log(kInteriorOpacity / (1.0 - kInteriorOpacity)));
+    out.asset.sh_dc[k] = colours[f];
+  }
 }
 
 }  // namespace
@@ -132,7 +216,7 @@ Result<PieceKernels> make_piece_kernels(const GaussianAsset& asset, const Simila
       ++k;
     }
   }
-  out.interior_begin = count;
+  add_face_kernels(asset, object_from_asset, pieces, options, out);
   return out;
 }
 

@@ -14,6 +14,9 @@
 
 // The kernels of an asset, made ready for the pieces its body breaks into. Prepared once after the cut, on any thread;
 // when the body breaks, the frame swaps this asset in and nothing is computed.
+//
+// Cut the fine surface (elastic_surface_options): where the mesh stands out beyond the kernels, as the coarse one does
+// in the handle of a cup, the kernels of its cut faces would be seen.
 
 namespace livegs {
 

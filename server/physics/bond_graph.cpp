@@ -2,11 +2,13 @@
 #include "physics/bond_graph.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <limits>
-#include <numeric>
+#include <utility>
 
 #include "core/assert.h"
 #include "geometry/disjoint_sets.h"
@@ -19,39 +21,48 @@ using Eigen::Vector3d;
 
 // The pieces that hang together with the struck one, and the load of their bonds by unit impulse.
 struct LoadedGroup {
-  std::vector<uint32_t> pieces;
-  std::vector<uint32_t> bonds;  // unbroken, the most loaded first
-  std::vector<double> loads;    // 1/m², over health, of each of `bonds`
+  std::vector<uint32_t> bonds;   // unbroken, in order of number
+  std::vector<double> impulses;  // through each of `bonds`, over its health
   double area_m2 = 0.0;
+  double cross_section_m2 = 0.0;  // volume by length
   double health = 1.0;  // how much the health of bonds lowers the threshold
 };
+
+// The longest side of the solid box with the same moments.
+double length_of(const BondGraph::Piece& body) {
+  const Matrix3d spread = 0.5 * body.inertia.trace() * Matrix3d::Identity() - body.inertia;
+  const double variance =
+      Eigen::SelfAdjointEigenSolver<Matrix3d>(spread, Eigen::EigenvaluesOnly).eigenvalues()[2] / body.mass_kg;
+  return std::sqrt(12.0 * std::max(variance, 1e-18));
+}
 
 LoadedGroup loads_of(const BondGraph& graph, const Blow& blow) {
   LoadedGroup group;
   const std::vector<uint32_t> groups = connected_groups(graph);
+  std::vector<uint32_t> pieces;
   std::vector<int> number(graph.pieces.size(), -1);
   for (uint32_t p = 0; p < graph.pieces.size(); ++p) {
     if (groups[p] != groups[blow.piece]) continue;
-    number[p] = static_cast<int>(group.pieces.size());
-    group.pieces.push_back(p);
-  }
-  std::vector<uint32_t> bonds;
-  for (uint32_t b = 0; b < graph.bonds.size(); ++b) {
-    if (graph.bonds[b].health > 0.0 && number[graph.bonds[b].first] >= 0) bonds.push_back(b);
+    number[p] = static_cast<int>(pieces.size());
+    pieces.push_back(p);
   }
   const double impulse = blow.impulse_n_s.norm();
-  if (bonds.empty() || !(impulse > 0.0)) return group;
+  if (!(impulse > 0.0)) return group;
+  for (uint32_t b = 0; b < graph.bonds.size(); ++b) {
+    if (graph.bonds[b].health > 0.0 && number[graph.bonds[b].first] >= 0) group.bonds.push_back(b);
+  }
+  if (group.bonds.empty()) return group;
 
   const BondGraph::Piece body = joined_piece(graph, groups, groups[blow.piece]);
   const Vector3d unit = blow.impulse_n_s / impulse;
   const Vector3d velocity = unit / body.mass_kg;
   const Vector3d turning = body.inertia.inverse() * (blow.point_m - body.centre_m).cross(unit);
 
-  const auto count = static_cast<Eigen::Index>(group.pieces.size());
+  const auto count = static_cast<Eigen::Index>(pieces.size());
   Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(count, count);
   Eigen::MatrixX3d momentum = Eigen::MatrixX3d::Zero(count, 3);
   for (Eigen::Index i = 0; i < count; ++i) {
-    const BondGraph::Piece& piece = graph.pieces[group.pieces[i]];
+    const BondGraph::Piece& piece = graph.pieces[pieces[i]];
     momentum.row(i) = -piece.mass_kg * (velocity + turning.cross(piece.centre_m - body.centre_m));
   }
   momentum.row(number[blow.piece]) += unit;
@@ -59,7 +70,7 @@ LoadedGroup loads_of(const BondGraph& graph, const Blow& blow) {
     const double length = (graph.pieces[bond.second].centre_m - graph.pieces[bond.first].centre_m).norm();
     return bond.area_m2 / std::max(length, 1e-9);
   };
-  for (uint32_t b : bonds) {
+  for (uint32_t b : group.bonds) {
     const int i = number[graph.bonds[b].first], j = number[graph.bonds[b].second];
     const double k = spring(graph.bonds[b]);
     stiffness(i, i) += k, stiffness(j, j) += k;
@@ -70,21 +81,18 @@ LoadedGroup loads_of(const BondGraph& graph, const Blow& blow) {
   displacement.bottomRows(count - 1) =
       stiffness.bottomRightCorner(count - 1, count - 1).ldlt().solve(momentum.bottomRows(count - 1));
 
-  std::vector<double> load(graph.bonds.size(), 0.0);
   double most = 0.0, most_by_health = 0.0;
-  for (uint32_t b : bonds) {
+  for (uint32_t b : group.bonds) {
     const BondGraph::Bond& bond = graph.bonds[b];
     const Vector3d stretch = displacement.row(number[bond.first]) - displacement.row(number[bond.second]);
-    const double by_area = spring(bond) * stretch.norm() / bond.area_m2;
-    load[b] = by_area / bond.health;
-    most = std::max(most, by_area);
-    most_by_health = std::max(most_by_health, load[b]);
+    const double through = spring(bond) * stretch.norm();
+    group.impulses.push_back(through / bond.health);
+    most = std::max(most, through / bond.area_m2);
+    most_by_health = std::max(most_by_health, through / bond.area_m2 / bond.health);
     group.area_m2 += bond.area_m2;
   }
-  std::stable_sort(bonds.begin(), bonds.end(), [&](uint32_t a, uint32_t b) { return load[a] > load[b]; });
-  group.bonds = std::move(bonds);
-  for (uint32_t b : group.bonds) group.loads.push_back(load[b]);
   group.health = most_by_health > 0.0 ? most / most_by_health : 1.0;
+  group.cross_section_m2 = body.volume_m3 / length_of(body);
   return group;
 }
 
@@ -93,18 +101,54 @@ double threshold_n_s(const BondGraph& graph, const LoadedGroup& group) {
   return graph.break_impulse_n_s * group.area_m2 / graph.whole_area_m2 * group.health;
 }
 
-// How many bonds, from the most loaded, have to break for the group to come apart.
-size_t bonds_to_separate(const BondGraph& graph, const LoadedGroup& group) {
-  // The first bond from the end that joins the last two sets is the last that holds.
-  DisjointSets sets(graph.pieces.size());
-  size_t set_count = group.pieces.size();
-  for (size_t k = group.bonds.size(); k-- > 0;) {
+// The faces between two sets of pieces.
+struct Seam {
+  uint32_t first, second;
+  double impulse, area_m2;
+  std::vector<uint32_t> bonds;
+};
+
+// The seams in the order in which sets are joined across them, least mean load first (average linkage, Sokal and
+// Michener 1958). Ties go to the lower bond.
+std::vector<Seam> joined_seams(const BondGraph& graph, const LoadedGroup& group) {
+  std::vector<Seam> open, closed;
+  for (size_t k = 0; k < group.bonds.size(); ++k) {
     const BondGraph::Bond& bond = graph.bonds[group.bonds[k]];
-    if (sets.find(bond.first) == sets.find(bond.second)) continue;
-    sets.join(bond.first, bond.second);
-    if (--set_count == 1) return k + 1;
+    open.push_back({bond.first, bond.second, group.impulses[k], bond.area_m2, {group.bonds[k]}});
   }
-  return group.bonds.size();
+  std::vector<int> seam_to(graph.pieces.size());
+  while (!open.empty()) {
+    size_t least = 0;
+    for (size_t s = 1; s < open.size(); ++s) {
+      if (open[s].impulse * open[least].area_m2 < open[least].impulse * open[s].area_m2) least = s;
+    }
+    const uint32_t kept = open[least].first, gone = open[least].second;
+    closed.push_back(std::move(open[least]));
+    open.erase(open.begin() + static_cast<std::ptrdiff_t>(least));
+    // What bounded `gone` bounds `kept`; two seams with the same neighbour become one.
+    std::fill(seam_to.begin(), seam_to.end(), -1);
+    size_t count = 0;
+    for (size_t s = 0; s < open.size(); ++s) {
+      Seam& seam = open[s];
+      if (seam.first == gone) seam.first = kept;
+      if (seam.second == gone) seam.second = kept;
+      if (seam.first == kept || seam.second == kept) {
+        int& other = seam_to[seam.first == kept ? seam.second : seam.first];
+        if (other >= 0) {
+          Seam& into = open[static_cast<size_t>(other)];
+          into.impulse += seam.impulse;
+          into.area_m2 += seam.area_m2;
+          into.bonds.insert(into.bonds.end(), seam.bonds.begin(), seam.bonds.end());
+          continue;
+        }
+        other = static_cast<int>(count);
+      }
+      if (count != s) open[count] = std::move(seam);
+      ++count;
+    }
+    open.resize(count);
+  }
+  return closed;
 }
 
 }  // namespace
@@ -117,7 +161,7 @@ BondGraph make_bond_graph(const VoronoiPieces& pieces, double mass_kg, double br
   for (const VoronoiPiece& piece : pieces.pieces) volume += piece.mass.volume_m3;
   for (const VoronoiPiece& piece : pieces.pieces) {
     const double piece_kg = mass_kg * piece.mass.volume_m3 / volume;
-    graph.pieces.push_back({piece_kg, piece.mass.centre_of_mass_m, piece_kg * piece.mass.inertia_m2});
+    graph.pieces.push_back({piece_kg, piece.mass.centre_of_mass_m, piece_kg * piece.mass.inertia_m2, piece.mass.volume_m3});
   }
   double least_m2 = std::numeric_limits<double>::max();
   for (const VoronoiBond& bond : pieces.bonds) {
@@ -154,14 +198,16 @@ std::vector<uint32_t> broken_bonds(const BondGraph& graph, const Blow& blow) {
   const double threshold = threshold_n_s(graph, group);
   const double impulse = blow.impulse_n_s.norm();
   if (!(impulse >= threshold)) return {};
-  size_t count = bonds_to_separate(graph, group);
-  double area = 0.0;
-  for (size_t k = 0; k < count; ++k) area += graph.bonds[group.bonds[k]].area_m2;
-  const double paid_m2 = area * (impulse / threshold) * (impulse / threshold);
-  while (count < group.bonds.size() && area + graph.bonds[group.bonds[count]].area_m2 <= paid_m2) {
-    area += graph.bonds[group.bonds[count++]].area_m2;
+  const double paid_m2 = group.cross_section_m2 * (impulse / threshold) * (impulse / threshold);
+  const std::vector<Seam> seams = joined_seams(graph, group);
+  std::vector<uint32_t> bonds;
+  double area_m2 = 0.0;
+  for (size_t s = seams.size(); s-- > 0;) {
+    area_m2 += seams[s].area_m2;
+    if (!bonds.empty() && area_m2 > paid_m2) break;
+    bonds.insert(bonds.end(), seams[s].bonds.begin(), seams[s].bonds.end());
   }
-  return {group.bonds.begin(), group.bonds.begin() + static_cast<std::ptrdiff_t>(count)};
+  return bonds;
 }
 
 std::vector<uint32_t> connected_groups(const BondGraph& graph) {
@@ -181,6 +227,7 @@ BondGraph::Piece joined_piece(const BondGraph& graph, const std::vector<uint32_t
   for (size_t p = 0; p < graph.pieces.size(); ++p) {
     if (group_of_piece[p] != group) continue;
     whole.mass_kg += graph.pieces[p].mass_kg;
+    whole.volume_m3 += graph.pieces[p].volume_m3;
     whole.centre_m += graph.pieces[p].mass_kg * graph.pieces[p].centre_m;
   }
   LIVEGS_ASSERT(whole.mass_kg > 0.0);

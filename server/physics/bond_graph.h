@@ -16,12 +16,13 @@
 // rigid motion). A bond's load is that impulse by area and health.
 //   - Nothing breaks below the threshold of the body, J_c = break_impulse_n_s for the whole, scaled by its share of the
 //     bond area for a fragment, and lower where the most loaded bond is weak.
-//   - Bonds break in order of load, largest first (fuse networks: de Arcangelis, Redner and Herrmann 1985). At J_c they
-//     break until the body comes apart: an area A_c.
-//   - Beyond, cracked area is paid for by the energy of the blow, which goes with J² (Griffith 1921): bonds break until
-//     their area reaches A_c (J / J_c)².
-// What a blow breaks, a stronger one at the same place and direction breaks too. Bonds may break without the body coming apart
-// there: they stay broken.
+//   - Pieces across faces of little load stay together: from single pieces on, the two neighbouring groups with the
+//     least mean load between them become one, until all are. A blow undoes these joins from the last on, so cracks
+//     run right across, fine near the blow and coarse far from it.
+//   - Cracked area is paid for by the energy of the blow, which goes with J² (Griffith 1921): joins are undone while the
+//     area of the faces between groups stays within A_0 (J / J_c)², the first one always. A_0 is the mean cross-section
+//     of the body, volume by length: at the threshold one crack goes right through, however finely it was cut.
+// What a blow breaks, a stronger one at the same place and direction breaks too.
 
 namespace livegs {
 
@@ -30,6 +31,7 @@ struct BondGraph {
     double mass_kg = 0.0;
     Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();     // object frame at rest, as are all lengths here
     Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity();  // kg m², about its centre
+    double volume_m3 = 0.0;
   };
   struct Bond {
     uint32_t first = 0, second = 0;
@@ -63,7 +65,7 @@ std::vector<uint32_t> broken_bonds(const BondGraph& graph, const Blow& blow);
 // For each piece the lowest number of a piece it hangs together with.
 std::vector<uint32_t> connected_groups(const BondGraph& graph);
 
-// Mass, centre and inertia of pieces that move as one.
+// Mass, volume, centre and inertia of pieces that move as one.
 BondGraph::Piece joined_piece(const BondGraph& graph, const std::vector<uint32_t>& group_of_piece, uint32_t group);
 
 }  // namespace livegs

@@ -59,7 +59,8 @@ BondGraph bond_graph_of(const RigidObject& object) {
   for (size_t i = 0; i < graph.pieces.size(); ++i) {
     const BreakablePiece& piece = object.pieces->pieces[i];
     const double mass_kg = object.material.mass_kg * piece.mass_share;
-    graph.pieces[i] = {mass_kg, piece.mass.centre_of_mass_m, mass_kg * piece.mass.inertia_m2};
+    graph.pieces[i] = {mass_kg, piece.mass.centre_of_mass_m, mass_kg * piece.mass.inertia_m2,
+                       graph.pieces[i].volume_m3};
   }
   return graph;
 }
