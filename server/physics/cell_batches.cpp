@@ -112,14 +112,9 @@ IsotropicMaterial CellMaterials::of(const LatticeCell& cell) const {
   return {youngs, std::max(0.0, youngs / (2.0 * shear) - 1.0)};
 }
 
-bool solved_as_thin(const LatticeCell& cell, std::span<const double> plasticities) {
-  return cell.thin && std::none_of(cell.materials.begin(), cell.materials.end(), [&](const MaterialShare& share) {
-    return plasticities[share.material] > 0.0;
-  });
-}
-
 CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> inverse_masses,
-                              std::span<const Eigen::Quaterniond> rotations, uint32_t spare_nodes, CellKinds kinds) {
+                              std::span<const Eigen::Quaterniond> rotations, uint32_t spare_nodes, bool may_be_full,
+                              bool may_be_thin) {
   CellBatches result;
   result.places.resize(lattice.cells.size());
   result.paired = std::all_of(lattice.cells.begin(), lattice.cells.end(), [](const LatticeCell& cell) {
@@ -138,7 +133,7 @@ CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> in
       const LatticeCell& cell = lattice.cells[i];
       const std::array<double, 8> inverse = of_corners(cell, inverse_masses);
       if (!movable(inverse)) continue;
-      if (kinds.may_be_thin && solved_as_thin(cell, kinds.plasticities)) {
+      if (may_be_thin && cell.thin) {
         const CellPlace at = place(result.thin, result.colours.thin_begin[colour], thin_used, spare_nodes,
                                    CellPlace::Kind::Thin, cell, rotations[i]);
         result.places[i] = at;
@@ -147,7 +142,7 @@ CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> in
         eight.used[at.lane] = 1.0f;
         continue;
       }
-      if (kinds.may_be_full && full(cell, inverse, result.full_inverse_mass)) {
+      if (may_be_full && full(cell, inverse, result.full_inverse_mass)) {
         result.places[i] = place(result.full, result.colours.full_begin[colour], full_used, spare_nodes,
                                  CellPlace::Kind::Full, cell, rotations[i]);
         continue;

@@ -43,19 +43,12 @@ struct CellMaterials {
   IsotropicMaterial of(const LatticeCell& cell) const;
 };
 
-// Whether a cell is one of thin_cell.h. What may flow is not: a plain cell's modes know their own yield.
-// `plasticities`: by material.
-bool solved_as_thin(const LatticeCell& cell, std::span<const double> plasticities);
-
 // `spare_nodes` is the first of eight nodes that stand at the corners of a cell and have no mass: unused places hold
 // them. `rotations` by cell are where the sweep's own rotations start. Without `may_be_full`, as when cells flow, none
 // is full; without `may_be_thin` none is thin.
-struct CellKinds {
-  bool may_be_full = true, may_be_thin = true;
-  std::span<const double> plasticities;
-};
 CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> inverse_masses,
-                              std::span<const Eigen::Quaterniond> rotations, uint32_t spare_nodes, CellKinds kinds);
+                              std::span<const Eigen::Quaterniond> rotations, uint32_t spare_nodes, bool may_be_full,
+                              bool may_be_thin);
 
 // Gains of all cells for a step that divides by `step_s`.
 struct SweepGains {

@@ -210,6 +210,26 @@ LIVEGS_INLINE void scatter(const uint32_t (&nodes)[8][8], const Lanes (&inverse_
   }
 }
 
+// U and D have axes of their own: the force is R (T + A), A U + U A = U T - T U (plastic_flow.h). A by the mean
+// stretch in place of U on the left; without it such cells would feed the body energy.
+LIVEGS_INLINE void add_commutator(const Matrix& m, Matrix& stress) {
+  const Lanes share = all_lanes(1.5f) / (m.m[0][0] + m.m[1][1] + m.m[2][2]);
+  Lanes turned[3][3];
+  for (int i = 0; i < 3; ++i) {
+    for (int j = i + 1; j < 3; ++j) {
+      Lanes commutator = all_lanes(0.0f);
+      for (int k = 0; k < 3; ++k) commutator += m.m[i][k] * stress.m[k][j] - stress.m[i][k] * m.m[k][j];
+      turned[i][j] = share * commutator;
+    }
+  }
+  for (int i = 0; i < 3; ++i) {
+    for (int j = i + 1; j < 3; ++j) {
+      stress.m[i][j] += turned[i][j];
+      stress.m[j][i] -= turned[i][j];
+    }
+  }
+}
+
 // Turns `q` to F's rotation; gives R and Rᵀ F.
 LIVEGS_INLINE void follow_rotation(Lanes (&q)[4], const Matrix& f, Matrix& r, Matrix& m) {
   r = matrix_of(q);
@@ -351,23 +371,7 @@ LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const
   for (int k = 0; k < 6; ++k) sigma.v[k] = shear.v[k] + p * (c.v[k] - hac.v[k]);
   Matrix stress = matrix_of_mandel(sigma);
   if (kPlastic) {
-    // U and D have axes of their own: the force is R (T + A), A U + U A = U T - T U (plastic_flow.h). A by the mean
-    // stretch in place of U on the left; without it such cells would feed the body energy.
-    const Lanes share = all_lanes(1.5f) / (m.m[0][0] + m.m[1][1] + m.m[2][2]);
-    Lanes turned[3][3];
-    for (int i = 0; i < 3; ++i) {
-      for (int j = i + 1; j < 3; ++j) {
-        Lanes commutator = all_lanes(0.0f);
-        for (int k = 0; k < 3; ++k) commutator += m.m[i][k] * stress.m[k][j] - stress.m[i][k] * m.m[k][j];
-        turned[i][j] = share * commutator;
-      }
-    }
-    for (int i = 0; i < 3; ++i) {
-      for (int j = i + 1; j < 3; ++j) {
-        stress.m[i][j] += turned[i][j];
-        stress.m[j][i] -= turned[i][j];
-      }
-    }
+    add_commutator(m, stress);
   }
 
   // Mode amplitudes after the strain update, in the turned frame, and what their rows give back.
@@ -400,8 +404,9 @@ LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const
 }
 
 // All eighteen measures at once; the energy is quadratic in them, so there is no volume row.
-template <bool kPaired>
-LIVEGS_INLINE void solve_thin(ThinCells& cells, const ThinGains& gains, const SweepArrays& arrays, Worst& worst) {
+template <bool kPaired, bool kPlastic>
+LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, const ThinGains& gains,
+                              const SweepArrays& arrays, Worst& worst) {
   Lanes position[3][8], inverse_mass[8];
   gather<kPaired>(cells.nodes, arrays.predicted, arrays.corrections, position, inverse_mass);
   const Lanes q4 = all_lanes(arrays.inverse_four_widths);
@@ -419,7 +424,10 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const ThinGains& gains, const Sw
   follow_rotation(cells.rotation, f, r, m);
   Symmetric lack;
   Lanes volume;
-  strain_of(m, lack, volume);
+  const Symmetric s = strain_of(m, lack, volume);
+  if (kPlastic) {
+    for (int k = 0; k < 6; ++k) lack.v[k] = plastic->part[k] - s.v[k];
+  }
   Lanes lacking[kThinMeasures], impulse[kThinMeasures];
   for (int k = 0; k < 6; ++k) lacking[k] = lack.v[k];
   for (int j = 0; j < 4; ++j) {
@@ -427,6 +435,7 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const ThinGains& gains, const Sw
     for (int d = 0; d < 3; ++d) {
       const Lanes turned = r.m[0][d] * position[0][k] + r.m[1][d] * position[1][k] + r.m[2][d] * position[2][k];
       lacking[6 + 3 * j + d] = turned * all_lanes(-0.125f);
+      if (kPlastic) lacking[6 + 3 * j + d] += plastic->mode_rest[j][d];
     }
   }
   // A fold costs a sheet little and leaves no strain at the centroid: the report counts bending as a full cell's.
@@ -449,7 +458,8 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const ThinGains& gains, const Sw
   }
   Symmetric sigma;
   for (int k = 0; k < 6; ++k) sigma.v[k] = impulse[k];
-  const Matrix stress = matrix_of_mandel(sigma);
+  Matrix stress = matrix_of_mandel(sigma);
+  if (kPlastic) add_commutator(m, stress);
   Lanes coefficient[8][3];
   for (int d = 0; d < 3; ++d) {
     const Lanes tx = stress.m[d][0] * q4, ty = stress.m[d][1] * q4, tz = stress.m[d][2] * q4;
@@ -497,10 +507,12 @@ SweepReport sweep_cells(const SweepArrays& arrays, const SweepColours& colours) 
       }
     }
     for (size_t k = colours.thin_begin[colour]; k < colours.thin_begin[colour + 1]; ++k) {
-      if (arrays.paired) {
-        solve_thin<true>(arrays.thin[k], arrays.thin_gains[k], arrays, worst);
+      if (arrays.thin_plastic) {
+        solve_thin<false, true>(arrays.thin[k], arrays.thin_plastic + k, arrays.thin_gains[k], arrays, worst);
+      } else if (arrays.paired) {
+        solve_thin<true, false>(arrays.thin[k], nullptr, arrays.thin_gains[k], arrays, worst);
       } else {
-        solve_thin<false>(arrays.thin[k], arrays.thin_gains[k], arrays, worst);
+        solve_thin<false, false>(arrays.thin[k], nullptr, arrays.thin_gains[k], arrays, worst);
       }
     }
   }

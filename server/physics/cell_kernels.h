@@ -105,6 +105,7 @@ struct SweepArrays {
   CutCells* cut = nullptr;
   ThinCells* thin = nullptr;
   const PlasticCells* plastic = nullptr;  // one a CutCells, or nullptr
+  const PlasticCells* thin_plastic = nullptr;  // one a ThinCells, or nullptr
   const CutGains* gains = nullptr;        // one a CutCells
   const ThinGains* thin_gains = nullptr;  // one a ThinCells
   FullGains full_gains{};

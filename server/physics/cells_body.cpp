@@ -133,7 +133,7 @@ void CellsBody::rebuild_cells() {
   for (const NodeSample& sample : surface_) surface_mobility_.push_back(static_cast<float>(mobility(sample)));
   predict_accuracy();
   batches_ = make_cell_batches(lattice_, inverse_masses_, rotations, nodes_.spare(),
-                               {plastic_parts_.empty(), options_.thin, plasticities_});
+                               plastic_parts_.empty(), options_.thin);
   gains_step_s_ = 0.0;
   if (!plastic_parts_.empty()) set_all_plastic();
 }

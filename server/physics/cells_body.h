@@ -173,7 +173,7 @@ class CellsBody final : public ElasticBody {
   CellBatches batches_;
   SweepGains gains_[2];         // of first-order and second-order steps
   double gains_step_s_ = 0.0;   // the h that gains_ are for; 0: none
-  std::vector<PlasticCells> plastic_;             // as batches_.cut; empty while nothing has flowed
+  std::vector<PlasticCells> plastic_, thin_plastic_;  // as batches_.cut and .thin; empty while nothing has flowed
   std::vector<Matrix3d> plastic_parts_;           // by cell
   std::vector<std::array<Vector3d, kModeCount>> plastic_modes_;  // amplitudes at rest, turned frame
   double plastic_work_j_ = 0.0;

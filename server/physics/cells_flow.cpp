@@ -42,8 +42,11 @@ void CellsBody::flow() {
     const YieldSurface surface = yield_surface(plasticity, material.poisson_ratio);
     const PlasticFlow flowed = flow_plastically(surface, shape.f * before.inverse(), before);
 
-    // A mode of amplitude q strains the faces of the cell by 4 q / a.
-    const double per_m = 4.0 / lattice_.cell_width_m, yield = 1.0 - plasticity;
+    // A mode of amplitude q strains the faces of the cell by 4 q / a, and those of a thin sheet in it by less.
+    const bool thin = batches_.places[i].kind == CellPlace::Kind::Thin;
+    const double width_m = lattice_.cell_width_m, yield = 1.0 - plasticity;
+    const double thickness_m = thin ? std::sqrt(12.0 * cell.thin->variance_m2[0]) : width_m;
+    const double per_m = 4.0 / width_m * (thickness_m / width_m);
     std::array<Vector3d, kModeCount> rest;
     bool bent = false;
     for (int j = 0; j < kModeCount; ++j) {
@@ -81,13 +84,14 @@ void CellsBody::set_all_plastic() {
   PlasticCells whole{};
   for (int k = 0; k < 3; ++k) whole.part[k] = all_lanes(1.0f);
   plastic_.assign(batches_.cut.size(), whole);
+  thin_plastic_.assign(batches_.thin.size(), whole);
   for (size_t i = 0; i < lattice_.cells.size(); ++i) set_plastic_lanes(i);
 }
 
 void CellsBody::set_plastic_lanes(size_t index) {
   const CellPlace& at = batches_.places[index];
-  if (at.kind != CellPlace::Kind::Cut) return;
-  PlasticCells& eight = plastic_[at.index];
+  if (at.kind != CellPlace::Kind::Cut && at.kind != CellPlace::Kind::Thin) return;
+  PlasticCells& eight = at.kind == CellPlace::Kind::Cut ? plastic_[at.index] : thin_plastic_[at.index];
   const Vector6 part = mandel(plastic_parts_[index]);
   for (int k = 0; k < 6; ++k) eight.part[k][at.lane] = static_cast<float>(part[k]);
   for (int j = 0; j < kModeCount; ++j) {
@@ -104,7 +108,7 @@ double CellsBody::energy_of(size_t index, const CellShape& shape) const {
   }
   const LatticeCell& cell = lattice_.cells[index];
   const Matrix3d stretch = shape.rotation.transpose() * shape.f;
-  if (options_.thin && solved_as_thin(cell, plasticities_)) {
+  if (options_.thin && cell.thin) {
     const IsotropicMaterial material = cell_materials_.of(cell);
     Vector18 measures;
     measures.head<6>() = mandel(0.5 * (stretch + stretch.transpose()) - rest);

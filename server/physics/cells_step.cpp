@@ -91,6 +91,7 @@ void CellsBody::step(double time_s, double h, const SubstepContext& context) {
   sweep.cut = batches_.cut.data();
   sweep.thin = batches_.thin.data();
   sweep.plastic = plastic_.empty() ? nullptr : plastic_.data();
+  sweep.thin_plastic = plastic_parts_.empty() ? nullptr : thin_plastic_.data();
   sweep.gains = gains_[second_order].cut.data();
   sweep.thin_gains = gains_[second_order].thin.data();
   sweep.full_gains = gains_[second_order].full;

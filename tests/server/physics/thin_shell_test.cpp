@@ -211,5 +211,27 @@ TEST(ThinShell, ASpinningArcKeepsItsMomentumAndGainsNoEnergy) {
   }
 }
 
+TEST(ThinShell, AnArcOfSoftMetalStaysBent) {
+  double left[2];
+  for (const double plasticity : {0.0, 0.995}) {
+    ElasticBodyDescription body = describe_quarter(5.0, 0.3, true);
+    body.material.loss_factor = 0.2;
+    body.material.plasticity = plasticity;
+    body.initial_deformation = Vector3d(1, 1, 0.7).asDiagonal();
+    Stage stage;
+    stage.make(body);
+    double most_j = stage.total_energy_j();
+    for (int i = 0; i < 1800; ++i) {
+      stage.frame();
+      const double now_j = stage.total_energy_j();
+      ASSERT_LT(now_j, 1.02 * most_j) << i;
+    }
+    ASSERT_TRUE(all_finite(*stage.body));
+    left[plasticity > 0.0] = rms_distance_from_rest_shape(*stage.body, body.particles);
+  }
+  EXPECT_LT(left[0], 1e-3 * kQuarter.length_m);
+  EXPECT_GT(left[1], 1e-2 * kQuarter.length_m);
+}
+
 }  // namespace
 }  // namespace livegs::test
