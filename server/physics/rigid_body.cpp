@@ -39,9 +39,9 @@ void RigidBody::apply_angular_impulse(const Eigen::Vector3d& impulse) {
   angular_velocity_rad_s += inverse_inertia * impulse;
 }
 
-void RigidBody::move(double duration_s) {
-  Eigen::Vector3d late =
-      met_body ? Eigen::Vector3d(duration_s * substep_acceleration_m_s2) : velocity_m_s - substep_velocity_m_s;
+Eigen::Vector3d RigidBody::mean_velocity(double duration_s) const {
+  Eigen::Vector3d late = met_body || joints ? Eigen::Vector3d(duration_s * substep_acceleration_m_s2)
+                                            : velocity_m_s - substep_velocity_m_s;
   for (const ContactPatch& patch : patches) {
     for (int i = 0; i < patch.point_count; ++i) {
       const ContactPoint& point = patch.points[i];
@@ -49,14 +49,18 @@ void RigidBody::move(double duration_s) {
     }
   }
   if (pushed_by_owner) late.setZero();
-  world_from_body.position_m += duration_s * (velocity_m_s - 0.5 * late);
-  if (!shape.is_ball()) {
-    world_from_body.orientation =
-        turned_freely(world_from_body.orientation, inverse_inertia_body(), angular_momentum, duration_s);
-  } else {
-    world_from_body.orientation =
-        (rotation_exp(duration_s * angular_velocity_rad_s) * world_from_body.orientation).normalized();
-  }
+  return velocity_m_s - 0.5 * late;
+}
+
+Eigen::Quaterniond RigidBody::orientation_after(double duration_s) const {
+  const Eigen::Quaterniond& now = world_from_body.orientation;
+  if (!shape.is_ball()) return turned_freely(now, inverse_inertia_body(), angular_momentum, duration_s);
+  return (rotation_exp(duration_s * angular_velocity_rad_s) * now).normalized();
+}
+
+void RigidBody::move(double duration_s) {
+  world_from_body.position_m += duration_s * mean_velocity(duration_s);
+  world_from_body.orientation = orientation_after(duration_s);
   update_turning();
 }
 

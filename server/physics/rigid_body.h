@@ -12,6 +12,8 @@
 
 namespace livegs {
 
+class JointGroup;
+
 // Fragments of one object, at most.
 inline constexpr uint32_t kMaxBodiesOfObject = 256;
 
@@ -64,6 +66,8 @@ struct RigidBody {
   std::vector<ContactPatch> patches;           // where this body is the first of the pair
   std::vector<ContactPatch> previous_patches;  // of the substep before, for warm starting
 
+  JointGroup* joints = nullptr;  // the bodies it hangs together with by joints; nullptr: none
+
   // Over the tick, for events.
   double contact_impulse_n_s = 0.0;
   Eigen::Vector3d contact_moment = Eigen::Vector3d::Zero();  // impulse times point
@@ -93,6 +97,9 @@ struct RigidBody {
   // after (exact for a constant acceleration, sliding included); along the normals of contacts that pushed, it is that
   // after. Impulses between two bodies move them by the velocity after, which keeps their angular momentum.
   void move(double duration_s);
+  // How move() would move it now.
+  Eigen::Vector3d mean_velocity(double duration_s) const;  // of the centre of mass
+  Eigen::Quaterniond orientation_after(double duration_s) const;
 
   double kinetic_j() const {
     return 0.5 * (mass_kg * velocity_m_s.squaredNorm() + angular_velocity_rad_s.dot(angular_momentum));

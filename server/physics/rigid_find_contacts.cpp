@@ -6,6 +6,7 @@
 
 #include "physics/rigid_candidates.h"
 #include "physics/rigid_collider_features.h"
+#include "physics/rigid_joint.h"
 #include "physics/rigid_patches.h"
 
 namespace livegs {
@@ -140,6 +141,7 @@ void ball_body_candidates(const RigidBody& ball, const RigidBody& other, const C
 
 void find_pair_contacts(RigidBody& body, RigidBody& other, double gravity_m_s2, double duration_s,
                         std::vector<ContactCandidate>& candidates) {
+  if (joined(body, other)) return;
   const double smaller = std::min(body.shape.bounding_radius_m, other.shape.bounding_radius_m);
   const ContactSearch search{duration_s, kContactMargin * smaller};
   const Eigen::Vector3d between = body.world_from_body.position_m - other.world_from_body.position_m;

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "physics/disjoint_sets.h"
+#include "physics/rigid_joint.h"
 
 namespace livegs {
 
@@ -21,6 +22,7 @@ std::vector<RigidIsland> rigid_islands(std::span<RigidBody* const> bodies, Islan
   DisjointSets sets(bodies.size());
   for (RigidBody* body : bodies) {
     if (body->asleep) continue;
+    if (body->joints) sets.join(body->slot, body->joints->bodies().front()->slot);
     for (const ContactPatch& patch : body->patches) {
       if (!patch.other || patch.other->asleep) continue;
       if (link == IslandLink::AnyPatch || is_touching(patch)) sets.join(body->slot, patch.other->slot);

@@ -8,6 +8,7 @@
 #include "physics/rigid_contact.h"
 #include "physics/rigid_find_contacts.h"
 #include "physics/rigid_islands.h"
+#include "physics/rigid_joint.h"
 
 namespace livegs {
 namespace {
@@ -20,8 +21,11 @@ constexpr int kSolverSteps = 4;
 constexpr int kSweeps = 1;
 constexpr int kImpactSweeps = 4;
 
-// What fell asleep together wakes together. Returns whether anything woke.
+// What fell asleep together wakes together, and so does what is joined. Returns whether anything woke.
 bool wake_groups(std::span<RigidBody* const> bodies) {
+  for (RigidBody* body : bodies) {
+    if (!body->asleep && body->joints) body->joints->wake_together();
+  }
   std::vector<uint64_t> woken;
   for (RigidBody* body : bodies) {
     if (body->asleep || body->sleep_group == 0) continue;
@@ -129,6 +133,13 @@ bool is_impact(const ContactPatch& patch) {
   return false;
 }
 
+// Decides how the bodies will move, which their joints reckon with.
+void note_meeting(RigidBody& body, ContactPatch& patch) {
+  if (!patch.other || total_impulse(patch) <= 0.0) return;
+  if (!body.asleep) body.met_body = true;
+  if (!patch.other->asleep) patch.other->met_body = patch.other->pushed_by_owner = true;
+}
+
 void solve_island(RigidIsland& island, double duration_s) {
   const auto each = [&](const auto& visit) {
     for (const RigidIsland::Contact& contact : island.contacts) visit(*contact.owner, *contact.patch);
@@ -137,6 +148,7 @@ void solve_island(RigidIsland& island, double duration_s) {
   const bool struck = std::any_of(island.contacts.begin(), island.contacts.end(),
                                   [](const RigidIsland::Contact& contact) { return is_impact(*contact.patch); });
   const int sweeps = struck ? kImpactSweeps : kSweeps;
+  const std::vector<JointGroup*> joints = joint_groups(island.bodies);
   for (RigidBody* body : island.bodies) body->velocity_m_s = body->substep_velocity_m_s;
   for (int step = 0; step < kSolverSteps; ++step) {
     for (RigidBody* body : island.bodies) {
@@ -145,27 +157,33 @@ void solve_island(RigidIsland& island, double duration_s) {
       body->velocity_m_s += step_s * body->substep_acceleration_m_s2;
     }
     each(prepare_patch);
+    for (JointGroup* group : joints) group->begin();
     each(warm_start_patch);
+    for (JointGroup* group : joints) group->prepare(ContactPhase::Push);
     for (int sweep = 0; sweep < sweeps; ++sweep) {
       each([&](RigidBody& body, ContactPatch& patch) { solve_patch(body, patch, ContactPhase::Push, step_s); });
+      if (!joints.empty()) each(note_meeting);
+      for (JointGroup* group : joints) group->solve(ContactPhase::Push, step_s);
     }
-    each([&](RigidBody& body, ContactPatch& patch) {
-      follow_patch(body, patch, step_s);
-      if (!patch.other || total_impulse(patch) <= 0.0) return;
-      if (!body.asleep) body.met_body = true;
-      if (!patch.other->asleep) patch.other->met_body = patch.other->pushed_by_owner = true;
-    });
-    for (RigidBody* body : island.bodies) body->move(step_s);
+    each([&](RigidBody& body, ContactPatch& patch) { follow_patch(body, patch, step_s); });
+    each(note_meeting);
+    for (RigidBody* body : island.bodies) {
+      if (!body->joints) body->move(step_s);
+    }
+    for (JointGroup* group : joints) group->move(step_s);
 
     each(prepare_patch);
+    for (JointGroup* group : joints) group->prepare(ContactPhase::Relax);
     for (int sweep = 0; sweep < sweeps; ++sweep) {
       each([&](RigidBody& body, ContactPatch& patch) { solve_patch(body, patch, ContactPhase::Relax, step_s); });
+      for (JointGroup* group : joints) group->solve(ContactPhase::Relax, step_s);
     }
     if (step + 1 == kSolverSteps) {
       for (int sweep = 0; sweep < kImpactSweeps; ++sweep) {
         each([&](RigidBody& body, ContactPatch& patch) {
           if (restitute_patch(body, patch)) rub_patch(body, patch);
         });
+        for (JointGroup* group : joints) group->solve(ContactPhase::Relax, step_s);
       }
     }
     each(tally);
@@ -223,7 +241,7 @@ void update_sleep(std::span<RigidBody* const> bodies, double tick_s, RigidBroadP
   for (RigidBody* body : bodies) {
     if (body->asleep) continue;
     awake.push_back(body);
-    bool touching = body->pushed_by_owner;
+    bool touching = body->pushed_by_owner || body->joints;
     for (const ContactPatch& patch : body->patches) touching = touching || total_impulse(patch) > 0.0;
     const bool still = touching && three_point_speed_m_s(*body, body->velocity_m_s) < sleep_speed_m_s(body->shape);
     body->still_s = still ? body->still_s + tick_s : 0.0;

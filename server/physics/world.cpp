@@ -51,6 +51,7 @@ void World::State::list_bodies() {
     if (ElasticObject* elastic = object.elastic()) elastic_objects.push_back(elastic);
   }
   loads.resize(rigid_bodies.size());
+  if (!joints.empty()) link_joints();
 }
 
 void World::State::wake_all() {

@@ -54,6 +54,30 @@ struct BallDescription {
   double restitution = 0.6;
 };
 
+// A joint of a rigid object to the world, or to another rigid object. Points and directions are in the first object's
+// frame at rest; the joint is closed as the objects stand when it is added. The two do not touch each other.
+struct BallJointDescription {
+  uint32_t object_id = 0;
+  std::optional<uint32_t> other_id;  // none, or an object that never moves: the world
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
+};
+struct HingeJointDescription {
+  uint32_t object_id = 0;
+  std::optional<uint32_t> other_id;
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  // any length but zero
+};
+
+// A joint now. Errors are what is left of it: the distance of its two points, the angle between its two axes.
+struct JointState {
+  uint32_t object_id = 0;
+  std::optional<uint32_t> other_id;
+  bool hinge = false;
+  Eigen::Vector3d point_m, axis;  // world; axis is zero for a ball joint
+  double error_m = 0, error_rad = 0;
+  double force_n = 0;  // that it bears, on average over the last substep
+};
+
 // One row of bodies.csv.
 struct BodyState {
   uint32_t object_id = 0;
@@ -101,6 +125,11 @@ class World {
   Result<void> add_elastic(const ElasticBodyDescription& description);
   Result<void> add_ball(const BallDescription& description);
   void remove(uint32_t object_id);  // balls that have gone far; unknown ids are ignored
+
+  // Errors name the objects. A joint goes when an object of it is removed.
+  Result<void> add_ball_joint(const BallJointDescription& description);
+  Result<void> add_hinge_joint(const HingeJointDescription& description);
+  std::vector<JointState> joints() const;  // in the order they were added
 
   // One tick: 1 / rate_hz seconds.
   void step();

@@ -11,6 +11,7 @@
 #include "physics/bond_graph.h"
 #include "physics/breakable_pieces.h"
 #include "physics/rigid_body.h"
+#include "physics/rigid_joint.h"
 #include "physics/rigid_step.h"
 #include "physics/world.h"
 
@@ -86,12 +87,24 @@ struct HeldSpring {
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  // of the last substep
 };
 
+struct HeldJoint {
+  uint32_t object_id = 0;
+  std::optional<uint32_t> other_id;  // of an object that moves
+  std::optional<uint32_t> named_id;  // as it was given
+  Eigen::Vector3d point_m, axis;              // object frame, at rest
+  Eigen::Vector3d other_point_m, other_axis;  // of the other object, or of the world
+  RigidJoint joint;                           // as it was when groups were last made
+  const JointGroup* group = nullptr;
+};
+
 struct World::State {
   WorldSettings settings;
   std::vector<Collider> colliders;
   std::map<uint32_t, WorldObject> objects;
   std::map<uint64_t, HeldForce> forces;
   std::map<uint64_t, HeldSpring> springs;
+  std::vector<HeldJoint> joints;  // as they were added; ids count from 1
+  std::vector<std::unique_ptr<JointGroup>> joint_groups;
   std::vector<WorldEvent> events;
   uint64_t tick = 0;
   StepTimes times;
@@ -106,6 +119,9 @@ struct World::State {
   const WorldObject* find(uint32_t object_id) const;
   void list_bodies();
   void wake_all();
+  Result<void> add_joint(const HingeJointDescription& description, bool hinge);
+  void link_joints();  // groups of the joints there are, after joints or bodies came or went
+  const RigidJoint& running(const HeldJoint& held) const;
 
   void gather_loads(double duration_s);
   void meet_balls(ElasticObject& elastic, double duration_s);
