@@ -20,11 +20,14 @@ using Eigen::Vector3d;
 // of 0.97 where three meet.
 constexpr double kGridDeviation = 0.6;
 constexpr double kLeastRimDistance = 0.3;  // of a kernel of the grid
-// The row along the rim.
-constexpr double kRimStep = 0.6, kRimInset = 0.25, kRimAlong = 0.45;
+// Rows along the rim: the one nearest to it follows the walls of thin things closer in, the other is for wider faces.
+constexpr double kRimStep = 0.6, kRimAlong = 0.45, kRimInsets[] = {0.2, 0.55};
 constexpr double kThickness = 0.02;
-// A kernel reaches a rim at this many deviations, where its opacity is a seventh.
+// A kernel reaches a rim at this many deviations or more, where its opacity is a seventh.
 constexpr double kDeviationsToRim = 2.0;
+
+// The largest deviation of a kernel this far from the rim.
+double widest(double rim, double most_overhang) { return std::min(rim / kDeviationsToRim, (rim + most_overhang) / 3.0); }
 
 // The triangles of one bond that lie in one plane, seen from the first piece.
 struct Face {
@@ -35,11 +38,12 @@ struct Face {
   Vector3d at(const Vector2d& p) const { return origin + p.x() * right + p.y() * up; }
 };
 
-double distance_to(const Vector2d& p, const std::array<Vector2d, 2>& edge) {
+// From a point to the nearest one of an edge.
+Vector2d way_to(const Vector2d& p, const std::array<Vector2d, 2>& edge) {
   const Vector2d way = edge[1] - edge[0];
   const double length2 = way.squaredNorm();
   const double t = length2 > 0.0 ? std::clamp((p - edge[0]).dot(way) / length2, 0.0, 1.0) : 0.0;
-  return (p - edge[0] - t * way).norm();
+  return edge[0] + t * way - p;
 }
 
 // Distance to the rim, negative outside.
@@ -47,7 +51,7 @@ double rim_distance(const Face& face, const Vector2d& p) {
   double nearest = std::numeric_limits<double>::max();
   bool inside = false;
   for (const auto& [a, b] : face.rim) {
-    nearest = std::min(nearest, distance_to(p, {a, b}));
+    nearest = std::min(nearest, way_to(p, {a, b}).norm());
     if ((a.y() > p.y()) != (b.y() > p.y()) &&
         p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) {
       inside = !inside;
@@ -119,7 +123,23 @@ struct FlatKernel {
   double along_m, across_m;
 };
 
-void add_grid(const Face& face, double spacing, std::vector<FlatKernel>& out) {
+// Smaller until it reaches no farther beyond any edge than it may.
+void fit(const Face& face, double overhang, FlatKernel& kernel) {
+  double share = 1.0;
+  for (const auto& edge : face.rim) {
+    const Vector2d way = way_to(kernel.place, edge);
+    const double distance = way.norm();
+    const double along = way.dot(kernel.along), across2 = std::max(0.0, distance * distance - along * along);
+    const double deviation =
+        std::sqrt(along * along * kernel.along_m * kernel.along_m + across2 * kernel.across_m * kernel.across_m);
+    // Three deviations towards the edge, by the distance: 3 deviation / distance against distance + overhang.
+    if (deviation > 0.0) share = std::min(share, distance * (distance + overhang) / (3.0 * deviation));
+  }
+  kernel.along_m *= share;
+  kernel.across_m *= share;
+}
+
+void add_grid(const Face& face, double spacing, double overhang, std::vector<FlatKernel>& out) {
   const double row = spacing * std::sqrt(0.75);
   std::set<std::pair<int, int>> places;
   for (const auto& [a, b, c] : face.triangles) {
@@ -139,12 +159,15 @@ void add_grid(const Face& face, double spacing, std::vector<FlatKernel>& out) {
     const Vector2d p(i * spacing + (j & 1 ? 0.5 * spacing : 0.0), j * row);
     const double rim = rim_distance(face, p);
     if (rim < kLeastRimDistance * spacing) continue;
-    const double deviation = std::min(kGridDeviation * spacing, rim / kDeviationsToRim);
-    out.push_back({p, Vector2d::UnitX(), deviation, deviation});
+    const double deviation = std::min(kGridDeviation * spacing, widest(rim, overhang));
+    FlatKernel kernel{p, Vector2d::UnitX(), deviation, deviation};
+    fit(face, overhang, kernel);
+    out.push_back(kernel);
   }
 }
 
-void add_rim(const Face& face, double spacing, std::vector<FlatKernel>& out) {
+void add_rim(const Face& face, double spacing, double overhang, double first_inset, bool closer,
+             std::vector<FlatKernel>& out) {
   // Steps run on from edge to edge, so that a rim of many short edges gets no more kernels than one of few long ones.
   double walked = 0.0;
   for (const auto& [a, b] : face.rim) {
@@ -154,16 +177,21 @@ void add_rim(const Face& face, double spacing, std::vector<FlatKernel>& out) {
     const double step = kRimStep * spacing;
     for (double next = (std::floor(walked / step) + 1.0) * step; next <= walked + length; next += step) {
       const Vector2d on = a + (next - walked) * along;
-      for (double inset = kRimInset * spacing; inset > 0.02 * spacing; inset *= 0.5) {
+      for (double inset = first_inset * spacing; inset > 0.02 * spacing; inset *= 0.5) {
         const Vector2d place = on + inset * inwards;
         const double rim = rim_distance(face, place);
-        if (rim < 0.7 * inset) continue;  // the wall is thinner than that
-        FlatKernel kernel{place, along, kRimAlong * spacing, rim / kDeviationsToRim};
+        if (rim < 0.7 * inset) {  // the wall is thinner than that
+          if (closer) continue;
+          break;
+        }
+        FlatKernel kernel{place, along, kRimAlong * spacing, widest(rim, overhang)};
+        const auto reach = [&] { return std::max(kDeviationsToRim * kernel.along_m, 3.0 * kernel.along_m - overhang); };
         while (kernel.along_m > kernel.across_m &&
-               (rim_distance(face, place + kDeviationsToRim * kernel.along_m * along) < 0.0 ||
-                rim_distance(face, place - kDeviationsToRim * kernel.along_m * along) < 0.0)) {
+               (rim_distance(face, place + reach() * along) < 0.0 ||
+                rim_distance(face, place - reach() * along) < 0.0)) {
           kernel.along_m *= 0.7;
         }
+        fit(face, overhang, kernel);
         out.push_back(kernel);
         break;
       }
@@ -174,7 +202,8 @@ void add_rim(const Face& face, double spacing, std::vector<FlatKernel>& out) {
 
 }  // namespace
 
-std::vector<FaceKernel> face_kernels(const VoronoiPieces& pieces, double spacing_m) {
+std::vector<FaceKernel> face_kernels(const VoronoiPieces& pieces, double spacing_m,
+                                     double most_overhang_m) {
   std::vector<std::vector<FaceKernel>> by_bond(pieces.bonds.size());
   parallel_for(pieces.bonds.size(), 1, [&](size_t begin, size_t end) {
     for (size_t b = begin; b < end; ++b) {
@@ -182,8 +211,9 @@ std::vector<FaceKernel> face_kernels(const VoronoiPieces& pieces, double spacing
       std::vector<FaceKernel> first, second;
       for (const Face& face : faces_of(pieces.pieces[pieces.bonds[b].first], bond)) {
         std::vector<FlatKernel> flat;
-        add_grid(face, spacing_m, flat);
-        add_rim(face, spacing_m, flat);
+        add_grid(face, spacing_m, most_overhang_m, flat);
+        add_rim(face, spacing_m, most_overhang_m, kRimInsets[0], true, flat);
+        add_rim(face, spacing_m, most_overhang_m, kRimInsets[1], false, flat);
         for (const FlatKernel& kernel : flat) {
           const Vector3d along = kernel.along.x() * face.right + kernel.along.y() * face.up;
           FaceKernel made;

@@ -103,10 +103,10 @@ double interior_spacing_m(const GaussianAsset& asset, double scale, const Vorono
 }
 
 void add_face_kernels(const GaussianAsset& asset, const Similarity& object_from_asset, const VoronoiPieces& pieces,
-                      const PieceKernelOptions& options, PieceKernels& out) {
+                      const PieceKernelOptions& options, double overhang_m, PieceKernels& out) {
   const double spacing_m = interior_spacing_m(asset, object_from_asset.scale, pieces, options);
   const std::vector<FaceKernel> faces =
-      options.most_interior > 0 && spacing_m > 0.0 ? face_kernels(pieces, spacing_m) : std::vector<FaceKernel>{};
+      options.most_interior > 0 && spacing_m > 0.0 ? face_kernels(pieces, spacing_m, overhang_m) : std::vector<FaceKernel>{};
   const size_t begin = out.asset.size();
   out.interior_begin = begin;
   out.asset.resize(begin + faces.size());
@@ -216,7 +216,7 @@ Result<PieceKernels> make_piece_kernels(const GaussianAsset& asset, const Simila
       ++k;
     }
   }
-  add_face_kernels(asset, object_from_asset, pieces, options, out);
+  add_face_kernels(asset, object_from_asset, pieces, options, overhang_m, out);
   return out;
 }
 

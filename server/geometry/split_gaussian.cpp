@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <numbers>
 
 #include "geometry/truncated_gaussian.h"
 
@@ -16,8 +16,9 @@ using Eigen::Vector3d;
 
 // A Gaussian much larger than the body would become thousands of parts; at this many they are held back instead.
 constexpr size_t kMostParts = 96;
-// Of the variance that stays with each of three narrower Gaussians that stand for one.
-constexpr double kNarrowing = 0.5;
+// Narrower Gaussians that stand for one are this many of their deviations apart: their sum ripples by 2 exp(-pi²/2) or
+// 1.4 %. They reach as far as this many of the one's, and are at least so wide in parts of it.
+constexpr double kNarrowSpacing = 2.0, kNarrowReach = 3.2, kNarrowest = 0.2;
 
 // The nearest plane that the part's ellipsoid crosses.
 struct Crossing {
@@ -26,6 +27,8 @@ struct Crossing {
   double deviation_m = 0.0;             // standard deviation along it
   double end = 0.0;                     // the plane, in deviations from the mean
 };
+
+CutName cut_name(uint32_t a, uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
 bool one_piece(const VoronoiPieces& pieces, uint32_t a, uint32_t b) {
   const auto &pa = pieces.cell_parts[a], &pb = pieces.cell_parts[b];
@@ -47,7 +50,7 @@ Crossing nearest_crossing(const GaussianPart& part, const VoronoiPieces& pieces)
   Crossing nearest;
   nearest.end = kSplitDeviations;
   for (uint32_t neighbour : pieces.cell_neighbours[part.cell]) {
-    const std::pair<uint32_t, uint32_t> planes = std::minmax(part.cell, neighbour);
+    const CutName planes = cut_name(part.cell, neighbour);
     if (std::find(part.cuts.begin(), part.cuts.end(), planes) != part.cuts.end()) continue;
     if (one_piece(pieces, part.cell, neighbour)) continue;
     const Crossing crossing = plane_between(part, pieces, neighbour);
@@ -67,19 +70,23 @@ GaussianPart below(const GaussianPart& part, const Vector3d& normal, double devi
   return half;
 }
 
-// Three narrower Gaussians along the normal with the same moments up to the fifth, by the Gauss-Hermite rule of three
-// points: a Gaussian of variance 1 is one of variance v convolved with one of 1 - v, which the rule puts at 0 and at
-// +-sqrt(3 (1 - v)) with weights 2/3 and 1/6.
-std::array<GaussianPart, 3> narrower(const GaussianPart& part, const Crossing& crossing) {
+// A Gaussian of variance 1 is one of variance w² convolved with one of 1 - w²; here the latter is sampled along the
+// normal, a spacing apart.
+void add_narrower(const GaussianPart& part, const Crossing& crossing, double width, double least_opacity,
+                  std::vector<GaussianPart>& out) {
   const Vector3d along = part.covariance_m2 * crossing.normal / crossing.deviation_m;
-  const double offset = std::sqrt(3.0 * (1.0 - kNarrowing));
-  std::array<GaussianPart, 3> three{part, part, part};
-  for (int k = 0; k < 3; ++k) {
-    three[k].mean_m += (k - 1) * offset * along;
-    three[k].covariance_m2 -= (1.0 - kNarrowing) * along * along.transpose();
-    three[k].opacity *= (k == 1 ? 2.0 / 3.0 : 1.0 / 6.0) / std::sqrt(kNarrowing);
+  const double spread = std::sqrt(1.0 - width * width), spacing = kNarrowSpacing * width;
+  const int most = static_cast<int>(kNarrowReach * spread / spacing);
+  for (int k = -most; k <= most; ++k) {
+    const double at = k * spacing;
+    GaussianPart narrow = part;
+    narrow.mean_m += at * along;
+    narrow.covariance_m2 -= (1.0 - width * width) * along * along.transpose();
+    narrow.opacity *= spacing / width / spread * std::exp(-0.5 * at * at / (spread * spread)) /
+                      std::sqrt(2.0 * std::numbers::pi);
+    narrow.narrowed.push_back(cut_name(part.cell, crossing.neighbour));
+    if (narrow.opacity >= least_opacity) out.push_back(std::move(narrow));
   }
-  return three;
 }
 
 double overhang_m(const Crossing& crossing) {
@@ -88,17 +95,19 @@ double overhang_m(const Crossing& crossing) {
                                          kSplitDeviations * std::sqrt(high.variance) + high.mean + crossing.end);
 }
 
-// Rounding, other planes' cuts and kMostParts may leave a part reaching too far: it is pressed flat until it does not.
+// Rounding, other planes' cuts and kMostParts may leave a part reaching too far: it is pressed flat until it does not,
+// and grows more opaque for it.
 void hold_back(GaussianPart& part, const VoronoiPieces& pieces, double most_overhang_m) {
   for (uint32_t neighbour : pieces.cell_neighbours[part.cell]) {
     if (one_piece(pieces, part.cell, neighbour)) continue;
     const Crossing crossing = plane_between(part, pieces, neighbour);
     const double distance_m = crossing.end * crossing.deviation_m;
-    const double reach_m = std::max(distance_m + most_overhang_m, 0.1 * most_overhang_m);
+    const double reach_m = distance_m + most_overhang_m;
     const double share = reach_m / (kSplitDeviations * std::max(crossing.deviation_m, 1e-300));
     if (share >= 1.0) continue;
     const Vector3d along = part.covariance_m2 * crossing.normal / crossing.deviation_m;
     part.covariance_m2 -= (1.0 - share * share) * along * along.transpose();
+    part.opacity /= share;
   }
 }
 
@@ -116,7 +125,7 @@ std::vector<GaussianPart> split_gaussian(const Vector3d& mean_m, const Matrix3d&
       done.push_back(std::move(part));
       continue;
     }
-    const std::pair<uint32_t, uint32_t> planes = std::minmax(part.cell, crossing.neighbour);
+    const CutName planes = cut_name(part.cell, crossing.neighbour);
     if (crossing.end <= -kSplitDeviations) {  // wholly in the neighbour
       part.cell = crossing.neighbour;
       part.cuts.push_back(planes);
@@ -130,10 +139,11 @@ std::vector<GaussianPart> split_gaussian(const Vector3d& mean_m, const Matrix3d&
       open.push_back(std::move(part));
       continue;
     }
-    if (overhang_m(crossing) > limits.most_overhang_m) {
-      for (GaussianPart& narrow : narrower(part, crossing)) {
-        if (narrow.opacity >= limits.least_opacity) open.push_back(std::move(narrow));
-      }
+    const double overhang = overhang_m(crossing);
+    if (overhang > limits.most_overhang_m &&
+        std::find(part.narrowed.begin(), part.narrowed.end(), planes) == part.narrowed.end()) {
+      const double width = std::clamp(0.9 * limits.most_overhang_m / crossing.deviation_m, kNarrowest, 0.8);
+      add_narrower(part, crossing, width, limits.least_opacity, open);
       continue;
     }
     GaussianPart low = below(part, crossing.normal, crossing.deviation_m, crossing.end);
@@ -143,6 +153,8 @@ std::vector<GaussianPart> split_gaussian(const Vector3d& mean_m, const Matrix3d&
     open.back().cell = crossing.neighbour;
     open.back().cuts.push_back(planes);
   }
+  // A cut along one plane may carry a mean a little way across another.
+  for (GaussianPart& part : done) part.cell = pieces.cell_at(part.mean_m);
   // The largest part in the cell of the mean first; the order of the others is that of their making.
   size_t first = 0;
   double most = -1.0;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <utility>
 #include <vector>
 
@@ -12,12 +11,15 @@
 
 namespace livegs {
 
+// A plane, by the cells on its sides, the lower first.
+using CutName = std::pair<uint32_t, uint32_t>;
+
 struct GaussianPart {
   Eigen::Vector3d mean_m;
   Eigen::Matrix3d covariance_m2;
   double opacity = 1.0;  // of the peak, in parts of the original's
   uint32_t cell = 0;
-  std::vector<std::pair<uint32_t, uint32_t>> cuts = {};  // planes it was cut at, by their cells, lower first
+  std::vector<CutName> cuts = {}, narrowed = {};  // planes it was cut at; for which it was made narrower
 };
 
 struct SplitLimits {
