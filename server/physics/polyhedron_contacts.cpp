@@ -100,7 +100,8 @@ constexpr uint64_t kEdgePair = uint64_t{1} << 30;
 
 // Cuts `other`'s face that looks most against `normal` by the sides of `of`'s face.
 struct Cut {
-  std::array<Corner, kMaxCorners> corners, spare;
+  std::array<Corner, kMaxCorners> first, second;
+  Corner *corners = first.data(), *spare = second.data();
   size_t count = 0;
 
   void cut(const Vector3d& outwards, double offset, uint64_t side) {

@@ -103,7 +103,9 @@ void polyhedron_candidates(const MovingPolyhedron& a, const MovingPolyhedron& b,
   const auto time = time_of_touch(a, b, speed, search);
   if (!time) return;
   const PlacedPolyhedron a_then = advanced(a, *time);
-  polyhedron_contacts(a_then, advanced(b, *time), search.margin_m + kFastWay * inner, tolerance, candidates);
+  // What else of the two may arrive in what is left of the substep is held back too: the far end of a turning rod.
+  const double left = std::max(kFastWay * inner, speed * (search.duration_s - *time));
+  polyhedron_contacts(a_then, advanced(b, *time), search.margin_m + left, tolerance, candidates);
   // The same material points of the first body now, and how far apart they are along the normals.
   for (ContactCandidate& candidate : candidates) {
     const Vector3d arm_then = candidate.point_m - a_then.position_m;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 
@@ -23,6 +24,14 @@ struct ContactCandidate {
   double separation_m = 0;  // negative when overlapping
 };
 
+// How two bodies answer an impulse along one direction at one place.
+struct ContactRow {
+  Eigen::Vector3d direction;
+  Eigen::Vector3d lever_a, lever_b;  // arm x direction
+  Eigen::Vector3d turn_a, turn_b;    // inverse inertia times lever: the spin of a unit impulse
+  double mass_kg = 0;                // impulse over change of speed
+};
+
 struct ContactPoint {
   uint64_t feature_id = 0;
   Eigen::Vector3d normal;
@@ -37,7 +46,9 @@ struct ContactPoint {
 
   // Refreshed when the bodies have moved.
   Eigen::Vector3d arm_b_m;
-  double mass_kg = 0;
+  ContactRow row;
+
+  Eigen::Vector3d anchor_b_m;  // where it was found on the other, in its axes: see continue_patch
 };
 
 struct ContactPatch {
@@ -60,9 +71,18 @@ struct ContactPatch {
   double twist_impulse = 0;  // N m s
   double twist_radius_m = 0; // mean distance of the points from the centre
 
-  Eigen::Vector3d arm_b_m, tangent, bitangent;
+  Eigen::Vector3d arm_b_m;
+  ContactRow tangent, bitangent;
   Eigen::Matrix2d tangent_mass;
+  Eigen::Vector3d twist_turn_a, twist_turn_b;
   double twist_mass = 0;
+
+  // As it was found, for as long as the two do not move against each other: see continue_patch.
+  bool lasts = false;
+  bool normal_is_others = false;   // fixed in the other's axes, else in the first body's
+  Eigen::Vector3d found_normal;    // in those axes
+  Eigen::Quaterniond found_turn;   // first from other
+  Eigen::Vector3d found_shift_m;
 };
 
 // Features below this are points of the first body's mesh.

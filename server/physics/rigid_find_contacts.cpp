@@ -12,7 +12,7 @@
 namespace livegs {
 namespace {
 
-constexpr double kMaxPushSpeed_m_s = 3.0;
+constexpr double kMaxPushSpeed_m_s = 1.0;  // several in a row add up: ten boxes, three metres a second
 constexpr double kPushSizesPerSecond = 5.0;       // bounding diameters a second
 constexpr double kRestitutionDrop = 0.01;         // a fall of this part of the smaller bounding radius does not bounce
 
@@ -139,6 +139,23 @@ void ball_body_candidates(const RigidBody& ball, const RigidBody& other, const C
   ball_candidates(centre, ball.shape.sphere_radius_m, sample, velocity, 1.0, search, candidates);
 }
 
+// Two meshes of one form in one place have all points of each on the other's surface and no way out. Along the thinnest
+// side they are parted until points are inside.
+bool part_coincident(const RigidBody& body, const RigidBody& other, std::vector<ContactCandidate>& candidates) {
+  const Eigen::Vector3d size = body.shape.max_m - body.shape.min_m;
+  Eigen::Index thinnest;
+  const double width = size.minCoeff(&thinnest);
+  const Eigen::Vector3d between = body.world_from_body.position_m - other.world_from_body.position_m;
+  if (between.norm() > 0.25 * width || (size - other.shape.max_m + other.shape.min_m).norm() > 0.01 * width ||
+      body.world_from_body.orientation.angularDistance(other.world_from_body.orientation) > 0.25) {
+    return false;
+  }
+  Eigen::Vector3d out = other.world_from_body.orientation * Eigen::Vector3d::Unit(thinnest);
+  if (between.dot(out) < 0.0) out = -out;
+  candidates.push_back({kBallFeature, body.world_from_body.position_m, out, between.dot(out) - width});
+  return true;
+}
+
 void find_pair_contacts(RigidBody& body, RigidBody& other, double gravity_m_s2, double duration_s,
                         std::vector<ContactCandidate>& candidates) {
   if (joined(body, other)) return;
@@ -151,19 +168,20 @@ void find_pair_contacts(RigidBody& body, RigidBody& other, double gravity_m_s2, 
   const double reach = body.shape.bounding_radius_m + other.shape.bounding_radius_m + motion + search.margin_m;
   if (between.squaredNorm() > reach * reach) return;
 
+  ContactPair pair = pair_of(body, &other, other.friction, other.restitution, gravity_m_s2, duration_s);
+  pair.other = &other;
+  pair.other_id = other.contact_id();
+  pair.lasts = body.shape.convex && other.shape.convex;
+  if (pair.lasts && motion < search.margin_m && continue_patch(body, pair, duration_s)) return;
   candidates.clear();
   if (body.shape.is_ball()) {
     ball_body_candidates(body, other, search, candidates);
   } else if (body.shape.convex && other.shape.convex) {
     polyhedron_candidates(moving_polyhedron(body), moving_polyhedron(other), search, candidates);
-  } else {
+  } else if (!part_coincident(body, other, candidates)) {
     mesh_candidates(body, other, search, candidates);
   }
-  if (candidates.empty()) return;
-  ContactPair pair = pair_of(body, &other, other.friction, other.restitution, gravity_m_s2, duration_s);
-  pair.other = &other;
-  pair.other_id = other.contact_id();
-  append_patches(body, pair, duration_s, candidates);
+  if (!candidates.empty()) append_patches(body, pair, duration_s, candidates);
 }
 
 }  // namespace

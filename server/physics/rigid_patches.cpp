@@ -10,6 +10,9 @@ namespace {
 // Points whose depths differ by less than this part of the smaller bounding radius are equally deep: a box face that rests
 // is held by its corners, not by whichever point rounding made the deepest.
 constexpr double kEqualDepth = 0.002;
+// Contacts of a pair that moved against each other by less than this part of the smaller bounding radius are not looked
+// for again. A tenth of the margin within which they are found.
+constexpr double kStillPart = 0.1 * kContactMargin;
 
 using Chosen = std::vector<const ContactCandidate*>;
 
@@ -109,7 +112,82 @@ void foresee_touch(const RigidBody& body, const RigidBody* other, const ContactC
   point.touching_s = std::clamp(duration_s - until_touch, 0.0, duration_s);
 }
 
+// Friction acts where the pressure of the substep before had its centre.
+void find_centre(const RigidBody& body, ContactPatch& patch) {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  double weight = 0.0;
+  for (int i = 0; i < patch.point_count; ++i) {
+    centre += patch.points[i].impulse_n_s * patch.points[i].arm_a_m;
+    weight += patch.points[i].impulse_n_s;
+  }
+  if (weight <= 0.0) {
+    centre.setZero();
+    for (int i = 0; i < patch.point_count; ++i) centre += patch.points[i].arm_a_m;
+    weight = patch.point_count;
+  }
+  patch.arm_a_m = centre / weight;
+  patch.arm_body_m = body.world_from_body.orientation.conjugate() * patch.arm_a_m;
+  patch.twist_radius_m = 0.0;
+  for (int i = 0; i < patch.point_count; ++i) {
+    patch.twist_radius_m += (patch.points[i].arm_a_m - patch.arm_a_m).norm() / patch.point_count;
+  }
+}
+
+Pose first_from_other(const RigidBody& body, const RigidBody& other) {
+  return body.world_from_body.inverse() * other.world_from_body;
+}
+
+void remember(const RigidBody& body, ContactPatch& patch) {
+  const Pose& other = patch.other->world_from_body;
+  patch.lasts = true;
+  patch.normal_is_others = patch.turns;  // points of the first body lie on a face of the other
+  const Eigen::Quaterniond& axes = patch.normal_is_others ? other.orientation : body.world_from_body.orientation;
+  patch.found_normal = axes.conjugate() * patch.normal;
+  const Pose relative = first_from_other(body, *patch.other);
+  patch.found_turn = relative.orientation;
+  patch.found_shift_m = relative.position_m;
+  for (int i = 0; i < patch.point_count; ++i) {
+    ContactPoint& point = patch.points[i];
+    point.anchor_b_m = other.orientation.conjugate() *
+                       (body.world_from_body.position_m + point.arm_a_m - point.separation_m * point.normal -
+                        other.position_m);
+  }
+}
+
 }  // namespace
+
+bool continue_patch(RigidBody& body, const ContactPair& pair, double duration_s) {
+  const ContactPatch* earlier = nullptr;
+  for (const ContactPatch& patch : body.previous_patches) {
+    if (patch.other_id == pair.other_id && patch.lasts) earlier = &patch;
+  }
+  if (!earlier) return false;
+  const RigidBody& other = *earlier->other;
+  const Pose relative = first_from_other(body, other);
+  const double tolerance = kStillPart * pair.size_m;
+  const double turn = 2.0 * (relative.orientation.conjugate() * earlier->found_turn).vec().norm();
+  if ((relative.position_m - earlier->found_shift_m).squaredNorm() > tolerance * tolerance ||
+      turn * pair.size_m > tolerance) {
+    return false;
+  }
+  ContactPatch patch = *earlier;
+  patch.friction = pair.friction;
+  patch.restitution = pair.restitution;
+  const Pose& place = body.world_from_body;
+  patch.normal = (patch.normal_is_others ? other.world_from_body.orientation : place.orientation) * patch.found_normal;
+  for (int i = 0; i < patch.point_count; ++i) {
+    ContactPoint& point = patch.points[i];
+    point.normal = patch.normal;
+    point.arm_a_m = place.orientation * point.arm_body_m;
+    const Eigen::Vector3d on_first = place.position_m + point.arm_a_m;
+    point.separation_m = patch.normal.dot(on_first - other.world_from_body * point.anchor_b_m);
+    point.largest_impulse_n_s = 0.0;
+    foresee_touch(body, pair.other, {point.feature_id, on_first, patch.normal, point.separation_m}, duration_s, point);
+  }
+  find_centre(body, patch);
+  body.patches.push_back(patch);
+  return true;
+}
 
 void append_patches(RigidBody& body, const ContactPair& pair, double duration_s,
                     std::vector<ContactCandidate>& candidates) {
@@ -140,8 +218,6 @@ void append_patches(RigidBody& body, const ContactPair& pair, double duration_s,
     patch.push_speed_m_s = pair.push_speed_m_s;
     patch.turns = chosen.back()->feature_id < kForeignFeature;
     patch.normal.setZero();
-    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-    double weight = 0.0;
     for (const ContactCandidate* candidate : chosen) {
       ContactPoint& point = patch.points[patch.point_count++];
       point.feature_id = candidate->feature_id;
@@ -153,20 +229,10 @@ void append_patches(RigidBody& body, const ContactPair& pair, double duration_s,
       point.impulse_n_s = earlier_impulse(body, pair.other_id, candidate->feature_id);
       foresee_touch(body, pair.other, *candidate, duration_s, point);
       patch.normal += candidate->normal;
-      centre += point.impulse_n_s * point.arm_a_m;
-      weight += point.impulse_n_s;
     }
     patch.normal.normalize();
-    if (weight <= 0.0) {
-      centre.setZero();
-      for (int i = 0; i < patch.point_count; ++i) centre += patch.points[i].arm_a_m;
-      weight = patch.point_count;
-    }
-    patch.arm_a_m = centre / weight;
-    patch.arm_body_m = body_from_world * patch.arm_a_m;
-    for (int i = 0; i < patch.point_count; ++i) {
-      patch.twist_radius_m += (patch.points[i].arm_a_m - patch.arm_a_m).norm() / patch.point_count;
-    }
+    find_centre(body, patch);
+    if (pair.lasts) remember(body, patch);
     if (const ContactPatch* earlier = earlier_patch(body, patch)) {
       patch.friction_impulse_n_s = earlier->friction_impulse_n_s;
       patch.twist_impulse = earlier->twist_impulse;

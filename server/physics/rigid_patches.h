@@ -17,8 +17,13 @@ struct ContactPair {
   double restitution = 0;
   double restitution_speed_m_s = 0;
   double push_speed_m_s = 0;
-  double size_m = 0;  // bounding radius of the smaller one
+  double size_m = 0;   // bounding radius of the smaller one
+  bool lasts = false;  // two convex bodies: the contacts stay good while the two lie still on each other
 };
+
+// Takes over the patch of the substep before, at the bodies' present places, if it lasts and they have not moved against
+// each other since it was found by more than a thousandth of the size.
+bool continue_patch(RigidBody& body, const ContactPair& pair, double duration_s);
 
 // Normals within 30 degrees of the deepest point's belong to one patch.
 inline constexpr double kPatchNormalCosine = 0.866;

@@ -4,13 +4,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
+#include <unordered_map>
 #include <utility>
 
 namespace livegs {
 namespace {
 
 using Cell = std::array<int64_t, 3>;
+struct CellHash {
+  size_t operator()(const Cell& cell) const {
+    return static_cast<size_t>((cell[0] * 73856093) ^ (cell[1] * 19349663) ^ (cell[2] * 83492791));
+  }
+};
 
 // Fills one triangle with a regular pattern whose step is at most `spacing_m` along each edge; corners excluded.
 void fill_triangle(const std::array<Eigen::Vector3d, 3>& corner, double spacing_m,
@@ -63,7 +68,7 @@ std::vector<Eigen::Vector3d> contact_points(const TriangleMesh& mesh, double spa
                 static_cast<int64_t>(std::floor(point.y() / spacing_m)),
                 static_cast<int64_t>(std::floor(point.z() / spacing_m))};
   };
-  std::map<Cell, std::vector<Eigen::Vector3d>> taken;  // by cell: what is kept there
+  std::unordered_map<Cell, std::vector<Eigen::Vector3d>, CellHash> taken;  // by cell: what is kept there
   for (const Eigen::Vector3d& point : kept) taken[cell_of(point)].push_back(point);
   const auto is_near_kept = [&](const Eigen::Vector3d& point) {
     const Cell centre = cell_of(point);

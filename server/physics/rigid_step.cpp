@@ -18,7 +18,8 @@ namespace {
 // simulation), since the contacts may be that much stiffer. The corners of a body that strikes share the blow only after
 // some sweeps of one step.
 constexpr int kSolverSteps = 4;
-constexpr int kSweeps = 1;
+constexpr int kPushSweeps = 1;
+constexpr int kRelaxSweeps = 2;  // with one, a pyramid never comes to rest
 constexpr int kImpactSweeps = 4;
 
 // What fell asleep together wakes together, and so does what is joined. Returns whether anything woke.
@@ -147,7 +148,8 @@ void solve_island(RigidIsland& island, double duration_s) {
   const double step_s = duration_s / kSolverSteps;
   const bool struck = std::any_of(island.contacts.begin(), island.contacts.end(),
                                   [](const RigidIsland::Contact& contact) { return is_impact(*contact.patch); });
-  const int sweeps = struck ? kImpactSweeps : kSweeps;
+  const int push_sweeps = struck ? kImpactSweeps : kPushSweeps;
+  const int relax_sweeps = struck ? kImpactSweeps : kRelaxSweeps;
   const std::vector<JointGroup*> joints = joint_groups(island.bodies);
   for (RigidBody* body : island.bodies) body->velocity_m_s = body->substep_velocity_m_s;
   for (int step = 0; step < kSolverSteps; ++step) {
@@ -160,7 +162,7 @@ void solve_island(RigidIsland& island, double duration_s) {
     for (JointGroup* group : joints) group->begin();
     each(warm_start_patch);
     for (JointGroup* group : joints) group->prepare(ContactPhase::Push);
-    for (int sweep = 0; sweep < sweeps; ++sweep) {
+    for (int sweep = 0; sweep < push_sweeps; ++sweep) {
       each([&](RigidBody& body, ContactPatch& patch) { solve_patch(body, patch, ContactPhase::Push, step_s); });
       if (!joints.empty()) each(note_meeting);
       for (JointGroup* group : joints) group->solve(ContactPhase::Push, step_s);
@@ -174,7 +176,7 @@ void solve_island(RigidIsland& island, double duration_s) {
 
     each(prepare_patch);
     for (JointGroup* group : joints) group->prepare(ContactPhase::Relax);
-    for (int sweep = 0; sweep < sweeps; ++sweep) {
+    for (int sweep = 0; sweep < relax_sweeps; ++sweep) {
       each([&](RigidBody& body, ContactPatch& patch) { solve_patch(body, patch, ContactPhase::Relax, step_s); });
       for (JointGroup* group : joints) group->solve(ContactPhase::Relax, step_s);
     }

@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <random>
+
+#include "core/parallel_for.h"
+#include "geometry/convex_hull.h"
+#include "physics/convex_polyhedron.h"
+#include "physics/polyhedron_contacts.h"
+#include "server/physics/rigid_fixtures.h"
+
+// Rigid meshes against each other.
+
+namespace livegs {
+namespace {
+
+using namespace rigid_fixtures;
+using Eigen::Vector3d;
+
+RigidBodyDescription box_at(uint32_t id, const Vector3d& size_m, double mass_kg, const Vector3d& position_m) {
+  auto box = box_body(id, size_m, mass_kg);
+  box.material.friction = 0.6;
+  box.world_from_object.position_m = position_m;
+  return box;
+}
+
+TriangleMesh random_hull(uint32_t seed, double size_m, int points = 14) {
+  std::mt19937 random(seed);
+  std::vector<Vector3d> cloud;
+  for (int i = 0; i < points; ++i) {
+    Vector3d p;
+    for (int d = 0; d < 3; ++d) p[d] = static_cast<double>(random()) / 4294967296.0 - 0.5;
+    cloud.push_back(0.5 * size_m * p.normalized());
+  }
+  return convex_hull(cloud);
+}
+
+// A bar with a notch: not convex.
+TriangleMesh notched_mesh() {
+  TriangleMesh mesh;
+  const double outline[8][2] = {{-0.1, -0.03}, {0.1, -0.03}, {0.1, 0.03},  {0.03, 0.03},
+                                {0.03, 0.0},   {-0.03, 0.0}, {-0.03, 0.03}, {-0.1, 0.03}};
+  for (const double z : {-0.03, 0.03}) {
+    for (const auto& p : outline) mesh.vertices_m.push_back({p[0], p[1], z});
+  }
+  const std::array<uint32_t, 3> front[6] = {{0, 1, 4}, {1, 2, 3}, {1, 3, 4}, {0, 4, 5}, {0, 5, 6}, {0, 6, 7}};
+  for (const auto& t : front) {
+    mesh.triangles.push_back({t[2], t[1], t[0]});
+    mesh.triangles.push_back({t[0] + 8, t[1] + 8, t[2] + 8});
+  }
+  for (uint32_t i = 0; i < 8; ++i) {
+    const uint32_t k = (i + 1) % 8;
+    mesh.triangles.push_back({i, k, k + 8});
+    mesh.triangles.push_back({i, k + 8, i + 8});
+  }
+  return mesh;
+}
+
+TEST(ConvexPolyhedron, BoxHasItsFacesEdgesAndExactDistance) {
+  const auto box = convex_polyhedron(box_mesh({0.2, 0.1, 0.4}));
+  ASSERT_TRUE(box);
+  EXPECT_EQ(box->vertices_m.size(), 8u);
+  EXPECT_EQ(box->faces.size(), 6u);
+  EXPECT_EQ(box->edges.size(), 12u);
+  EXPECT_NEAR(box->inner_radius_m, 0.05, 1e-15);
+  EXPECT_NEAR(box->sample({0.01, 0.02, 0.03}).distance_m, -0.03, 1e-15);
+  EXPECT_NEAR(box->sample({0.13, 0.09, 0}).distance_m, 0.05, 1e-15);                    // 3-4-5 beyond an edge
+  EXPECT_NEAR(box->sample({0.11, 0.07, 0.22}).distance_m, 0.03, 1e-15);                 // 1-2-2 beyond a corner
+  EXPECT_LT((box->sample({0.11, 0.07, 0.22}).normal - Vector3d(1, 2, 2) / 3).norm(), 1e-12);
+  EXPECT_FALSE(convex_polyhedron(notched_mesh()));
+}
+
+TEST(ConvexPolyhedron, EulersFormulaHoldsForHulls) {
+  for (uint32_t seed = 1; seed < 30; ++seed) {
+    const auto hull = convex_polyhedron(random_hull(seed, 0.1));
+    ASSERT_TRUE(hull) << seed;
+    EXPECT_EQ(hull->vertices_m.size() + hull->faces.size(), hull->edges.size() + 2) << seed;
+  }
+}
+
+ContactCandidate only(const std::vector<ContactCandidate>& found) {
+  EXPECT_EQ(found.size(), 1u);
+  return found.empty() ? ContactCandidate{} : found[0];
+}
+
+TEST(PolyhedronContacts, CrossedEdgesMeetInOnePoint) {
+  const ConvexPolyhedron box = box_polyhedron({0.1, 0.1, 0.1});
+  // Both stand on an edge, one along x and one along z: the edges cross above the origin.
+  const Eigen::Matrix3d about_x = Eigen::AngleAxisd(radians(45), Vector3d::UnitX()).toRotationMatrix();
+  const Eigen::Matrix3d about_z = Eigen::AngleAxisd(radians(45), Vector3d::UnitZ()).toRotationMatrix();
+  const double half = 0.05 * std::sqrt(2.0), depth = 0.001;
+  std::vector<ContactCandidate> found;
+  polyhedron_contacts({&box, about_x, {0.01, half - depth, 0}}, {&box, about_z, {0, -half, 0.02}}, 0.001, 1e-5, found);
+  const ContactCandidate contact = only(found);
+  EXPECT_NEAR(contact.separation_m, -depth, 1e-12);
+  EXPECT_LT((contact.normal - Vector3d::UnitY()).norm(), 1e-12);
+  EXPECT_LT((contact.point_m - Vector3d(0, -0.5 * depth, 0)).norm(), 1e-12);
+}
+
+TEST(PolyhedronContacts, FlatFacesMeetInTheCornersOfTheirOverlap) {
+  const ConvexPolyhedron box = box_polyhedron({0.1, 0.1, 0.1});
+  const Eigen::Matrix3d turned = Eigen::AngleAxisd(radians(45), Vector3d::UnitY()).toRotationMatrix();
+  std::vector<ContactCandidate> found;
+  polyhedron_contacts({&box, turned, {0, 0.099, 0}}, {&box, Eigen::Matrix3d::Identity(), {0, 0, 0}}, 0.001, 1e-5, found);
+  EXPECT_EQ(found.size(), 8u);  // an octagon
+  for (const ContactCandidate& contact : found) {
+    EXPECT_NEAR(contact.separation_m, -0.001, 1e-12);
+    EXPECT_LT((contact.normal - Vector3d::UnitY()).norm(), 1e-12);
+    EXPECT_NEAR(std::max(std::abs(contact.point_m.x()), std::abs(contact.point_m.z())), 0.05, 1e-12);
+  }
+}
+
+TEST(RigidPairs, FreeCollisionsKeepMomentumAndLoseEnergy) {
+  for (int seed = 0; seed < 12; ++seed) {
+    World world = world_at(60, 4, Vector3d::Zero());
+    auto one = seed % 3 == 0 ? body_of(1, notched_mesh(), 0.7) : body_of(1, random_hull(10 + seed, 0.2), 0.7);
+    one.world_from_object.orientation = rotation_about(seed);
+    one.angular_velocity_rad_s = {3, -4, 1.0 * seed};
+    ASSERT_TRUE(world.add_rigid(one));
+    auto two = seed % 2 ? body_of(2, box_mesh({0.1, 0.15, 0.2}), 0.3) : body_of(2, random_hull(90 + seed, 0.15), 0.3);
+    two.world_from_object.position_m = {0.5, 0.01 * seed, -0.02};
+    two.world_from_object.orientation = rotation_about(seed + 5);
+    two.velocity_m_s = {-4, 0, 0};
+    two.angular_velocity_rad_s = {0, 5, -7};
+    two.material.restitution = 0.3;
+    ASSERT_TRUE(world.add_rigid(two));
+    const BodyEnergy before = world.energy();
+    run_seconds(world, 0.6);
+    const BodyEnergy after = world.energy();
+    EXPECT_GT((body_state(world, 2).velocity_m_s - two.velocity_m_s).norm(), 0.1) << seed << ": it must have struck";
+    // Equal and opposite impulses at one place: rounding only.
+    EXPECT_LT((after.linear_momentum - before.linear_momentum).norm(), 1e-12) << seed;
+    EXPECT_LT((after.angular_momentum - before.angular_momentum).norm(), 1e-11) << seed;
+    EXPECT_LE(after.kinetic_j, before.kinetic_j * (1.0 + 1e-6)) << seed;
+  }
+}
+
+TEST(RigidPairs, BoxOnItsEdgeRestsAcrossAnEdge) {
+  // Two square bars on their edges, crosswise: only the edges meet. Neither may sink into the other while it balances.
+  for (const bool convex : {true, false}) {
+    World world = world_at(60, 4, {0, -kGravity, 0});
+    const double half = 0.02 * std::sqrt(2.0);
+    world.add_collider(Collider{BoxShape{{0.04, 0.04, 0.4}},
+                                Pose{{0, 0, 0}, Eigen::Quaterniond(Eigen::AngleAxisd(radians(45), Vector3d::UnitZ()))},
+                                0.8, 0.0});
+    TriangleMesh bar = box_mesh({0.04, 0.04, 0.04});
+    for (Vector3d& v : bar.vertices_m) v.x() *= 10.0;
+    if (!convex) bar = body_of(1, bar, 1.0).mesh;
+    auto body = body_of(1, bar, 0.5);
+    body.material.friction = 0.8;
+    body.world_from_object.position_m = {0, 2.0 * half, 0.013};
+    body.world_from_object.orientation = Eigen::AngleAxisd(radians(45), Vector3d::UnitX());
+    ASSERT_TRUE(world.add_rigid(body));
+    run_seconds(world, 0.25);
+    // Balanced to 1e-3 of a degree it tips by less than a millimetre in this time; missed, it falls 0.3 m.
+    EXPECT_NEAR(body_state(world, 1).world_from_body.position_m.y(), 2.0 * half, 1e-3);
+  }
+}
+
+TEST(RigidPairs, MeshesThatAreNotConvexRestOnEachOther) {
+  World world = world_at(60, 4);
+  world.add_collider(floor_plane(0.6));
+  auto lower = body_of(1, notched_mesh(), 0.8);
+  lower.world_from_object.position_m = {0, 0.031, 0};
+  ASSERT_TRUE(world.add_rigid(lower));
+  ASSERT_TRUE(world.add_rigid(box_at(2, {0.05, 0.05, 0.05}, 0.1, {0, 0.06, 0})));  // falls into the notch
+  auto upper = body_of(3, notched_mesh(), 0.8);
+  upper.world_from_object.position_m = {0.005, 0.113, 0};
+  upper.world_from_object.orientation = Eigen::AngleAxisd(radians(90), Vector3d::UnitY());
+  ASSERT_TRUE(world.add_rigid(upper));
+  run_seconds(world, 4.0);
+  // The floor of the notch is at 0.03 over the bottom.
+  EXPECT_NEAR(body_state(world, 2).world_from_body.position_m.y(), 0.03 + 0.025, 1e-3);
+  // On the box, which stands out; the notch takes its centre of mass 2.65 mm down.
+  EXPECT_NEAR(body_state(world, 3).world_from_body.position_m.y(), 0.08 + 0.03 - 0.00265, 1e-3);
+  for (uint32_t id : {1u, 2u, 3u}) EXPECT_TRUE(body_state(world, id).asleep) << id;
+}
+
+TEST(RigidPairs, FastBoxesAndRodsDoNotPassAThinPlate) {
+  int passed = 0;
+  for (int aim = 0; aim < 60; ++aim) {
+    World world = world_at(60, 4, Vector3d::Zero());
+    ASSERT_TRUE(world.add_rigid(box_at(1, {1.0, 1.0, 0.01}, 5.0, {0, 0, 0})));
+    auto rod = box_at(2, aim % 2 ? Vector3d(0.3, 0.02, 0.02) : Vector3d(0.08, 0.05, 0.06), 0.1, {0, 0, 0.6});
+    rod.world_from_object.orientation = rotation_about(aim);
+    rod.velocity_m_s = {0.3 * std::sin(aim), 0.3 * std::cos(aim), -1.0 - 1.6 * aim};
+    rod.angular_velocity_rad_s = 40.0 * Vector3d(std::sin(2.0 * aim), std::cos(3.0 * aim), std::sin(5.0 * aim));
+    ASSERT_TRUE(world.add_rigid(rod));
+    for (int i = 0; i < 45; ++i) {
+      world.step();
+      const Vector3d seen =
+          body_state(world, 1).world_from_body.inverse() * body_state(world, 2).world_from_body.position_m;
+      if (std::abs(seen.x()) < 0.5 && std::abs(seen.y()) < 0.5 && seen.z() < 0.0) {
+        ++passed;
+        break;
+      }
+    }
+  }
+  EXPECT_EQ(passed, 0);
+}
+
+TEST(RigidPairs, WhateverLiesInOnePlacePartsSlowly) {
+  for (const int kind : {0, 1, 2}) {
+    World world = world_at(60, 4, Vector3d::Zero());
+    for (uint32_t id : {1u, 2u}) {
+      const auto added = kind == 0   ? world.add_rigid(box_at(id, {0.1, 0.1, 0.1}, 0.5, {0, 0, 0}))
+                         : kind == 1 ? world.add_ball(ball(id, {0, 0, 0}))
+                                     : world.add_rigid(body_of(id, notched_mesh(), 0.5));
+      ASSERT_TRUE(added);
+    }
+    double fastest = 0.0;
+    for (int i = 0; i < 180; ++i) {
+      world.step();
+      fastest = std::max(fastest, body_state(world, 1).velocity_m_s.norm());
+    }
+    const double apart =
+        (body_state(world, 1).world_from_body.position_m - body_state(world, 2).world_from_body.position_m).norm();
+    EXPECT_GT(apart, kind == 2 ? 0.055 : 0.095) << kind;  // their least width
+    EXPECT_LT(fastest, 3.0) << kind;                      // scene 19
+  }
+}
+
+TEST(RigidSleep, StackSleepsAndAPokeWakesAllOfItAtOnce) {
+  World world = world_at(60, 4);
+  world.add_collider(floor_plane(0.6));
+  for (uint32_t i = 0; i < 5; ++i) ASSERT_TRUE(world.add_rigid(box_at(i + 1, Vector3d::Constant(0.1), 0.5, {0, 0.05 + 0.1 * i, 0})));
+  ASSERT_TRUE(world.add_rigid(box_at(9, Vector3d::Constant(0.1), 0.5, {1, 0.05, 0})));  // elsewhere
+  run_seconds(world, 2.0);
+  for (const BodyState& state : world.bodies()) EXPECT_TRUE(state.asleep) << state.object_id;
+  world.set_force(1, 3, {Vector3d::Zero(), {0.1 * 60.0, 0, 0}});  // 0.1 N s in one tick
+  world.step();
+  world.clear_force(1);
+  for (const BodyState& state : world.bodies()) EXPECT_EQ(state.asleep, state.object_id == 9) << state.object_id;
+  run_seconds(world, 3.0);
+  for (const BodyState& state : world.bodies()) EXPECT_TRUE(state.asleep) << state.object_id;
+  // 0.1 N s is 0.2 m/s of one box, stopped by the friction above and below it within millimetres.
+  EXPECT_NEAR(body_state(world, 5).world_from_body.position_m.y(), 0.45, 1e-3);
+}
+
+TEST(RigidSleep, RestPosesAreTheSameWithAndWithoutSleep) {
+  std::vector<BodyState> rest[2];
+  for (const bool sleep : {false, true}) {
+    WorldSettings settings;
+    settings.rate_hz = 60.0;
+    settings.sleep = sleep;
+    World world(settings);
+    world.add_collider(floor_plane(0.6));
+    for (uint32_t i = 0; i < 20; ++i) {
+      ASSERT_TRUE(world.add_rigid(box_at(i + 1, Vector3d::Constant(0.1), 1.0, {0.001 * (i % 3), 0.05 + 0.1 * i, 0})));
+    }
+    run_seconds(world, 6.0);
+    rest[sleep] = world.bodies();
+  }
+  for (size_t i = 0; i < 20; ++i) {
+    EXPECT_TRUE(rest[1][i].asleep);
+    EXPECT_LT((rest[0][i].world_from_body.position_m - rest[1][i].world_from_body.position_m).norm(), 1e-3) << i;
+  }
+}
+
+TEST(RigidSleep, ThousandSleepersCostUnderAHundredthOfTheSameAwake) {
+  World world = world_at(60, 4);
+  world.add_collider(floor_plane(0.6));
+  for (uint32_t i = 0; i < 1000; ++i) {
+    ASSERT_TRUE(world.add_ball(ball(i + 1, {0.11 * (i % 32), 0.05, 0.11 * (i / 32)})));
+  }
+  double awake_ms = 1e9, asleep_ms = 1e9;
+  for (int i = 0; i < 20; ++i) {
+    world.step();
+    awake_ms = std::min(awake_ms, world.last_times().total_ms);
+  }
+  run_seconds(world, 1.0);
+  ASSERT_TRUE(body_state(world, 1000).asleep);
+  for (int i = 0; i < 50; ++i) {
+    world.step();
+    asleep_ms = std::min(asleep_ms, world.last_times().total_ms);
+  }
+  EXPECT_LT(asleep_ms / awake_ms, 0.01) << asleep_ms << " of " << awake_ms << " ms";
+}
+
+// Bits of all poses after a busy scene. `hulls` are made once: the order of a hull's triangles may differ.
+uint64_t hash_of_pile(int threads, const std::vector<TriangleMesh>& hulls) {
+  set_thread_count(threads);
+  World world = world_at(60, 4);
+  world.add_collider(floor_plane(0.5, 0.2));
+  world.add_collider(Collider{BoxShape{{0.3, 0.1, 0.3}}, Pose{{0.2, 0.05, 0}, Eigen::Quaterniond::Identity()}, 0.5, 0.1});
+  for (int i = 0; i < 40; ++i) {
+    const uint32_t id = static_cast<uint32_t>(i + 1);
+    const Vector3d at(0.12 * std::sin(3.0 * i), 0.2 + 0.06 * i, 0.12 * std::cos(7.0 * i));
+    if (i % 4 == 3) {
+      EXPECT_TRUE(world.add_ball(ball(id, at, 0.03, 0.1)));
+      continue;
+    }
+    auto body = i % 8 == 1 ? body_of(id, notched_mesh(), 0.4)
+                           : body_of(id, i % 2 ? box_mesh({0.08, 0.05, 0.1}) : hulls[i], 0.3);
+    body.world_from_object.position_m = at;
+    body.world_from_object.orientation = rotation_about(i);
+    EXPECT_TRUE(world.add_rigid(body));
+  }
+  run_seconds(world, 3.0);
+  uint64_t hash = 1469598103934665603ull;
+  for (const BodyState& state : world.bodies()) {
+    EXPECT_GT(state.world_from_body.position_m.y(), 0.0) << state.object_id << " fell through";
+    double values[7] = {state.world_from_body.position_m.x(),    state.world_from_body.position_m.y(),
+                        state.world_from_body.position_m.z(),    state.world_from_body.orientation.w(),
+                        state.world_from_body.orientation.x(),   state.world_from_body.orientation.y(),
+                        state.world_from_body.orientation.z()};
+    for (const double value : values) {
+      uint64_t bits;
+      std::memcpy(&bits, &value, sizeof bits);
+      hash = (hash ^ bits) * 1099511628211ull;
+    }
+  }
+  set_thread_count(0);
+  return hash;
+}
+
+TEST(RigidPairs, SameBitsForOneTwoAndEightThreads) {
+  std::vector<TriangleMesh> hulls;
+  for (uint32_t i = 0; i < 40; ++i) hulls.push_back(random_hull(i, 0.1));
+  const uint64_t one = hash_of_pile(1, hulls);
+  EXPECT_EQ(one, hash_of_pile(2, hulls));
+  EXPECT_EQ(one, hash_of_pile(8, hulls));
+}
+
+}  // namespace
+}  // namespace livegs
