@@ -8,8 +8,8 @@
 
 #include "core/parallel_for.h"
 #include "gaussian/opacity.h"
+#include "geometry/colour_grid.h"
 #include "geometry/face_kernels.h"
-#include "geometry/point_grid.h"
 #include "geometry/split_gaussian.h"
 
 namespace livegs {
@@ -22,7 +22,7 @@ constexpr double kLeastOpacity = 1.0 / 255.0;
 constexpr double kInteriorOpacity = 0.98;
 // A kernel says what colour the surface has from this opacity on.
 constexpr double kOpaque = 0.3;
-// Of the colour of a kernel on a cut face: the part that the surface kernel nearest to it gives; the rest is the mean
+// Of the colour of a kernel on a cut face: the part that the surface nearest to it gives; the rest is the mean
 // of its face, which keeps a speckled glaze from running through the clay.
 constexpr float kNearestShare = 0.25f;
 // Of the largest standard deviation: a part is never flatter, so that a renderer's inverse has its digits.
@@ -116,19 +116,16 @@ void add_face_kernels(const GaussianAsset& asset, const Similarity& object_from_
 
   std::vector<Eigen::Vector3f> colours(faces.size(), options.interior_sh_dc.value_or(Eigen::Vector3f::Zero()));
   if (!options.interior_sh_dc) {
-    Eigen::AlignedBox3d bounds;
-    std::vector<uint32_t> opaque;
-    for (uint32_t k = 0; k < asset.size(); ++k) {
+    std::vector<Eigen::Vector3d> places_m;
+    std::vector<Eigen::Vector3f> surface;
+    for (size_t k = 0; k < asset.size(); ++k) {
       if (opacity_of_logit(asset.opacity_logits[k]) < kOpaque) continue;
-      opaque.push_back(k);
-      bounds.extend(object_from_asset * asset.positions[k].cast<double>());
+      places_m.push_back(object_from_asset * asset.positions[k].cast<double>());
+      surface.push_back(asset.sh_dc[k]);
     }
-    if (!opaque.empty()) {
-      PointGrid grid(bounds, std::max(2.0 * spacing_m, bounds.diagonal().norm() / 200.0));
-      for (uint32_t k : opaque) grid.insert(object_from_asset * asset.positions[k].cast<double>());
-      parallel_for(faces.size(), 256, [&](size_t first, size_t last) {
-        for (size_t f = first; f < last; ++f) colours[f] = asset.sh_dc[opaque[grid.nearest(faces[f].position_m)]];
-      });
+    if (!surface.empty()) {
+      const ColourGrid grid(places_m, surface);
+      for (size_t f = 0; f < faces.size(); ++f) colours[f] = grid.at(faces[f].position_m);
     }
     std::vector<Eigen::Vector3d> sums(pieces.bonds.size(), Eigen::Vector3d::Zero());
     std::vector<double> counts(pieces.bonds.size(), 0.0);
