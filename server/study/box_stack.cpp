@@ -47,7 +47,8 @@ Result<RigidOutcome> box_stack(const RigidSetup& setup) {
   double asleep_s = std::numeric_limits<double>::infinity();
   sleepy->run(stage.well() ? 10.0 : 0.0, [&] {
     const auto& motions = sleepy->motions();
-    if (!std::isfinite(asleep_s) && std::all_of(motions.begin(), motions.end(), [](const auto& m) { return m.asleep; })) {
+    if (!std::isfinite(asleep_s) &&
+        std::all_of(motions.begin(), motions.end(), [](const auto& m) { return m.asleep; })) {
       asleep_s = sleepy->time_s();
     }
   });

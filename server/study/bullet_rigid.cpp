@@ -24,7 +24,9 @@ btTransform to_bullet(const Pose& pose) {
 class BulletRigid final : public RigidSolver {
  public:
   BulletRigid(const RigidSetup& setup, const RigidConditions& conditions)
-      : substep_s_(1.0 / (setup.rate_hz * setup.substeps)), substeps_(setup.substeps), sleep_(conditions.sleep) {
+      : substep_s_(1.0 / (setup.rate_hz * setup.substeps)),
+        substeps_(setup.substeps),
+        sleep_(conditions.sleep) {
     world_.setGravity(to_bullet(conditions.gravity_m_s2));
     configuration_.setPlaneConvexMultipointIterations();
   }
@@ -53,8 +55,10 @@ class BulletRigid final : public RigidSolver {
     }
     const auto mass = static_cast<btScalar>(part.mass_kg);
     btVector3 moments;
-    if (part.moments_kg_m2) moments = to_bullet(*part.moments_kg_m2);
-    else shapes_.back()->calculateLocalInertia(mass, moments);
+    if (part.moments_kg_m2)
+      moments = to_bullet(*part.moments_kg_m2);
+    else
+      shapes_.back()->calculateLocalInertia(mass, moments);
     btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shapes_.back().get(), moments);
     info.m_startWorldTransform = to_bullet(part.world_from_part);
     info.m_friction = pair_share(part.friction);

@@ -62,7 +62,8 @@ std::string who_wins(const Panel& panel) {
     for (size_t i = 1; i < ranked.size(); ++i) {
       const double times = ranked[i].point.cost_ms / first.point.cost_ms;
       words += text("%s `%s` at %d, %s", i == 1 ? "; then" : ",", ranked[i].curve->label.c_str(),
-                    ranked[i].point.substeps, times < kSameCost ? "as dear" : text("%.2g times the cost", times).c_str());
+                    ranked[i].point.substeps,
+                    times < kSameCost ? "as dear" : text("%.2g times the cost", times).c_str());
     }
     words += ". ";
   }
@@ -76,9 +77,10 @@ std::string who_wins(const Panel& panel) {
   if (!losers.empty()) words += "Never within the bar:" + losers + ". ";
   if (panel.chosen) {
     const ElasticAccuracy& a = panel.chosen_accuracy;
-    words += text("Left to itself at 4 substeps the program takes %.3g mm cells and %d substeps: error %s for %s%s.",
-                  1e3 * a.cell_width_m, a.substeps, error_text(panel.chosen->error, panel.unit).c_str(),
-                  cost(panel.chosen->cost_ms).c_str(), a.clipped ? ", and says that the stiffness is clipped" : "");
+    words += text(
+        "Left to itself at 4 substeps the program takes %.3g mm cells and %d substeps: error %s for %s%s.",
+        1e3 * a.cell_width_m, a.substeps, error_text(panel.chosen->error, panel.unit).c_str(),
+        cost(panel.chosen->cost_ms).c_str(), a.clipped ? ", and says that the stiffness is clipped" : "");
   }
   return words + "\n";
 }

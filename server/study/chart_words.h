@@ -12,8 +12,8 @@ __attribute__((format(printf, 1, 2))) std::string text(const char* format, ...);
 // "1.2 %", "a factor of 20", "0.3 m/s", "no finite result".
 std::string error_text(double error, const std::string& unit);
 
-// One point of a list: which curves meet the panel's bar, cheapest first; which never do, with their best; and what the
-// program takes by itself.
+// One point of a list: which curves meet the panel's bar, cheapest first; which never do, with their best;
+// and what the program takes by itself.
 std::string who_wins(const Panel& panel);
 
 }  // namespace livegs::study

@@ -52,9 +52,11 @@ Result<Wave> run_wave(const RigidSetup& setup) {
   });
   for (int i = 1; i < kDominoes; ++i) {
     // A domino that stands to the end, or falls before its neighbour reached it.
-    if (stage.well() && !(passed_s[i] > passed_s[i - 1] && std::isfinite(passed_s[i]))) stage.mark(RunEnd::Fell);
+    if (stage.well() && !(passed_s[i] > passed_s[i - 1] && std::isfinite(passed_s[i])))
+      stage.mark(RunEnd::Fell);
   }
-  return Wave{std::move(stage), (kLast - kFirst) * (kGap_m + kThick_m) / (passed_s[kLast] - passed_s[kFirst])};
+  return Wave{std::move(stage),
+              (kLast - kFirst) * (kGap_m + kThick_m) / (passed_s[kLast] - passed_s[kFirst])};
 }
 
 }  // namespace

@@ -80,8 +80,7 @@ Result<RigidOutcome> incline(const RigidSetup& setup) {
   }
   RigidOutcome outcome =
       total->finish({absolute("threshold", threshold_deg, 0.0, 0.5, "degrees"),
-                    absolute("creep", creep_m, 0.0, 1e-4, "m"),
-                     relative("acceleration", shown, 1.0, 0.01)});
+                     absolute("creep", creep_m, 0.0, 1e-4, "m"), relative("acceleration", shown, 1.0, 0.01)});
   outcome.bodies = 1;
   return outcome;
 }

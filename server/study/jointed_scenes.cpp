@@ -45,8 +45,10 @@ Result<RigidOutcome> ball_pendulum(const RigidSetup& setup) {
     const double now = std::atan2(at.x(), -at.y());
     if ((before < 0.0) != (now < 0.0)) {
       last_s = stage.time_s() - stage.frame_s() * now / (now - before);
-      if (first_s < 0.0) first_s = last_s;
-      else ++crossings;
+      if (first_s < 0.0)
+        first_s = last_s;
+      else
+        ++crossings;
     }
     before = now;
   });

@@ -72,7 +72,8 @@ Result<void> LivegsRigid::add(const RigidPart& part) {
 std::vector<RigidMotion> LivegsRigid::motions() const {
   std::vector<RigidMotion> motions;
   for (const BodyState& state : world_.bodies()) {  // ascending id
-    motions.push_back({state.world_from_body, state.velocity_m_s, state.angular_velocity_rad_s, state.asleep});
+    motions.push_back(
+        {state.world_from_body, state.velocity_m_s, state.angular_velocity_rad_s, state.asleep});
   }
   return motions;
 }

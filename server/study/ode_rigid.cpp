@@ -23,7 +23,8 @@ class OdeRigid final : public RigidSolver {
     world_ = dWorldCreate();
     space_ = dSimpleSpaceCreate(nullptr);
     contacts_ = dJointGroupCreate(0);
-    dWorldSetGravity(world_, conditions.gravity_m_s2.x(), conditions.gravity_m_s2.y(), conditions.gravity_m_s2.z());
+    dWorldSetGravity(world_, conditions.gravity_m_s2.x(), conditions.gravity_m_s2.y(),
+                     conditions.gravity_m_s2.z());
     dWorldSetAutoDisableFlag(world_, conditions.sleep ? 1 : 0);
   }
   ~OdeRigid() override {
@@ -85,8 +86,10 @@ class OdeRigid final : public RigidSolver {
         if (!f.isZero()) dBodyAddForce(bodies_[b], f.x(), f.y(), f.z());
       }
       dSpaceCollide(space_, this, &OdeRigid::meet);
-      if (quick_) dWorldQuickStep(world_, substep_s_);
-      else dWorldStep(world_, substep_s_);
+      if (quick_)
+        dWorldQuickStep(world_, substep_s_);
+      else
+        dWorldStep(world_, substep_s_);
       dJointGroupEmpty(contacts_);
     }
   }
@@ -96,8 +99,11 @@ class OdeRigid final : public RigidSolver {
     for (const dBodyID body : bodies_) {
       const dReal *p = dBodyGetPosition(body), *q = dBodyGetQuaternion(body), *v = dBodyGetLinearVel(body),
                   *w = dBodyGetAngularVel(body);
-      motions.push_back({{Vector3d(p[0], p[1], p[2]), Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized()},
-                         Vector3d(v[0], v[1], v[2]), Vector3d(w[0], w[1], w[2]), dBodyIsEnabled(body) == 0});
+      motions.push_back(
+          {{Vector3d(p[0], p[1], p[2]), Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized()},
+           Vector3d(v[0], v[1], v[2]),
+           Vector3d(w[0], w[1], w[2]),
+           dBodyIsEnabled(body) == 0});
     }
     return motions;
   }

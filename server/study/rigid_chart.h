@@ -11,20 +11,22 @@
 #include "study/rigid_setup.h"
 #include "study/run_matrix.h"
 
-// The rigid scenes on the chart: over substeps, ours beside Bullet's and ODE's, in one process and on one thread.
+// The rigid scenes on the chart: over substeps, ours beside Bullet's and ODE's, in one process and on one
+// thread.
 
 namespace livegs::study {
 
 struct RigidChartScene {
-  std::string name;   // "incline"; files are named after it
+  std::string name;  // "incline"; files are named after it
   std::string title;
-  std::string what;   // for the page: bodies, what is measured
+  std::string what;      // for the page: bodies, what is measured
   std::string settings;  // on the figure
   Result<RigidOutcome> (*run)(const RigidSetup&);
   std::vector<std::string> quantities;  // measurements that are drawn, a panel each
   std::vector<double> parameters{0.0};  // and for each of these
   std::string parameter_text{};         // "1:%g"
-  int most_exact_substeps = 32;         // of ODE's exact solver, whose cost goes with the cube of contacts; 0: not run
+  int most_exact_substeps =
+      32;  // of ODE's exact solver, whose cost goes with the cube of contacts; 0: not run
   std::vector<int> quick_substeps{1, 2, 4, 8, 16, 32};
 
   std::string figure() const { return "rigid_" + name + ".svg"; }
@@ -38,8 +40,9 @@ struct RigidRow {
   RigidOutcome outcome;
 };
 
-// Runs them one after the other on the calling thread; what an engine cannot run is left out. `progress` is called
-// before each run with what is done and the whole. Call set_thread_count(1) first, so that costs are of one core.
+// Runs them one after the other on the calling thread; what an engine cannot run is left out. `progress` is
+// called before each run with what is done and the whole. Call set_thread_count(1) first, so that costs are
+// of one core.
 std::vector<RigidRow> run_rigid_scenes(
     const ChartPlan& plan,
     const std::function<void(size_t done, size_t of, const RigidChartScene&, const RigidSetup&)>& progress);

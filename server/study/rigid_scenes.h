@@ -10,44 +10,47 @@
 namespace livegs::study {
 
 // Scene 2. A slab of 0.2 x 0.05 x 0.2 m on a slope, friction 0.1, 0.3, 0.5, 0.7 and 1:
-// `threshold` (degrees) between the angle at which it starts to slide and atan(mu), found by halving to 0.003 degrees;
-// `creep` (m) in 10 s, one degree below; `acceleration` ten degrees above against g (sin - mu cos).
+// `threshold` (degrees) between the angle at which it starts to slide and atan(mu), found by halving to 0.003
+// degrees; `creep` (m) in 10 s, one degree below; `acceleration` ten degrees above against g (sin - mu cos).
 Result<RigidOutcome> incline(const RigidSetup& setup);
 
-// Scene 3. The slab slides off at 2 m/s along x and along the diagonal, friction 0.2, 0.4, 0.7: `distance` against
-// v² / (2 mu g), `drift` (m/s) once it has stopped.
+// Scene 3. The slab slides off at 2 m/s along x and along the diagonal, friction 0.2, 0.4, 0.7: `distance`
+// against v² / (2 mu g), `drift` (m/s) once it has stopped.
 Result<RigidOutcome> stopping(const RigidSetup& setup);
 
-// Scene 6. 150 N push a box of 10 kg, with 25 balls of 1 kg on it, over a floor of friction 0.4 (0.8 under the balls):
-// `speed` after 1 s along x, z and the diagonal against the closed form, `isotropy` between them.
+// Scene 6. After half a second at rest 150 N push a box of 10 kg, with 25 balls of 1 kg on it, over a floor
+// of friction 0.4 (0.8 under the balls): `speed` after 1 s of it along x, z and the diagonal against the
+// closed form, `isotropy` between them.
 Result<RigidOutcome> rolling_box(const RigidSetup& setup);
 
-// Scene 8. A ball of 5 cm on an arm of 1 m swings for 10 s from `parameter` degrees: `period` against the physical
-// pendulum's, `energy_lost` of that of the swing.
+// Scene 8. A ball of 5 cm on an arm of 1 m swings for 10 s from `parameter` degrees: `period` against the
+// physical pendulum's, `energy_lost` of that of the swing.
 Result<RigidOutcome> ball_pendulum(const RigidSetup& setup);
 double ball_pendulum_period_s(double amplitude_rad);
 
-// Scene 9. Moments 1, 2, 3 kg m², turning at 10 rad/s about the middle one with 0.01 about the others, 60 s: `energy`
-// and `momentum`, the farthest that they stray, and `flip_time` of the first turn-over against Runge and Kutta.
+// Scene 9. Moments 1, 2, 3 kg m², turning at 10 rad/s about the middle one with 0.01 about the others, 60 s:
+// `energy` and `momentum`, the farthest that they stray, and `flip_time` of the first turn-over against Runge
+// and Kutta.
 Result<RigidOutcome> tumbling(const RigidSetup& setup);
 
-// Scene 13. Twenty cubes of 1 m, friction 0.6, 30 s: `sag` of the top in parts of the height, `lean` (m) of the top,
-// `asleep_after` (s) of a second run that may sleep.
+// Scene 13. Twenty cubes of 1 m, friction 0.6, 30 s: `sag` of the top in parts of the height, `lean` (m) of
+// the top, `asleep_after` (s) of a second run that may sleep.
 Result<RigidOutcome> box_stack(const RigidSetup& setup);
 
 // Scene 14. A cube of 1 m on another, `parameter` times as heavy, 10 s: `sag` in parts of a cube.
 Result<RigidOutcome> heavy_on_light(const RigidSetup& setup);
 
-// Scene 15. Twenty links of 0.1 m, each on the one before, and at the end `parameter` times a link's mass, 10 s:
-// `stretch` of the length, mean over the last second.
+// Scene 15. Twenty links of 0.1 m, each on the one before, and at the end `parameter` times a link's mass, 10
+// s: `stretch` of the length, mean over the last second.
 Result<RigidOutcome> loaded_chain(const RigidSetup& setup);
 
-// Scene 16. Twenty dominoes of 0.2 x 0.02 x 0.1 m, 50 mm apart; the first is let go 10 degrees over: `wave_speed`
-// between the sixth and the sixteenth against our own solver's at 256 substeps.
+// Scene 16. Twenty dominoes of 0.2 x 0.02 x 0.1 m, 50 mm apart; the first is let go 10 degrees over:
+// `wave_speed` between the sixth and the sixteenth against our own solver's at 256 substeps.
 Result<RigidOutcome> dominoes(const RigidSetup& setup);
 
-// Scene 19. Ten cubes of 1 m in a pyramid, each half within its neighbours, 3 s: `eject_speed` (m/s), the highest but for
-// falling; and two cubes at the very same place without gravity: `coincident_speed`, infinite where they do not part.
+// Scene 19. Ten cubes of 1 m in a pyramid, each half within its neighbours, 3 s: `eject_speed` (m/s), the
+// highest but for falling; and two cubes at the very same place without gravity: `coincident_speed`, infinite
+// where they do not part.
 Result<RigidOutcome> overlap(const RigidSetup& setup);
 
 }  // namespace livegs::study

@@ -8,20 +8,28 @@ namespace livegs::study {
 
 std::string engine_name(RigidEngine engine) {
   switch (engine) {
-    case RigidEngine::Livegs: return "livegs";
-    case RigidEngine::Bullet: return "bullet";
-    case RigidEngine::OdeQuick: return "ode quick";
-    case RigidEngine::Ode: break;
+    case RigidEngine::Livegs:
+      return "livegs";
+    case RigidEngine::Bullet:
+      return "bullet";
+    case RigidEngine::OdeQuick:
+      return "ode quick";
+    case RigidEngine::Ode:
+      break;
   }
   return "ode";
 }
 
 const char* name_of(RunEnd end) {
   switch (end) {
-    case RunEnd::Well: return "ok";
-    case RunEnd::Fell: return "fell";
-    case RunEnd::FlewApart: return "exploded";
-    case RunEnd::NotANumber: break;
+    case RunEnd::Well:
+      return "ok";
+    case RunEnd::Fell:
+      return "fell";
+    case RunEnd::FlewApart:
+      return "exploded";
+    case RunEnd::NotANumber:
+      break;
   }
   return "nan";
 }

@@ -10,7 +10,8 @@
 #include "core/result.h"
 #include "study/rigid_setup.h"
 
-// What a rigid scene needs of a solver: our World, Bullet and ODE stand behind it. SI units, world axes. One thread.
+// What a rigid scene needs of a solver: our World, Bullet and ODE stand behind it. SI units, world axes. One
+// thread.
 
 namespace livegs::study {
 
@@ -18,9 +19,10 @@ struct RigidPart {
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  // of a box, full edge lengths
   double radius_m = 0.0;                             // > 0: a ball instead
   double mass_kg = 1.0;
-  std::optional<Eigen::Vector3d> moments_kg_m2;      // principal, along its own axes; otherwise those of the solid
-  double friction = 0.5;                             // of a pair: the geometric mean. Nothing bounces.
-  Pose world_from_part;                              // the origin is the centre of mass
+  std::optional<Eigen::Vector3d>
+      moments_kg_m2;      // principal, along its own axes; otherwise those of the solid
+  double friction = 0.5;  // of a pair: the geometric mean. Nothing bounces.
+  Pose world_from_part;   // the origin is the centre of mass
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero();
 };
@@ -53,6 +55,7 @@ class RigidSolver {
   virtual std::vector<RigidMotion> motions() const = 0;
 };
 
-Result<std::unique_ptr<RigidSolver>> make_rigid_solver(const RigidSetup& setup, const RigidConditions& conditions);
+Result<std::unique_ptr<RigidSolver>> make_rigid_solver(const RigidSetup& setup,
+                                                       const RigidConditions& conditions);
 
 }  // namespace livegs::study

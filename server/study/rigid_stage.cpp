@@ -26,12 +26,16 @@ double thread_cpu_s() {
 
 }  // namespace
 
-Result<std::unique_ptr<RigidSolver>> make_rigid_solver(const RigidSetup& setup, const RigidConditions& conditions) {
+Result<std::unique_ptr<RigidSolver>> make_rigid_solver(const RigidSetup& setup,
+                                                       const RigidConditions& conditions) {
   switch (setup.engine) {
-    case RigidEngine::Livegs: return make_livegs_rigid(setup, conditions);
-    case RigidEngine::Bullet: return make_bullet_rigid(setup, conditions);
+    case RigidEngine::Livegs:
+      return make_livegs_rigid(setup, conditions);
+    case RigidEngine::Bullet:
+      return make_bullet_rigid(setup, conditions);
     case RigidEngine::OdeQuick:
-    case RigidEngine::Ode: break;
+    case RigidEngine::Ode:
+      break;
   }
   return make_ode_rigid(setup, conditions);
 }

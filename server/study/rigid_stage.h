@@ -7,8 +7,9 @@
 
 namespace livegs::study {
 
-// A solver with a rigid scene's clock. Counts the processor time of stepping on the calling thread, and nothing else:
-// for costs that can be compared, set_thread_count(1) first. Watches for bodies that are no numbers or fly off.
+// A solver with a rigid scene's clock. Counts the processor time of stepping on the calling thread, and
+// nothing else: for costs that can be compared, set_thread_count(1) first. Watches for bodies that are no
+// numbers or fly off.
 class RigidStage {
  public:
   // Fails where the engine cannot run the scene, with its reason.
@@ -22,7 +23,8 @@ class RigidStage {
   double frame_s() const { return 1.0 / rate_hz_; }
   const std::vector<RigidMotion>& motions() const { return motions_; }
 
-  // The whole frames that `seconds` rounds to, `after` called behind each; stops early when something went wrong.
+  // The whole frames that `seconds` rounds to, `after` called behind each; stops early when something went
+  // wrong.
   void run(double seconds, const std::function<void()>& after = nullptr);
   void mark(RunEnd end) { end_ = end; }
   bool well() const { return end_ == RunEnd::Well; }

@@ -42,16 +42,19 @@ Result<RigidOutcome> rolling_box(const RigidSetup& setup) {
       ball.world_from_part.position_m = {0.3 * (i % kSide - 2), kThick_m + kRadius_m, 0.3 * (i / kSide - 2)};
       stage->add(ball);
     }
+    stage->run(0.5);  // until everything bears on what is below it
+    const double start_m_s = stage->motions()[0].velocity_m_s.dot(along);
     stage->solver().push(0, kPush_n * along);
     stage->run(1.0);
-    const double speed = stage->motions()[0].velocity_m_s.dot(along);
+    const double speed = stage->motions()[0].velocity_m_s.dot(along) - start_m_s;
     least = std::min(least, speed);
     most = std::max(most, speed);
     if (!(std::abs(speed / expected_m_s - 1) <= std::abs(shown - 1))) shown = speed / expected_m_s;
     total->include(*stage);
   }
-  RigidOutcome outcome = total->finish(
-      {relative("speed", shown, 1.0, 0.01), absolute("isotropy", (most - least) / expected_m_s, 0.0, 0.005, "relative")});
+  RigidOutcome outcome =
+      total->finish({relative("speed", shown, 1.0, 0.01),
+                     absolute("isotropy", (most - least) / expected_m_s, 0.0, 0.005, "relative")});
   outcome.bodies = 1 + kBalls;
   return outcome;
 }

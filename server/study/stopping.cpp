@@ -36,8 +36,8 @@ Result<RigidOutcome> stopping(const RigidSetup& setup) {
       total->include(*stage);
     }
   }
-  RigidOutcome outcome =
-      total->finish({relative("distance", shown, 1.0, 0.005), absolute("drift", drift_m_s, 0.0, 1e-3, "m/s")});
+  RigidOutcome outcome = total->finish(
+      {relative("distance", shown, 1.0, 0.005), absolute("drift", drift_m_s, 0.0, 1e-3, "m/s")});
   outcome.bodies = 1;
   return outcome;
 }

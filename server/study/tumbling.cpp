@@ -13,8 +13,8 @@ using Eigen::Vector3d;
 
 const Vector3d kMoments(1, 2, 3), kSpin_rad_s(0.01, 10, 0.01);
 
-// Euler's equations in body axes by the fourth-order method of Runge and Kutta: the first time that the spin about the
-// middle axis passes zero.
+// Euler's equations in body axes by the fourth-order method of Runge and Kutta: the first time that the spin
+// about the middle axis passes zero.
 double first_flip_s() {
   const auto slope = [](const Vector3d& w) {
     return Vector3d((kMoments.y() - kMoments.z()) * w.y() * w.z() / kMoments.x(),
@@ -59,7 +59,8 @@ Result<RigidOutcome> tumbling(const RigidSetup& setup) {
   };
   const State start{kSpin_rad_s, kMoments.cwiseProduct(kSpin_rad_s),
                     0.5 * kSpin_rad_s.dot(kMoments.cwiseProduct(kSpin_rad_s))};
-  double energy = 0.0, momentum = 0.0, before = start.spin.y(), flip_s = std::numeric_limits<double>::infinity();
+  double energy = 0.0, momentum = 0.0, before = start.spin.y(),
+         flip_s = std::numeric_limits<double>::infinity();
   stage.run(60.0, [&] {
     const State now = state();
     energy = std::max(energy, std::abs(now.energy / start.energy - 1));
@@ -69,7 +70,8 @@ Result<RigidOutcome> tumbling(const RigidSetup& setup) {
     }
     before = now.spin.y();
   });
-  return stage.finish({absolute("energy", energy, 0.0, 1e-3, "relative"), absolute("momentum", momentum, 0.0, 1e-5, "relative"),
+  return stage.finish({absolute("energy", energy, 0.0, 1e-3, "relative"),
+                       absolute("momentum", momentum, 0.0, 1e-5, "relative"),
                        relative("flip_time", flip_s, first_flip_s(), 0.02)});
 }
 

@@ -53,7 +53,13 @@ TEST_P(Tension, IsWhatTheBodySays) {
   }
 }
 INSTANTIATE_TEST_SUITE_P(Cells, Tension,
-                         testing::Combine(testing::Values(1e4, 1e5, 1e6, 1e8), testing::Values(0.0, 0.3, 0.45)));
+                         testing::Combine(testing::Values(1e4, 1e5, 1e6, 1e8), testing::Values(0.0, 0.3, 0.45)),
+                         [](const auto& tested) {
+                           char name[64];  // "E10000Pa_nu30"
+                           std::snprintf(name, sizeof name, "E%.0fPa_nu%.0f", std::get<0>(tested.param),
+                                         100 * std::get<1>(tested.param));
+                           return std::string(name);
+                         });
 
 // What is called exact is no corner: all of 1e4 to 1e6 Pa, with cells and substeps left to the program.
 TEST(TensionChosen, IsExactUpToAMegapascal) {

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include "study/rigid_scenes.h"
+
+// The rigid scenes as tests of our own solver, at the 4 substeps and the two rates that the product runs at.
+
+namespace livegs::study {
+
+inline constexpr double kRates_hz[] = {60.0, 90.0};
+
+// The outcome of a scene that must be runnable.
+inline RigidOutcome run(Result<RigidOutcome> outcome) {
+  if (outcome) return std::move(*outcome);
+  std::fprintf(stderr, "%s\n", outcome.error().message.c_str());
+  std::abort();
+}
+
+inline void expect_within(const RigidOutcome& outcome, const std::string& quantity, double bar,
+                          const RigidSetup& setup) {
+  const Measurement& m = outcome[quantity];
+  EXPECT_LE(m.error, bar) << quantity << " is " << m.measured << " for " << m.reference << " at "
+                          << setup.rate_hz << " Hz, " << setup.substeps
+                          << " substeps: " << name_of(outcome.end);
+}
+// The bar is the scene's own.
+inline void expect_within_bar(const RigidOutcome& outcome, const std::string& quantity,
+                              const RigidSetup& setup) {
+  expect_within(outcome, quantity, outcome[quantity].bar, setup);
+}
+
+}  // namespace livegs::study

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scenes 2, 3, 6 and 9 at 4 substeps, 60 and 90 Hz: each bar is the catalogue's, each reference the closed
+// form that study/rigid_scenes.h names. Tests of single settings and of single bodies are with the solver's
+// own tests.
+#include "accuracy/rigid_checks.h"
+
+namespace livegs::study {
+namespace {
+
+TEST(Incline, HoldsSlidesAndNeverCreepsOverAllFrictions) {
+  for (const double rate_hz : kRates_hz) {
+    const RigidSetup setup{.rate_hz = rate_hz};
+    const RigidOutcome outcome = run(incline(setup));
+    for (const char* quantity : {"threshold", "creep", "acceleration"})
+      expect_within_bar(outcome, quantity, setup);
+  }
+}
+
+TEST(Stopping, IsWhereFrictionSaysAndStays) {
+  for (const double rate_hz : kRates_hz) {
+    const RigidSetup setup{.rate_hz = rate_hz};
+    const RigidOutcome outcome = run(stopping(setup));
+    for (const char* quantity : {"distance", "drift"}) expect_within_bar(outcome, quantity, setup);
+  }
+}
+
+TEST(RollingBox, AcceleratesByTheClosedFormInEveryDirection) {
+  for (const double rate_hz : kRates_hz) {
+    const RigidSetup setup{.rate_hz = rate_hz};
+    const RigidOutcome outcome = run(rolling_box(setup));
+    for (const char* quantity : {"speed", "isotropy"}) expect_within_bar(outcome, quantity, setup);
+  }
+}
+
+TEST(Tumbling, KeepsEnergyMomentumAndTime) {
+  for (const double rate_hz : kRates_hz) {
+    const RigidSetup setup{.rate_hz = rate_hz};
+    const RigidOutcome outcome = run(tumbling(setup));
+    for (const char* quantity : {"energy", "momentum", "flip_time"})
+      expect_within_bar(outcome, quantity, setup);
+  }
+}
+
+}  // namespace
+}  // namespace livegs::study
