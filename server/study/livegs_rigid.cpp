@@ -20,8 +20,12 @@ class LivegsRigid final : public RigidSolver {
     world_.add_collider({PlaneShape{}, world_from_floor, friction, 0.0});
   }
   Result<void> add(const RigidPart& part) override;
-  Result<void> join(size_t, std::optional<size_t>, const Eigen::Vector3d&) override {
-    return Error{ErrorCode::Unavailable, "livegs: no joints"};
+  Result<void> join(size_t part, std::optional<size_t> other, const Eigen::Vector3d& point_m) override {
+    BallJointDescription joint;
+    joint.object_id = id_of(part);
+    if (other) joint.other_id = id_of(*other);
+    joint.point_m = motions()[part].world_from_part.inverse() * point_m;
+    return world_.add_ball_joint(joint);
   }
   void push(size_t part, const Eigen::Vector3d& force_n) override {
     // On the rest centre, which is the centre of mass of every part.

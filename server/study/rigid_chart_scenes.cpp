@@ -87,6 +87,27 @@ std::span<const RigidChartScene> rigid_chart_scenes() {
        .run = overlap,
        .quantities = {"eject_speed", "coincident_speed"},
        .most_exact_substeps = 0},
+      {.name = "ball_pendulum",
+       .title = "Pendulum on a joint",
+       .what = "A ball of 5 cm and 1 kg on an arm of 1 m, swinging on a ball joint for 10 s from 5 and from "
+               "60 degrees: its period "
+               "against the physical pendulum's, and the energy of the swing that is lost or gained.",
+       .settings = "ball of 5 cm, arm 1 m, 10 s",
+       .run = ball_pendulum,
+       .quantities = {"period", "energy_lost"},
+       .parameters = {5, 60},
+       .parameter_text = "%g degrees"},
+      {.name = "loaded_chain",
+       .title = "Chain with a heavy end",
+       .what = "Twenty links of 0.1 m and 0.1 kg hang from the world on ball joints, and at the end 100, "
+               "1000 or 50000 times a "
+               "link's mass, 10 s: how much longer it is in the last second. The bar of the last is that it "
+               "hangs at all.",
+       .settings = "20 links of 0.1 m and 0.1 kg, 10 s",
+       .run = loaded_chain,
+       .quantities = {"stretch"},
+       .parameters = {100, 1000, 50000},
+       .parameter_text = "1:%g"},
   };
   return scenes;
 }
