@@ -114,7 +114,8 @@ void plot_panel(std::FILE* out, const Figure& figure, size_t index, const Range&
   for (size_t c = 0; c < panel.curves.size(); ++c) {
     std::fprintf(out, "$c%zu << EOD\n", c);
     for (const CurvePoint& point : panel.curves[c].points) {
-      std::fprintf(out, "%g %g %d\n", point.cost_ms, errors.clamp(point.error), point.substeps);
+      const char* apart = std::isfinite(point.error) ? "" : "\n";  // gnuplot leaves a gap at an empty line
+      std::fprintf(out, "%s%g %g %d\n%s", apart, point.cost_ms, errors.clamp(point.error), point.substeps, apart);
     }
     std::fprintf(out, "EOD\n");
   }
@@ -185,14 +186,15 @@ Result<void> draw_figure(const Figure& figure, const std::filesystem::path& svg)
   std::fprintf(out, "set terminal svg size %zu,520 font 'Helvetica,12' background rgb 'white'\nset output '%s'\n",
                std::max<size_t>(860, (figure.same_axis ? 260 : 200) + 290 * panels.size()), path.c_str());
   std::fprintf(out, "set multiplot\nset logscale xy\nset grid xtics ytics lc rgb '#e4e4e4'\nunset key\n"
-                    "set tmargin at screen 0.845\nset bmargin at screen 0.285\nset tics font ',10'\n"
+                    "set tmargin at screen 0.825\nset bmargin at screen 0.285\nset tics font ',10'\n"
                     "set format x '10^{%%T}'\nset xlabel 'ms of CPU a simulated second' offset 0,0.4\n");
   std::fprintf(out, "set label 1 '%s' at screen 0.02,0.965 font ',14' noenhanced\n", quoted(figure.title).c_str());
-  std::fprintf(out, "set label 2 '%s' at screen 0.02,0.915 font ',10' tc rgb '#555555'\n",
+  std::fprintf(out, "set label 2 '%s' at screen 0.02,0.925 font ',10' tc rgb '#555555'\n",
                quoted(figure.settings).c_str());
+  std::fprintf(out, "set label 3 '%s' at screen 0.02,0.893 font ',10' tc rgb '#555555'\n", quoted(figure.note).c_str());
   for (size_t i = 0; i < panels.size(); ++i) {
     plot_panel(out, figure, i, costs);
-    std::fprintf(out, "unset label 1\nunset label 2\n");
+    std::fprintf(out, "unset label 1\nunset label 2\nunset label 3\n");
   }
   plot_key(out, figure);
   std::fprintf(out, "unset multiplot\n");

@@ -78,11 +78,9 @@ std::vector<Panel> rigid_panels(const RigidChartScene& scene, const std::vector<
 }
 
 Figure rigid_figure(const RigidChartScene& scene, const std::vector<RigidRow>& rows) {
-  return {scene.title,
-          scene.settings +
-              "; 60 Hz, 1 to 32 substeps a frame, numbered on ours. On the upper edge: fell, flew apart or "
-              "never happened; on the lower: less",
-          rigid_panels(scene, rows), false};
+  return {scene.title, scene.settings, rigid_panels(scene, rows), false,
+          "60 Hz, 1 to 32 substeps a frame, numbered on ours. Upper edge: fell, flew apart or never "
+          "happened; lower: less"};
 }
 
 std::string rigid_csv(const std::vector<RigidRow>& rows) {
