@@ -48,8 +48,9 @@ Result<RigidOutcome> loaded_chain(const RigidSetup& setup);
 // `wave_speed` between the sixth and the sixteenth against our own solver's at 256 substeps.
 Result<RigidOutcome> dominoes(const RigidSetup& setup);
 
-// Scene 19. Ten cubes of 1 m in a pyramid, each half within its neighbours, 3 s: `eject_speed` (m/s), the
-// highest but for falling; and two cubes at the very same place without gravity: `coincident_speed`, infinite
+// Scene 19. Cubes of 1 m, 3 s, the highest speed (m/s) but for falling: `column_speed` of ten in a column
+// without gravity, each half within the next; `pyramid_speed` of ten in a pyramid on the floor, each half
+// within its up to six neighbours; `coincident_speed` of two at the very same place without gravity, infinite
 // where they do not part.
 Result<RigidOutcome> overlap(const RigidSetup& setup);
 
