@@ -50,6 +50,12 @@ class BulletRigid final : public RigidSolver {
   Result<void> add(const RigidPart& part) override {
     if (part.radius_m > 0.0) {
       shapes_.push_back(std::make_unique<btSphereShape>(static_cast<btScalar>(part.radius_m)));
+    } else if (!part.corners_m.empty()) {
+      auto hull = std::make_unique<btConvexHullShape>();
+      for (const Vector3d& corner : part.corners_m) hull->addPoint(to_bullet(corner), false);
+      hull->recalcLocalAabb();
+      hull->initializePolyhedralFeatures();
+      shapes_.push_back(std::move(hull));
     } else {
       shapes_.push_back(std::make_unique<btBoxShape>(to_bullet(0.5 * part.size_m)));
     }

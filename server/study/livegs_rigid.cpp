@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/livegs_rigid.h"
 
+#include "geometry/convex_hull.h"
 #include "geometry/mass_properties.h"
 #include "geometry/shape_mesh.h"
 #include "physics/world.h"
@@ -57,7 +58,7 @@ Result<void> LivegsRigid::add(const RigidPart& part) {
   } else {
     RigidBodyDescription body;
     body.object_id = id;
-    body.mesh = box_mesh(part.size_m);
+    body.mesh = part.corners_m.empty() ? box_mesh(part.size_m) : convex_hull(part.corners_m);
     body.properties = solid_mass_properties(body.mesh);
     if (part.moments_kg_m2) body.properties.inertia_m2 = (*part.moments_kg_m2 / part.mass_kg).asDiagonal();
     body.material.behavior = Behavior::Rigid;

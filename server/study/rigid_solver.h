@@ -18,6 +18,7 @@ namespace livegs::study {
 struct RigidPart {
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  // of a box, full edge lengths
   double radius_m = 0.0;                             // > 0: a ball instead
+  std::vector<Eigen::Vector3d> corners_m;            // not empty: of a convex body instead, about its centre of mass
   double mass_kg = 1.0;
   std::optional<Eigen::Vector3d>
       moments_kg_m2;      // principal, along its own axes; otherwise those of the solid

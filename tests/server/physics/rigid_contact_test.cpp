@@ -340,10 +340,10 @@ TEST(RigidContact, TumblingBoxNeverGainsEnergy) {
 
 TEST(RigidContact, FastBallDoesNotPassAPlate) {
   int passed = 0;
-  for (int aim = 0; aim < 200; ++aim) {
+  for (int aim = 0; aim < 1000; ++aim) {
     World world = world_at(60, 4, Vector3d::Zero());
     world.add_collider(Collider{BoxShape{{1.0, 1.0, 0.005}}, Pose{}, 0.3, 0.0});
-    const double speed = 1.0 + 99.0 * aim / 199.0;
+    const double speed = 1.0 + 99.0 * aim / 999.0;
     const Vector3d target(0.3 * std::sin(1.7 * aim), 0.3 * std::cos(2.3 * aim), 0);
     const Vector3d from(0.4 * std::sin(0.7 * aim), 0.4 * std::cos(1.1 * aim), 0.5 + 0.3 * std::sin(3.1 * aim));
     auto description = ball(1, from);
