@@ -48,7 +48,7 @@ Eigen::Vector3d RigidBody::mean_velocity(double duration_s) const {
       if (point.impulse_n_s > 0.0) late -= point.normal.dot(late) * point.normal;
     }
   }
-  if (pushed_by_owner) late.setZero();
+  if (pushed_by_owner || !springs.empty()) late.setZero();
   return velocity_m_s - 0.5 * late;
 }
 

@@ -13,6 +13,7 @@
 namespace livegs {
 
 class JointGroup;
+struct RigidSpring;
 
 // Fragments of one object, at most.
 inline constexpr uint32_t kMaxBodiesOfObject = 256;
@@ -66,6 +67,7 @@ struct RigidBody {
   std::vector<ContactPatch> patches;           // where this body is the first of the pair
   std::vector<ContactPatch> previous_patches;  // of the substep before, for warm starting
 
+  std::vector<RigidSpring*> springs;  // that hands hold it by, in this substep
   JointGroup* joints = nullptr;  // the bodies it hangs together with by joints; nullptr: none
 
   // Over the tick, for events.
@@ -95,7 +97,8 @@ struct RigidBody {
   void apply_angular_impulse(const Eigen::Vector3d& impulse);
   // Moves by the present velocities. Where no contact held it, displacement is the mean of the velocities before and
   // after (exact for a constant acceleration, sliding included); along the normals of contacts that pushed, it is that
-  // after. Impulses between two bodies move them by the velocity after, which keeps their angular momentum.
+  // after. Impulses between two bodies move them by the velocity after, which keeps their angular momentum; so do the
+  // springs of hands, which reckon with it.
   void move(double duration_s);
   // How move() would move it now.
   Eigen::Vector3d mean_velocity(double duration_s) const;  // of the centre of mass

@@ -364,6 +364,7 @@ void JointGroup::solve(ContactPhase phase, double substep_s) {
   if (phase == ContactPhase::Relax) {
     relax_residual();
     solve_residual(phase);
+    for (RigidJoint& joint : joints_) joint.force_n = (joint.borne_n_s + joint.relax.point_n_s) / substep_s;
     return;
   }
   for (int sweep = 0; sweep < kBendSweeps; ++sweep) {

@@ -38,7 +38,8 @@ struct RigidJoint {
     Eigen::Vector3d turn = Eigen::Vector3d::Zero();  // N m s, across the hinge's axis
   };
   Impulse push, relax;
-  Eigen::Vector3d borne_n_s = Eigen::Vector3d::Zero();  // the whole substep's
+  Eigen::Vector3d borne_n_s = Eigen::Vector3d::Zero();  // until the relax pass
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();    // on a, over the last substep
 
   int row_count() const { return hinge ? 5 : 3; }
   Eigen::Vector3d world_anchor_a() const { return a->world_from_body * anchor_a_m; }

@@ -9,6 +9,7 @@
 #include "physics/rigid_find_contacts.h"
 #include "physics/rigid_islands.h"
 #include "physics/rigid_joint.h"
+#include "physics/rigid_spring.h"
 
 namespace livegs {
 namespace {
@@ -161,9 +162,15 @@ void solve_island(RigidIsland& island, double duration_s) {
     each(prepare_patch);
     for (JointGroup* group : joints) group->begin();
     each(warm_start_patch);
+    for (RigidBody* body : island.bodies) {
+      for (RigidSpring* spring : body->springs) prepare_spring(*body, *spring, step_s);
+    }
     for (JointGroup* group : joints) group->prepare(ContactPhase::Push);
     for (int sweep = 0; sweep < push_sweeps; ++sweep) {
       each([&](RigidBody& body, ContactPatch& patch) { solve_patch(body, patch, ContactPhase::Push, step_s); });
+      for (RigidBody* body : island.bodies) {
+        for (RigidSpring* spring : body->springs) solve_spring(*body, *spring, step_s);
+      }
       if (!joints.empty()) each(note_meeting);
       for (JointGroup* group : joints) group->solve(ContactPhase::Push, step_s);
     }

@@ -13,7 +13,7 @@ namespace livegs {
 // What pushes one rigid body through a substep besides gravity and contact.
 struct RigidLoad {
   Eigen::Vector3d impulse_n_s = Eigen::Vector3d::Zero();  // of forces: spread over the substep
-  // Of springs and elastic bodies, which reckon with a body that moves by the velocity after it.
+  // Of elastic bodies, which reckon with a body that moves by the velocity after it.
   Eigen::Vector3d implicit_impulse_n_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d angular_impulse = Eigen::Vector3d::Zero();  // about the centre of mass
 };

@@ -169,6 +169,7 @@ Result<void> World::add_elastic(const ElasticBodyDescription& description) {
     object.reach_m = std::max(object.reach_m, (normalized(description.world_from_object) * particle - centre).norm());
   }
   object.reach_m += description.particles.spacing_m;
+  object.rest_particles_m = description.particles.positions_m;
   state_->objects[id] = {std::move(object), false};
   state_->list_bodies();
   return {};
@@ -208,21 +209,6 @@ void World::clear_force(uint64_t force_id) {
   if (found == state_->forces.end()) return;
   if (WorldObject* object = state_->find(found->second.object_id)) object->wake();
   state_->forces.erase(found);
-}
-
-void World::set_spring(uint64_t spring_id, uint32_t object_id, const Spring& spring) {
-  if (!state_->find(object_id)) return;
-  HeldSpring& held = state_->springs[spring_id];
-  if (held.object_id != object_id) held.force_n.setZero();
-  held.object_id = object_id;
-  held.spring = spring;
-}
-
-void World::clear_spring(uint64_t spring_id) { state_->springs.erase(spring_id); }
-
-Eigen::Vector3d World::spring_force_n(uint64_t spring_id) const {
-  const auto found = state_->springs.find(spring_id);
-  return found == state_->springs.end() ? Eigen::Vector3d::Zero().eval() : found->second.force_n;
 }
 
 Result<void> World::set_material(uint32_t object_id, const Material& material) {

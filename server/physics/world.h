@@ -142,13 +142,40 @@ class World {
   // A spring of constant stiffness from a material point to a world point, damped critically for the mass it feels,
   // its force bounded by max_force_n. Evaluated every substep.
   struct Spring {
-    Eigen::Vector3d rest_point_m, target_m;
+    Eigen::Vector3d rest_point_m = Eigen::Vector3d::Zero(), target_m = Eigen::Vector3d::Zero();
     double stiffness_n_m = 50.0, max_force_n = 50.0;
   };
   void set_spring(uint64_t spring_id, uint32_t object_id, const Spring& spring);
   void clear_spring(uint64_t spring_id);
   // The force a spring applied in the last substep, for the arrow a client draws; zero when there is none.
   Eigen::Vector3d spring_force_n(uint64_t spring_id) const;
+
+  // A hand closes on an object: from now on springs draw the material that is at the hand's place to where the hand is,
+  // and turn the object as the hand turns, from how both are now, so that nothing moves at first. Force and torque are
+  // bounded, wherever the hand goes. On an elastic object a few points about the hand are held instead of its
+  // orientation. Several hands may hold one object. Ids are the caller's, apart from those of set_spring; an id that is
+  // in use lets go first.
+  struct Grip {
+    double frequency_hz = 8.0;  // of the object's whole mass on the springs, in air
+    double max_force_n = 50.0, max_torque_n_m = 5.0;
+  };
+  Result<void> grab(uint64_t grab_id, uint32_t object_id, const Pose& world_from_hand, const Grip& grip);
+  // Where the hand is at the start of the next tick, and how it moves during it. Not finite: ignored. Unknown ids are
+  // ignored too. What is let go flies on as it moves then.
+  void move_grab(uint64_t grab_id, const Pose& world_from_hand, const Eigen::Vector3d& velocity_m_s,
+                 const Eigen::Vector3d& spin_rad_s);
+  void release_grab(uint64_t grab_id);
+  struct GrabState {
+    Eigen::Vector3d point_m;              // the material point that was at the hand's place, now
+    Eigen::Vector3d force_n, torque_n_m;  // on the object, in the last substep; an elastic one has no torque of its own
+  };
+  std::optional<GrabState> grab_state(uint64_t grab_id) const;  // nothing: it holds nothing (any more)
+
+  // The sum of the sizes of the impulses that contacts gave an object in the last tick, N s; resting is a contact.
+  double contact_impulse_n_s(uint32_t object_id) const;
+
+  // The object that is nearest to a point and no farther than `reach_m`, static ones left out; `distance_m` is 0 inside.
+  std::optional<RayHit> nearest(const Eigen::Vector3d& point_m, double reach_m) const;
 
   // What a ray from `origin_m` along the unit `direction` meets first within `max_distance_m`.
   std::optional<RayHit> ray_cast(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,

@@ -131,7 +131,6 @@ Result<void> World::add_hinge_joint(const HingeJointDescription& description) {
 }
 
 std::vector<JointState> World::joints() const {
-  const double substep_s = 1.0 / (state_->settings.rate_hz * state_->settings.substeps);
   std::vector<JointState> states;
   for (const HeldJoint& held : state_->joints) {
     const RigidJoint& joint = state_->running(held);
@@ -146,7 +145,7 @@ std::vector<JointState> World::joints() const {
       const Eigen::Vector3d a = joint.world_axis_a(), b = joint.world_axis_b();
       state.error_rad = std::atan2(a.cross(b).norm(), a.dot(b));
     }
-    if (!joint.a->asleep) state.force_n = (joint.borne_n_s + joint.relax.point_n_s).norm() / substep_s;
+    if (!joint.a->asleep) state.force_n = joint.force_n.norm();
     states.push_back(state);
   }
   return states;

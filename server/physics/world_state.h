@@ -12,6 +12,7 @@
 #include "physics/breakable_pieces.h"
 #include "physics/rigid_body.h"
 #include "physics/rigid_joint.h"
+#include "physics/rigid_spring.h"
 #include "physics/rigid_step.h"
 #include "physics/world.h"
 
@@ -52,6 +53,7 @@ struct RigidObject {
 
 struct ElasticObject {
   std::unique_ptr<ElasticBody> body;
+  std::vector<Eigen::Vector3d> rest_particles_m;  // object frame
   double reach_m = 0;  // no particle at rest is farther from the centre of mass
   // Of one substep, in its own memory so that bodies can run on different threads.
   std::vector<MovingSphere> spheres;
@@ -65,6 +67,7 @@ struct ElasticObject {
 struct WorldObject {
   std::variant<StaticObject, RigidObject, ElasticObject> thing;
   bool reported_asleep = false;
+  double contact_impulse_n_s = 0;  // of the last tick
 
   StaticObject* fixed() { return std::get_if<StaticObject>(&thing); }
   RigidObject* rigid() { return std::get_if<RigidObject>(&thing); }
@@ -85,6 +88,26 @@ struct HeldSpring {
   uint32_t object_id = 0;
   World::Spring spring;
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  // of the last substep
+  RigidSpring row;                                    // of a rigid object; with its own force
+};
+
+// What a hand holds of an elastic object: one of the points near it.
+struct HeldPlace {
+  Eigen::Vector3d rest_point_m;
+  Eigen::Vector3d hand_point_m;  // where it belongs, in the hand's frame
+};
+
+struct HeldGrab {
+  uint32_t object_id = 0;
+  World::Grip grip;
+  Eigen::Vector3d rest_point_m;
+  Pose world_from_hand;
+  Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero(), spin_rad_s = Eigen::Vector3d::Zero();
+  double moving_s = 0;  // since it was set
+  Eigen::Quaterniond hand_from_object = Eigen::Quaterniond::Identity();
+  RigidSpring row;                // of a rigid object
+  std::vector<HeldPlace> places;  // of an elastic one
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  // of an elastic one, in the last substep
 };
 
 struct HeldJoint {
@@ -103,6 +126,7 @@ struct World::State {
   std::map<uint32_t, WorldObject> objects;
   std::map<uint64_t, HeldForce> forces;
   std::map<uint64_t, HeldSpring> springs;
+  std::map<uint64_t, HeldGrab> grabs;
   std::vector<HeldJoint> joints;  // as they were added; ids count from 1
   std::vector<std::unique_ptr<JointGroup>> joint_groups;
   std::vector<WorldEvent> events;
@@ -124,6 +148,7 @@ struct World::State {
   const RigidJoint& running(const HeldJoint& held) const;
 
   void gather_loads(double duration_s);
+  void gather_springs(double duration_s);  // of hands
   void meet_balls(ElasticObject& elastic, double duration_s);
   void step_elastic(double start_s, double duration_s);
   void report_contacts();

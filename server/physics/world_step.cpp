@@ -4,7 +4,6 @@
 
 #include "core/clock.h"
 #include "core/parallel_for.h"
-#include "physics/spring.h"
 #include "physics/world_state.h"
 
 namespace livegs {
@@ -16,8 +15,6 @@ size_t index_of(const std::vector<RigidBody*>& bodies, const RigidBody& body) {
   return static_cast<size_t>(at - bodies.begin());
 }
 
-double mass_of(const ElasticObject& object) { return object.body->mass_kg(); }
-
 }  // namespace
 
 // Forces and springs, as they are at the start of the substep.
@@ -25,14 +22,13 @@ void World::State::gather_loads(double duration_s) {
   std::fill(loads.begin(), loads.end(), RigidLoad{});
   for (ElasticObject* elastic : elastic_objects) elastic->forces.clear();
 
-  const auto push = [&](WorldObject& object, const Eigen::Vector3d& rest_point, const Eigen::Vector3d& force,
-                        bool implicit) {
+  const auto push = [&](WorldObject& object, const Eigen::Vector3d& rest_point, const Eigen::Vector3d& force) {
     if (ElasticObject* elastic = object.elastic()) elastic->forces.push_back({rest_point, force});
     if (RigidObject* rigid = object.rigid()) {
       RigidBody& body = rigid->body_with(rest_point);
       RigidLoad& load = loads[index_of(rigid_bodies, body)];
-      (implicit ? load.implicit_impulse_n_s : load.impulse_n_s) += duration_s * force;
-      if (!implicit && !force.isZero(0.0)) {  // a hand's spring is no blow
+      load.impulse_n_s += duration_s * force;
+      if (!force.isZero(0.0)) {
         const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
         body.blow.add(duration_s * force.norm(), body_from_world * force.normalized(), rest_point - body.rest_centre_m);
       }
@@ -40,21 +36,9 @@ void World::State::gather_loads(double duration_s) {
     }
   };
   for (const auto& [id, held] : forces) {
-    if (WorldObject* object = find(held.object_id)) push(*object, held.force.point_m, held.force.force_n, false);
+    if (WorldObject* object = find(held.object_id)) push(*object, held.force.point_m, held.force.force_n);
   }
-  for (auto& [id, held] : springs) {
-    held.force_n.setZero();
-    WorldObject* object = find(held.object_id);
-    if (!object || object->fixed()) continue;
-    if (RigidObject* rigid = object->rigid()) {
-      RigidBody& body = rigid->body_with(held.spring.rest_point_m);
-      body.wake();
-      held.force_n = spring_force(held.spring, body, body.arm_of(held.spring.rest_point_m), duration_s);
-    } else {
-      held.force_n = spring_force(held.spring, *object->elastic()->body, mass_of(*object->elastic()), duration_s);
-    }
-    push(*object, held.spring.rest_point_m, held.force_n, true);
-  }
+  gather_springs(duration_s);
 }
 
 // The body's own copies of the balls it may touch.
@@ -108,6 +92,7 @@ void World::State::step_elastic(double start_s, double duration_s) {
 
 void World::State::report_contacts() {
   const auto report = [&](uint32_t id, double& impulse, Eigen::Vector3d& moment) {
+    objects.at(id).contact_impulse_n_s = impulse;
     if (impulse > kReportedImpulse_n_s) {
       events.push_back({tick, WorldEventKind::Contact, id, impulse, moment / impulse});
     }

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What hands do to objects: the ray's spring and the grab.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "physics/spring.h"
+#include "physics/world_check.h"
+#include "physics/world_state.h"
+
+namespace livegs {
+namespace {
+
+// A palm: an elastic object is held by points within this distance of the hand.
+constexpr double kPalm_m = 0.05;
+constexpr size_t kMaxHeldPlaces = 6;
+constexpr double kSilentTicks = 4.0;
+
+double squared(double value) { return value * value; }
+
+// The nearest particle to the hand, then always the one farthest from those taken, within the palm.
+std::vector<HeldPlace> places_in_palm(const ElasticObject& elastic, const Pose& world_from_hand) {
+  const std::vector<Eigen::Vector3d>& rest = elastic.rest_particles_m;
+  const Pose hand_from_world = world_from_hand.inverse();
+  std::vector<Eigen::Vector3d> seen;  // in the hand's frame
+  for (const Eigen::Vector3d& point : rest) seen.push_back(hand_from_world * elastic.body->world_point(point));
+  std::vector<double> apart(seen.size());  // from the nearest that is taken; before the first, minus that from the hand
+  for (size_t i = 0; i < seen.size(); ++i) apart[i] = -seen[i].norm();
+  std::vector<HeldPlace> places;
+  while (places.size() < kMaxHeldPlaces) {
+    const size_t next = static_cast<size_t>(std::max_element(apart.begin(), apart.end()) - apart.begin());
+    if (!places.empty() && apart[next] <= 0.0) break;
+    places.push_back({rest[next], seen[next]});
+    for (size_t i = 0; i < seen.size(); ++i) {
+      const double distance = (seen[i] - seen[next]).norm();
+      if (places.size() == 1) {
+        apart[i] = seen[i].norm() <= kPalm_m ? distance : 0.0;
+      } else {
+        apart[i] = std::min(apart[i], distance);
+      }
+    }
+  }
+  return places;
+}
+
+}  // namespace
+
+void World::State::gather_springs(double duration_s) {
+  for (RigidBody* body : rigid_bodies) body->springs.clear();
+  const auto hold = [](RigidBody& body, RigidSpring& row) {
+    body.wake();
+    body.springs.push_back(&row);
+  };
+  const auto draw = [&](ElasticObject& elastic, const World::Spring& spring, const Eigen::Vector3d& velocity,
+                        double mass_kg) {
+    const Eigen::Vector3d force = spring_force(spring, velocity, *elastic.body, mass_kg, duration_s);
+    elastic.forces.push_back({spring.rest_point_m, force});
+    return force;
+  };
+  for (auto& [id, held] : springs) {
+    held.force_n.setZero();
+    WorldObject* object = find(held.object_id);
+    if (!object || object->fixed()) continue;
+    if (RigidObject* rigid = object->rigid()) {
+      held.row.rest_point_m = held.spring.rest_point_m;
+      held.row.target_m = held.spring.target_m;
+      held.row.stiffness_n_m = held.spring.stiffness_n_m;
+      held.row.max_force_n = held.spring.max_force_n;
+      hold(rigid->body_with(held.spring.rest_point_m), held.row);
+    } else {
+      ElasticObject& elastic = *object->elastic();
+      held.force_n = draw(elastic, held.spring, Eigen::Vector3d::Zero(), elastic.body->mass_kg());
+    }
+  }
+  for (auto& [id, held] : grabs) {
+    held.force_n.setZero();
+    WorldObject* object = find(held.object_id);
+    if (!object || object->fixed()) continue;
+    // Hands go on moving within the tick; one that is not heard of stands.
+    const double tick_s = 1.0 / settings.rate_hz;
+    if (held.moving_s > kSilentTicks * tick_s) {
+      held.velocity_m_s.setZero();
+      held.spin_rad_s.setZero();
+    }
+    Pose hand = held.world_from_hand;
+    hand.position_m += std::min(held.moving_s, tick_s) * held.velocity_m_s;
+    const Eigen::Vector3d turned = std::min(held.moving_s, tick_s) * held.spin_rad_s;
+    if (turned.norm() > 0.0) {
+      hand.orientation = Eigen::AngleAxisd(turned.norm(), turned.normalized()) * hand.orientation;
+    }
+    held.moving_s += duration_s;
+    const double rate = 2.0 * std::numbers::pi * held.grip.frequency_hz;
+    if (RigidObject* rigid = object->rigid()) {
+      RigidBody& body = rigid->body_with(held.rest_point_m);
+      RigidSpring& row = held.row;
+      row.rest_point_m = held.rest_point_m;
+      row.target_m = hand.position_m;
+      row.target_velocity_m_s = held.velocity_m_s;
+      row.target_orientation = (hand.orientation * held.hand_from_object).normalized();
+      row.target_spin_rad_s = held.spin_rad_s;
+      row.stiffness_n_m = body.mass_kg * squared(rate);
+      row.turn_rad_s = rate;
+      row.max_force_n = held.grip.max_force_n;
+      row.max_torque_n_m = held.grip.max_torque_n_m;
+      hold(body, row);
+    } else {
+      ElasticObject& elastic = *object->elastic();
+      const double share = 1.0 / static_cast<double>(held.places.size());
+      const double mass_kg = share * elastic.body->mass_kg();
+      for (const HeldPlace& place : held.places) {
+        const Eigen::Vector3d arm = hand.orientation * place.hand_point_m;
+        const World::Spring spring{place.rest_point_m, hand.position_m + arm, mass_kg * squared(rate),
+                                   share * held.grip.max_force_n};
+        held.force_n += draw(elastic, spring, held.velocity_m_s + held.spin_rad_s.cross(arm), mass_kg);
+      }
+    }
+  }
+}
+
+void World::set_spring(uint64_t spring_id, uint32_t object_id, const Spring& spring) {
+  if (!state_->find(object_id) || !spring.target_m.allFinite()) return;
+  HeldSpring& held = state_->springs[spring_id];
+  if (held.object_id != object_id) held = {};
+  held.object_id = object_id;
+  held.spring = spring;
+}
+
+void World::clear_spring(uint64_t spring_id) { state_->springs.erase(spring_id); }
+
+Eigen::Vector3d World::spring_force_n(uint64_t spring_id) const {
+  const auto found = state_->springs.find(spring_id);
+  if (found == state_->springs.end()) return Eigen::Vector3d::Zero();
+  const WorldObject* object = state_->find(found->second.object_id);
+  return object && object->rigid() ? found->second.row.force_n : found->second.force_n;
+}
+
+Result<void> World::grab(uint64_t grab_id, uint32_t object_id, const Pose& world_from_hand, const Grip& grip) {
+  release_grab(grab_id);
+  const std::string name = "object " + std::to_string(object_id);
+  const WorldObject* object = state_->find(object_id);
+  if (!object) return not_found("grab: there is no " + name);
+  if (object->fixed()) return invalid_argument("grab: " + name + " never moves");
+  if (auto checked = check_pose(object_id, world_from_hand); !checked) return checked;
+  if (!(grip.frequency_hz > 0.0 && grip.frequency_hz <= 100.0) || !(grip.max_force_n >= 0.0) ||
+      !(grip.max_torque_n_m >= 0.0)) {
+    return invalid_argument("grab of " + name + ": frequency_hz is not within 0 to 100, or a bound is negative");
+  }
+  HeldGrab held;
+  held.object_id = object_id;
+  held.grip = grip;
+  held.world_from_hand = {world_from_hand.position_m, world_from_hand.orientation.normalized()};
+  if (const RigidObject* rigid = object->rigid()) {
+    // Of a broken object, the fragment whose surface is nearest.
+    const RigidBody* body = rigid->body.get();
+    double least = INFINITY;
+    for (size_t i = 0; i < rigid->body_count(); ++i) {
+      const RigidBody& one = rigid->body_at(i);
+      const double distance = one.shape.sample(one.world_from_body.inverse() * world_from_hand.position_m).distance_m;
+      if (distance < least) {
+        least = distance;
+        body = &one;
+      }
+    }
+    held.rest_point_m = body->world_from_body.inverse() * world_from_hand.position_m + body->rest_centre_m;
+    held.hand_from_object = held.world_from_hand.orientation.conjugate() * body->world_from_body.orientation;
+  } else {
+    held.places = places_in_palm(*object->elastic(), held.world_from_hand);
+    held.rest_point_m = held.places.front().rest_point_m;
+  }
+  state_->grabs[grab_id] = std::move(held);
+  return {};
+}
+
+void World::move_grab(uint64_t grab_id, const Pose& world_from_hand, const Eigen::Vector3d& velocity_m_s,
+                      const Eigen::Vector3d& spin_rad_s) {
+  const auto found = state_->grabs.find(grab_id);
+  if (found == state_->grabs.end() || !velocity_m_s.allFinite() || !spin_rad_s.allFinite()) return;
+  if (!check_pose(0, world_from_hand)) return;
+  HeldGrab& held = found->second;
+  held.world_from_hand = {world_from_hand.position_m, world_from_hand.orientation.normalized()};
+  held.velocity_m_s = velocity_m_s;
+  held.spin_rad_s = spin_rad_s;
+  held.moving_s = 0.0;
+}
+
+void World::release_grab(uint64_t grab_id) { state_->grabs.erase(grab_id); }
+
+std::optional<World::GrabState> World::grab_state(uint64_t grab_id) const {
+  const auto found = state_->grabs.find(grab_id);
+  if (found == state_->grabs.end()) return std::nullopt;
+  const HeldGrab& held = found->second;
+  const WorldObject* object = state_->find(held.object_id);
+  if (!object) return std::nullopt;
+  GrabState state{world_point(held.object_id, held.rest_point_m), held.force_n, Eigen::Vector3d::Zero()};
+  if (object->rigid()) {
+    state.force_n = held.row.force_n;
+    state.torque_n_m = held.row.torque_n_m;
+  }
+  return state;
+}
+
+double World::contact_impulse_n_s(uint32_t object_id) const {
+  const WorldObject* object = state_->find(object_id);
+  return object ? object->contact_impulse_n_s : 0.0;
+}
+
+std::optional<RayHit> World::nearest(const Eigen::Vector3d& point_m, double reach_m) const {
+  std::optional<RayHit> nearest;
+  const auto offer = [&](uint32_t id, double distance, const Eigen::Vector3d& rest_point) {
+    distance = std::max(0.0, distance);
+    if (distance > reach_m || (nearest && nearest->distance_m <= distance)) return;
+    nearest = RayHit{id, distance, rest_point};
+  };
+  for (const auto& [id, object] : state_->objects) {
+    if (const RigidObject* rigid = object.rigid()) {
+      for (size_t i = 0; i < rigid->body_count(); ++i) {
+        const RigidBody& body = rigid->body_at(i);
+        const Eigen::Vector3d local = body.world_from_body.inverse() * point_m;
+        if (local.norm() > body.shape.bounding_radius_m + reach_m) continue;
+        offer(id, body.shape.sample(local).distance_m, local + body.rest_centre_m);
+      }
+    } else if (const ElasticObject* elastic = object.elastic()) {
+      if ((elastic->body->centre_m() - point_m).norm() > 2.0 * elastic->reach_m + reach_m) continue;
+      for (const Eigen::Vector3d& rest : elastic->rest_particles_m) {
+        offer(id, (elastic->body->world_point(rest) - point_m).norm(), rest);
+      }
+    }
+  }
+  return nearest;
+}
+
+}  // namespace livegs
