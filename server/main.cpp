@@ -77,6 +77,7 @@ int run(const Options& options) {
   SceneOptions scene_options;
   scene_options.rate_hz = options.rate_hz;
   scene_options.substeps = options.substeps;
+  scene_options.wait_for_pieces = options.wait_for_client;
   auto scene = Scene::load(options.scene, scene_options);
   if (!scene) return report(scene.error());
   log_info("scene %s: %zu objects, built in %.1f s", scene->name().c_str(), scene->objects().size(),

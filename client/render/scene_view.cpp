@@ -2,6 +2,7 @@
 #include "render/scene_view.h"
 
 #include <algorithm>
+#include <string>
 
 #include "core/clock.h"
 
@@ -45,10 +46,21 @@ Eigen::AlignedBox3d robust_bounds(const std::vector<Eigen::Vector3f>& positions)
 
 Result<void> SceneView::add(uint32_t object_id, std::shared_ptr<const GaussianAsset> asset, RestBody rest,
                             bool environment) {
+  objects_.erase(object_id);
+  return change(object_id, std::move(asset), std::move(rest), environment);
+}
+
+Result<void> SceneView::change(uint32_t object_id, std::shared_ptr<const GaussianAsset> asset, RestBody rest,
+                               bool environment) {
+  if (const auto known = objects_.find(object_id);
+      known != objects_.end() && known->second.contains(rest.revision)) {
+    return {};
+  }
   auto bindings = bind_kernels(*asset, rest);
-  if (!bindings) return bindings.error();
-  Object& object = objects_[object_id];
-  object = {};
+  if (!bindings) {
+    return Error{bindings.error().code, "object " + std::to_string(object_id) + ": " + bindings.error().message};
+  }
+  Object& object = objects_[object_id][rest.revision];
   object.asset = std::move(asset);
   object.rest = std::move(rest);
   object.bindings = std::move(*bindings);
@@ -56,7 +68,15 @@ Result<void> SceneView::add(uint32_t object_id, std::shared_ptr<const GaussianAs
   return {};
 }
 
-void SceneView::remove(uint32_t object_id) { objects_.erase(object_id); }
+const SceneView::Object* SceneView::shown(uint32_t object_id) const {
+  const auto found = objects_.find(object_id);
+  return found == objects_.end() ? nullptr : &found->second.begin()->second;
+}
+
+void SceneView::remove(uint32_t object_id) {
+  objects_.erase(object_id);
+  std::erase(visible_, object_id);
+}
 
 Result<void> SceneView::pose(const DriverFrame& frame) {
   const int64_t begun_ns = now_ns();
@@ -65,7 +85,10 @@ Result<void> SceneView::pose(const DriverFrame& frame) {
   for (const ObjectDrivers& drivers : frame.objects) {
     const auto found = objects_.find(drivers.object_id);
     if (found == objects_.end()) continue;
-    Object& object = found->second;
+    std::map<uint32_t, Object>& revisions = found->second;
+    // Shown moments ascend: what is older than this frame is not asked for again.
+    if (revisions.contains(drivers.revision)) revisions.erase(revisions.begin(), revisions.find(drivers.revision));
+    Object& object = revisions.begin()->second;
     visible_.push_back(drivers.object_id);
     if (object.posed_by && same_drivers(*object.posed_by, drivers)) continue;
     if (auto checked = check_drivers(object.rest, drivers); !checked) {
@@ -84,7 +107,7 @@ Result<void> SceneView::draw(const DriverFrame& frame, const Camera& camera, Ras
   if (auto posed = pose(frame); !posed) return posed;
   const int64_t begun_ns = now_ns();
   std::vector<DrawnObject> drawn;
-  for (uint32_t id : visible_) drawn.push_back({objects_.at(id).asset.get(), &objects_.at(id).kernels, id});
+  for (uint32_t id : visible_) drawn.push_back({shown(id)->asset.get(), &shown(id)->kernels, id});
   RasteriseOptions options;
   options.background = kBackground;
   rasteriser_.draw(drawn, camera, options, view);
@@ -95,19 +118,19 @@ Result<void> SceneView::draw(const DriverFrame& frame, const Camera& camera, Ras
 std::vector<Eigen::AlignedBox3d> SceneView::object_boxes() const {
   std::vector<Eigen::AlignedBox3d> boxes;
   for (uint32_t id : visible_) {
-    if (!objects_.at(id).environment && !bounds(id).isEmpty()) boxes.push_back(bounds(id));
+    if (!shown(id)->environment && !bounds(id).isEmpty()) boxes.push_back(bounds(id));
   }
   return boxes;
 }
 
 Eigen::AlignedBox3d SceneView::bounds(uint32_t object_id) const {
-  const auto found = objects_.find(object_id);
-  return found == objects_.end() ? Eigen::AlignedBox3d() : robust_bounds(found->second.kernels.positions_m);
+  const Object* object = shown(object_id);
+  return object ? robust_bounds(object->kernels.positions_m) : Eigen::AlignedBox3d();
 }
 
 std::optional<Eigen::Vector3d> SceneView::environment_middle() const {
   for (uint32_t id : visible_) {
-    const Object& object = objects_.at(id);
+    const Object& object = *shown(id);
     if (!object.environment || object.kernels.positions_m.empty()) continue;
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (const Eigen::Vector3f& position : object.kernels.positions_m) sum += position.cast<double>();

@@ -36,7 +36,7 @@ class FrameHistory {
   std::deque<DriverFrame> frames_;
 };
 
-// `share` of the way from a to b, 0..1. Objects whose kind or count differ are taken from a.
+// `share` of the way from a to b, 0..1. Objects whose kind, revision or count differ are taken from a.
 DriverFrame interpolate(const DriverFrame& a, const DriverFrame& b, double share);
 
 }  // namespace livegs

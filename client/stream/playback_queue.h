@@ -15,10 +15,13 @@ namespace livegs {
 struct ObjectAdded {
   StreamedObject object;
 };
+struct ObjectChanged {
+  StreamedObject object;
+};
 struct ObjectRemoved {
   uint32_t object_id = 0;
 };
-using StreamItem = std::variant<ReceivedFrame, ObjectAdded, ObjectRemoved>;
+using StreamItem = std::variant<ReceivedFrame, ObjectAdded, ObjectChanged, ObjectRemoved>;
 
 // Between the stream's reader and a drawer that may be slower: everything in the order it came, frames still
 // encoded. Bounded: when more than `most_bytes` of frames wait, the oldest are dropped and counted, events

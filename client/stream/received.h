@@ -25,6 +25,10 @@ struct StreamedObject {
   double mass_kg = 0;
   v1::PhysicalParameters physics;
   std::optional<v1::ElasticAccuracy> elastic;  // of an elastic object
+  // The asset it will have once it breaks, to be fetched before; empty when there is none.
+  std::string broken_asset_hash;
+  uint64_t broken_asset_bytes = 0;
+  std::optional<v1::Fragility> fragility;  // of a fragile object
   std::vector<std::string> warnings;
 };
 
@@ -65,6 +69,9 @@ class StreamSink {
   virtual ~StreamSink() = default;
   virtual void on_frame(ReceivedFrame frame) = 0;
   virtual void on_object_added(StreamedObject object) = 0;
+  // What the server now says of an object: a new asset and rest body when it broke. Frames of the revision before may
+  // still follow.
+  virtual void on_object_changed(StreamedObject object) = 0;
   virtual void on_object_removed(uint32_t object_id) = 0;
   virtual void on_draining(const std::string& reason) = 0;
 };

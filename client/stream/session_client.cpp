@@ -276,6 +276,12 @@ Result<void> SessionClient::Connection::take(v1::ServerMessage& message, int64_t
         sink->on_object_added(std::move(*object));
         break;
       }
+      case v1::SessionEvent::kObjectChanged: {
+        auto object = read_description(event.object_changed());
+        if (!object) return Error{object.error().code, address + ": " + object.error().message};
+        sink->on_object_changed(std::move(*object));
+        break;
+      }
       case v1::SessionEvent::kObjectRemoved:
         sink->on_object_removed(event.object_removed().object_id());
         break;

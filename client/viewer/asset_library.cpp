@@ -7,10 +7,14 @@
 namespace livegs {
 
 void AssetLibrary::ask_for(const StreamedObject& object) {
+  ask_for(object.asset_hash, object.asset_bytes);
+  if (!object.broken_asset_hash.empty()) ask_for(object.broken_asset_hash, object.broken_asset_bytes);
+}
+
+void AssetLibrary::ask_for(const std::string& hash, uint64_t bytes) {
   std::lock_guard lock(mutex_);
-  if (assets_.contains(object.asset_hash)) return;
-  assets_.emplace(object.asset_hash, std::async(std::launch::async, [this, hash = object.asset_hash,
-                                                                     bytes = object.asset_bytes] {
+  if (assets_.contains(hash)) return;
+  assets_.emplace(hash, std::async(std::launch::async, [this, hash, bytes] {
                                        auto loaded = load(hash, bytes);
                                        if (loaded) {
                                          std::lock_guard totals_lock(mutex_);

@@ -21,6 +21,7 @@ class AssetLibrary {
   AssetLibrary(SessionClient& client, const AssetCache& cache) : client_(client), cache_(cache) {}
 
   using Asset = std::shared_ptr<const GaussianAsset>;
+  // The object's own asset and, if it has one, that of its fragments.
   void ask_for(const StreamedObject& object);
   // Waits for it. Precondition: it was asked for.
   Result<Asset> get(const std::string& hash);
@@ -37,6 +38,7 @@ class AssetLibrary {
     Asset asset;
     uint64_t fetched_bytes = 0;
   };
+  void ask_for(const std::string& hash, uint64_t bytes);
   Result<Loaded> load(const std::string& hash, uint64_t bytes);
 
   SessionClient& client_;

@@ -30,8 +30,14 @@ const char* band_name(v1::ElasticAccuracy::Band band) {
 
 std::string object_line(const StreamedObject& object) {
   std::string line = object.name;
-  if (!object.elastic)
-    return line + (object.mass_kg > 0 ? text(": rigid, %.3g kg", object.mass_kg) : ": static");
+  if (!object.elastic) {
+    line += object.mass_kg > 0 ? text(": rigid, %.3g kg", object.mass_kg) : ": static";
+    if (!object.fragility) return line;
+    const v1::Fragility& fragility = *object.fragility;
+    if (object.rest.revision > 0) return line + text(", broken into %u", fragility.bodies());
+    return line + text(", fragile: breaks at %.3g N s, a drop of %.2f m", fragility.break_impulse_n_s(),
+                       fragility.drop_height_m());
+  }
   const v1::ElasticAccuracy& elastic = *object.elastic;
   line += text(": elastic, %.3g kg, E %.3g Pa %s", object.mass_kg, elastic.youngs_modulus_pa(),
                band_name(elastic.band()));

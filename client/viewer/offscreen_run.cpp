@@ -170,9 +170,11 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
   summary.scene_address = options.address;
   summary.server_rate_hz = scene.rate_hz;
   summary.objects = scene.objects.size();
+  const std::map<uint32_t, StreamedObject> changed = recorder.changed_objects();
   for (const StreamedObject& object : scene.objects) {
     summary.kernels += object.kernel_count;
-    if (!object.environment) summary.object_lines.push_back(object_line(object));
+    const auto now = changed.find(object.id);
+    if (!object.environment) summary.object_lines.push_back(object_line(now == changed.end() ? object : now->second));
   }
   summary.assets = assets.totals();
   summary.received = recorder.summary();

@@ -13,6 +13,8 @@ Result<void> Player::play() {
       taken = take(*frame);
     else if (const auto* added = std::get_if<ObjectAdded>(&*item))
       taken = take(*added);
+    else if (const auto* changed = std::get_if<ObjectChanged>(&*item))
+      taken = take(*changed);
     else
       view_.remove(std::get<ObjectRemoved>(*item).object_id);
     if (!taken) return taken;
@@ -30,6 +32,12 @@ Result<void> Player::take(const ObjectAdded& added) {
   auto asset = assets_.get(added.object.asset_hash);
   if (!asset) return asset.error();
   return view_.add(added.object.id, *asset, added.object.rest, added.object.environment);
+}
+
+Result<void> Player::take(const ObjectChanged& changed) {
+  auto asset = assets_.get(changed.object.asset_hash);
+  if (!asset) return asset.error();
+  return view_.change(changed.object.id, *asset, changed.object.rest, changed.object.environment);
 }
 
 Result<void> Player::take(const ReceivedFrame& frame) {

@@ -42,6 +42,7 @@ class Player {
  private:
   Result<void> take(const ReceivedFrame& frame);
   Result<void> take(const ObjectAdded& added);
+  Result<void> take(const ObjectChanged& changed);
   Result<void> draw_until_newest();
   Result<void> draw(const DriverFrame& frame);
 

@@ -63,6 +63,15 @@ void Recorder::on_object_added(StreamedObject object) {
   queue_.add(ObjectAdded{std::move(object)});
 }
 
+void Recorder::on_object_changed(StreamedObject object) {
+  assets_.ask_for(object);
+  {
+    std::lock_guard lock(mutex_);
+    changed_objects_[object.id] = object;
+  }
+  queue_.add(ObjectChanged{std::move(object)});
+}
+
 void Recorder::on_object_removed(uint32_t object_id) { queue_.add(ObjectRemoved{object_id}); }
 
 void Recorder::on_draining(const std::string& reason) {
@@ -87,6 +96,11 @@ bool Recorder::wait_done(double seconds) {
 std::string Recorder::draining_reason() const {
   std::lock_guard lock(mutex_);
   return draining_reason_;
+}
+
+std::map<uint32_t, StreamedObject> Recorder::changed_objects() const {
+  std::lock_guard lock(mutex_);
+  return changed_objects_;
 }
 
 ReceivedLog::Summary Recorder::summary() const {

@@ -25,6 +25,7 @@ class Recorder final : public StreamSink {
 
   void on_frame(ReceivedFrame frame) override;
   void on_object_added(StreamedObject object) override;
+  void on_object_changed(StreamedObject object) override;
   void on_object_removed(uint32_t object_id) override;
   void on_draining(const std::string& reason) override;
 
@@ -39,6 +40,8 @@ class Recorder final : public StreamSink {
   bool wait_done(double seconds);
   std::string draining_reason() const;
   ReceivedLog::Summary summary() const;
+  // Objects that changed, by id, as the server last described them.
+  std::map<uint32_t, StreamedObject> changed_objects() const;
 
  private:
   void play_script(const ReceivedFrame& frame);
@@ -55,6 +58,7 @@ class Recorder final : public StreamSink {
   uint64_t first_tick_ = 0;
   bool done_ = false;
   std::string draining_reason_;
+  std::map<uint32_t, StreamedObject> changed_objects_;
   std::optional<ScriptedHands> hands_;
   std::map<std::string, Target> targets_;
 };

@@ -44,6 +44,11 @@ Result<void> check_drivers(const RestBody& rest, const ObjectDrivers& drivers) {
                         name_of(drivers.kind) + " where its rest body is " + name_of(rest.kind) +
                         "; was the object re-bound?");
   }
+  if (rest.revision != drivers.revision) {
+    return invalid_data("drivers of object " + std::to_string(drivers.object_id) + " are of revision " +
+                        std::to_string(drivers.revision) + " where its rest body is of " +
+                        std::to_string(rest.revision) + "; was the object re-bound?");
+  }
   const bool rigid = rest.kind == DriverKind::Rigid, particles = rest.kind == DriverKind::Particles;
   const size_t positions = rigid ? 0 : particles ? rest.particles_m.size() : rest.node_coordinates.size();
   const uint32_t id = drivers.object_id;

@@ -23,6 +23,12 @@ struct RestBody {
 
   // Rigid: object_from_body of each body, in the order of ObjectDrivers::poses.
   std::vector<Pose> bodies;
+  // Rigid, once it is broken: which body the asset's kernels go with, in their order. Else empty, and a kernel goes with
+  // the nearest body.
+  struct KernelRun {
+    uint32_t body = 0, count = 0;
+  };
+  std::vector<KernelRun> kernel_runs;
 
   // Lattice: cubic cells of width cell_width_m, laid along the axes of object_from_lattice. Node n stands at
   // object_from_lattice * (cell_width_m * node_coordinates[n]). Corner c of a cell is node cells[i][c], where bit 0

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
+#include <string>
 
 #include "core/assert.h"
 #include "core/parallel_for.h"
@@ -21,15 +22,37 @@ Result<void> bind_rigid(const RestKernels& kernels, const RestBody& rest, Kernel
     origins_m.push_back(object_from_body.position_m.cast<float>());
     body_from_object.push_back(object_from_body.inverse());
   }
+  std::vector<uint32_t> body_of;  // by kernel; empty: the nearest
+  for (const RestBody::KernelRun& run : rest.kernel_runs) {
+    if (run.body >= rest.bodies.size()) {
+      return invalid_argument("rest body: kernels go with body " + std::to_string(run.body) + " of " +
+                              std::to_string(rest.bodies.size()));
+    }
+    if (run.count > kernels.positions_m.size() - body_of.size()) {
+      return invalid_argument("rest body: its runs have more than the asset's " +
+                              std::to_string(kernels.positions_m.size()) + " kernels");
+    }
+    body_of.insert(body_of.end(), run.count, run.body);
+  }
+  if (!rest.kernel_runs.empty() && body_of.size() != kernels.positions_m.size()) {
+    return invalid_argument("rest body: its runs have " + std::to_string(body_of.size()) + " of the asset's " +
+                            std::to_string(kernels.positions_m.size()) + " kernels");
+  }
   const NearestCubes bodies(origins_m, 0.0f);
 
   bindings.rest_positions_m.resize(kernels.positions_m.size());
   parallel_for(kernels.positions_m.size(), kSkinBlock, [&](size_t begin, size_t end) {
     for (size_t k = begin; k < end; ++k) {
-      std::array<NearestCubes::Neighbour, 1> nearest;
-      bodies.find(kernels.positions_m[k].cast<float>(), nearest);
-      const Pose& into_body = body_from_object[nearest[0].index];
-      bindings.kernels[k].drivers[0] = nearest[0].index;
+      uint32_t body = 0;
+      if (body_of.empty()) {
+        std::array<NearestCubes::Neighbour, 1> nearest;
+        bodies.find(kernels.positions_m[k].cast<float>(), nearest);
+        body = nearest[0].index;
+      } else {
+        body = body_of[k];
+      }
+      const Pose& into_body = body_from_object[body];
+      bindings.kernels[k].drivers[0] = body;
       bindings.kernels[k].weights[0] = 1.0f;
       bindings.rest_positions_m[k] = (into_body * kernels.positions_m[k]).cast<float>();
       bindings.rest_covariances_m2[k] = transformed(into_body.orientation.cast<float>().toRotationMatrix(),

@@ -82,7 +82,7 @@ void write_object(ByteWriter& out, const QuantisedBox& frame_box, const ObjectDr
   out.write(static_cast<uint8_t>(object.kind));
   out.write(static_cast<uint8_t>(object.asleep ? kAsleep : 0));
   out.write(kPlain);
-  out.write(uint8_t{0});
+  out.write(static_cast<uint8_t>(object.revision));
   out.write(static_cast<uint32_t>(count));
   if (count == 0) return;
   if (rigid) {
@@ -131,7 +131,7 @@ Result<ObjectDrivers> read_object(ByteReader& in, size_t index, const QuantisedB
   const uint8_t kind = in.read<uint8_t>();
   const uint8_t flags = in.read<uint8_t>();
   const uint8_t encoding = in.read<uint8_t>();
-  const uint8_t reserved = in.read<uint8_t>();
+  const uint8_t revision = in.read<uint8_t>();
   const size_t count = in.read<uint32_t>();
   const uint32_t id = object.object_id;
   if (in.failed()) return bad_object(index, id, "is cut short");
@@ -139,8 +139,11 @@ Result<ObjectDrivers> read_object(ByteReader& in, size_t index, const QuantisedB
     return bad_object(index, id, "has unknown kind " + std::to_string(kind));
   }
   if (encoding != kPlain) return bad_object(index, id, "has unknown encoding " + std::to_string(encoding));
-  if ((flags & ~kAsleep) != 0 || reserved != 0) return bad_object(index, id, "sets a reserved bit");
   object.kind = static_cast<DriverKind>(kind);
+  if ((flags & ~kAsleep) != 0 || (revision != 0 && object.kind != DriverKind::Rigid)) {
+    return bad_object(index, id, "sets a reserved bit");
+  }
+  object.revision = revision;
   object.asleep = (flags & kAsleep) != 0;
   if (count == 0) return object;
 

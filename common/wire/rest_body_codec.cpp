@@ -15,8 +15,10 @@ namespace {
 constexpr uint32_t kMagic = 0x5247564C;  // "LVGR"
 constexpr uint16_t kVersion = 1;
 constexpr uint8_t kPlain = 0;
-constexpr uint8_t kWithFills = 1;
+constexpr uint8_t kWithFills = 1;  // of a lattice
+constexpr uint8_t kWithRuns = 1;   // of a rigid object
 constexpr size_t kPoseBytes = 7 * 8;
+constexpr size_t kRunBytes = 2 * 4;
 constexpr size_t kParticleBytes = 3 * 4;
 
 // How far from 1 the length of a unit quaternion may be.
@@ -154,7 +156,7 @@ Result<void> read_lattice(ByteReader& in, bool with_fills, RestBody& rest) {
   return {};
 }
 
-Result<void> read_rigid(ByteReader& in, RestBody& rest) {
+Result<void> read_rigid(ByteReader& in, bool with_runs, RestBody& rest) {
   const size_t count = in.read<uint32_t>();
   if (in.failed() || count > in.remaining() / kPoseBytes) return cut_short("list of bodies");
   rest.bodies.reserve(count);
@@ -163,6 +165,24 @@ Result<void> read_rigid(ByteReader& in, RestBody& rest) {
     if (!is_valid(rest.bodies.back())) {
       return invalid_data("rest body: body " + std::to_string(b) + " has no rigid pose");
     }
+  }
+  if (!with_runs) return {};
+  rest.revision = in.read<uint32_t>();
+  const size_t run_count = in.read<uint32_t>();
+  if (in.failed() || run_count > in.remaining() / kRunBytes) return cut_short("list of kernel runs");
+  if (rest.revision == 0 || rest.revision > kMaxRevision) {
+    return invalid_data("rest body: revision " + std::to_string(rest.revision) + "; 1 to " +
+                        std::to_string(kMaxRevision) + " are known of a broken object");
+  }
+  for (size_t r = 0; r < run_count; ++r) {
+    RestBody::KernelRun run;
+    run.body = in.read<uint32_t>();
+    run.count = in.read<uint32_t>();
+    if (run.body >= count) {
+      return invalid_data("rest body: kernel run " + std::to_string(r) + " names body " +
+                          std::to_string(run.body) + " of " + std::to_string(count));
+    }
+    rest.kernel_runs.push_back(run);
   }
   return {};
 }
@@ -188,7 +208,8 @@ std::vector<std::byte> encode_rest_body(const RestBody& rest) {
   out.write(kMagic);
   out.write(kVersion);
   out.write(static_cast<uint8_t>(rest.kind));
-  out.write(rest.cell_fills.empty() ? kPlain : kWithFills);
+  LIVEGS_ASSERT(rest.revision <= kMaxRevision && (rest.kind == DriverKind::Rigid || rest.revision == 0));
+  out.write(rest.revision > 0 ? kWithRuns : rest.cell_fills.empty() ? kPlain : kWithFills);
   out.write(rest.object_from_asset.scale);
   write_vector(out, rest.object_from_asset.rotation.coeffs());
   write_vector(out, rest.object_from_asset.translation_m);
@@ -196,6 +217,13 @@ std::vector<std::byte> encode_rest_body(const RestBody& rest) {
     case DriverKind::Rigid:
       out.write(static_cast<uint32_t>(rest.bodies.size()));
       for (const Pose& body : rest.bodies) write_pose(out, body);
+      if (rest.revision == 0) break;
+      out.write(rest.revision);
+      out.write(static_cast<uint32_t>(rest.kernel_runs.size()));
+      for (const RestBody::KernelRun& run : rest.kernel_runs) {
+        out.write(run.body);
+        out.write(run.count);
+      }
       break;
     case DriverKind::Lattice:
       write_lattice(out, rest);
@@ -226,7 +254,8 @@ Result<RestBody> decode_rest_body(std::span<const std::byte> bytes) {
                        std::to_string(kVersion) + "; update the older of server and client");
   }
   const bool with_fills = encoding == kWithFills && kind == static_cast<uint8_t>(DriverKind::Lattice);
-  if (encoding != kPlain && !with_fills)
+  const bool with_runs = encoding == kWithRuns && kind == static_cast<uint8_t>(DriverKind::Rigid);
+  if (encoding != kPlain && !with_fills && !with_runs)
     return unsupported("rest body: unknown encoding " + std::to_string(encoding));
   RestBody rest;
   Similarity& to_object = rest.object_from_asset;
@@ -241,7 +270,7 @@ Result<RestBody> decode_rest_body(std::span<const std::byte> bytes) {
   Result<void> read = [&]() -> Result<void> {
     switch (kind) {
       case static_cast<uint8_t>(DriverKind::Rigid):
-        return read_rigid(in, rest);
+        return read_rigid(in, with_runs, rest);
       case static_cast<uint8_t>(DriverKind::Lattice):
         return read_lattice(in, with_fills, rest);
       case static_cast<uint8_t>(DriverKind::Particles):

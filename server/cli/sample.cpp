@@ -27,7 +27,7 @@ constexpr const char* kSceneFile = R"({
     { "name": "plant",  "asset": "plant.ply",  "scale": 1, "spacing_m": 0.03, "pose": { "position_m": [ 0.72, 0.04, -0.55] } },
     { "name": "pillow", "asset": "pillow.ply", "scale": 1, "pose": { "position_m": [-0.02, 0.40, -0.30] } },
     { "name": "hat",    "asset": "hat.ply",    "scale": 1, "spacing_m": 0.014, "pose": { "position_m": [-0.42, 0.30,  0.12] } },
-    { "name": "cup",    "asset": "cup.ply",    "scale": 1, "pose": { "position_m": [ 0.42, 0.20,  0.15] } },
+    { "name": "cup",    "asset": "cup.ply",    "scale": 1, "pose": { "position_m": [ 0.42, 0.90,  0.15] } },
     { "name": "duck",   "asset": "duck.ply",   "scale": 1, "pose": { "position_m": [ 0.05, 0.05,  0.30] } }
   ]
 }

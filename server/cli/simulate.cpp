@@ -61,6 +61,12 @@ nlohmann::json object_summary(const SceneObject& object) {
                             {"mass_kg", object.mass_kg},
                             {"surface", object.surface_note},
                             {"warnings", object.all_warnings()}};
+  if (object.fragility) {
+    summary["fragile"] = {{"pieces", object.fragility->pieces},
+                          {"bodies", object.fragility->bodies},
+                          {"break_impulse_n_s", object.fragility->break_impulse_n_s},
+                          {"drop_height_m", object.fragility->drop_height_m}};
+  }
   if (object.elastic) {
     const ElasticAccuracy& accuracy = *object.elastic;
     summary["particles"] = accuracy.particles;
@@ -112,7 +118,7 @@ nlohmann::json run_summary(const SimulateCommand& options, const Scene& scene, c
       node_substeps +=
           static_cast<double>(object.elastic->nodes) * object.elastic->substeps * static_cast<double>(frames);
     } else {
-      ++bodies;
+      bodies += object.fragility ? object.fragility->bodies : 1;
     }
   }
   summary["counts"] = {{"frames", frames},   {"objects", scene.objects().size()},
@@ -142,6 +148,7 @@ int run(const SimulateCommand& options) {
   if (options.substeps > 0) scene_options.substeps = options.substeps;
   scene_options.elastic_solver = solver_of(options.solver);
   scene_options.sleep = !options.no_sleep;
+  scene_options.seed = options.seed;
 
   PhaseTimes times;
   int64_t mark_ns = now_ns();
@@ -254,7 +261,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command
       ->add_option("--seed", options->seed,
-                   "Recorded in summary.json; nothing in this version draws random numbers")
+                   "Of the cuts that fragile objects break along")
       ->capture_default_str();
   command->add_flag("--no-sleep", options->no_sleep, "Keep simulating what has come to rest");
   command->callback([options, &exit_code] { exit_code = run(*options); });

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/simulation_record.h"
 
+#include "geometry/piece_kernels.h"
+#include "scene/fragile_object.h"
+
 namespace livegs {
 namespace {
 
@@ -15,8 +18,18 @@ const char* event_name(WorldEventKind kind) {
       return "sleep";
     case WorldEventKind::Wake:
       return "wake";
+    case WorldEventKind::Fracture:
+      return "fracture";
   }
   return "";
+}
+
+// Of a kernel of the object's first asset, and of each of its parts once the object is broken. Kernels of cut faces
+// follow, in their own order.
+size_t kernel_id(const SceneObject& object, size_t kernel) {
+  if (object.rest.revision == 0) return kernel;
+  const uint32_t source = object.broken->source[kernel];
+  return source == kInteriorKernel ? object.broken->source.size() + kernel : source;
 }
 
 }  // namespace
@@ -75,7 +88,7 @@ void SimulationRecord::write(Scene& scene, const SceneDrawing& drawing) {
       const PosedKernels& kernels = drawing.kernels(object.id);
       const auto& gradients = drawing.deformation_gradients(object.id);
       for (size_t i = 0; i < kernels.positions_m.size(); ++i) {
-        kernels_->integer(frame).number(time_s).text(object.name).integer(i);
+        kernels_->integer(frame).number(time_s).text(object.name).integer(kernel_id(object, i));
         kernels_->vector(kernels.positions_m[i], kFloatDigits);
         for (const float entry : kernels.covariances_m2[i]) kernels_->number(entry, kFloatDigits);
         kernels_->matrix(gradients[i], kFloatDigits).end_row();

@@ -11,6 +11,8 @@
 namespace livegs {
 namespace {
 
+// Cells of a piece's distance field along its longest side: the time to prepare a body goes with the cube.
+constexpr double kPieceFieldCells = 16.0;
 constexpr size_t kOutsidePoints = 32;  // of a piece
 constexpr size_t kFacePoints = 12;     // of one cut face
 // A piece with less of the outside than this part of its share of the volume is no piece of a shell.
@@ -114,7 +116,8 @@ Result<std::shared_ptr<const BreakablePieces>> prepare_pieces(const TriangleMesh
       BreakablePiece& piece = prepared->pieces[i];
       piece.mass = shell ? outside_mass(pieces[i]) : pieces[i].mass;
       piece.mass_share = shell ? piece.mass.area_m2 : piece.mass.volume_m3;
-      piece.shape = std::make_shared<const RigidShape>(mesh_shape(pieces[i].mesh, piece.mass.centre_of_mass_m));
+      piece.shape = std::make_shared<const RigidShape>(
+          mesh_shape(pieces[i].mesh, piece.mass.centre_of_mass_m, kPieceFieldCells));
       piece.surface = surface_points(pieces[i]);
     }
   });

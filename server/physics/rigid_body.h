@@ -23,6 +23,7 @@ struct ImpulseSum {
   double impulse_n_s = 0.0;                          // sum of sizes
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // impulse times point
   Eigen::Vector3d push_n_s = Eigen::Vector3d::Zero();
+  bool from_colliders = true;  // all of it, from things that do not move
 
   void add(double size_n_s, const Eigen::Vector3d& direction, const Eigen::Vector3d& point_m) {
     impulse_n_s += size_n_s;

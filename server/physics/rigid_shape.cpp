@@ -107,7 +107,8 @@ std::vector<Eigen::Vector3d> contact_points(const TriangleMesh& mesh, double spa
   return kept;
 }
 
-RigidShape mesh_shape(const TriangleMesh& object_mesh, const Eigen::Vector3d& centre_of_mass_m) {
+RigidShape mesh_shape(const TriangleMesh& object_mesh, const Eigen::Vector3d& centre_of_mass_m,
+                      double field_cells) {
   RigidShape shape;
   shape.mesh = object_mesh;
   shape.min_m.setConstant(INFINITY);
@@ -122,7 +123,7 @@ RigidShape mesh_shape(const TriangleMesh& object_mesh, const Eigen::Vector3d& ce
   if (auto convex = convex_polyhedron(shape.mesh)) {
     shape.convex = std::make_shared<const ConvexPolyhedron>(std::move(*convex));
   } else {
-    const double cell = longest / kBodyFieldCells;
+    const double cell = longest / field_cells;
     shape.field = std::make_shared<const DistanceField>(shape.mesh, cell, 3.0 * cell);
   }
 

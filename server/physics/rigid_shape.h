@@ -48,8 +48,9 @@ struct RigidShape::Part {
   Eigen::Vector3d offset_m;
 };
 
-// Precondition: a closed mesh with a volume.
-RigidShape mesh_shape(const TriangleMesh& object_mesh, const Eigen::Vector3d& centre_of_mass_m);
+// Precondition: a closed mesh with a volume. `field_cells` along its longest side.
+RigidShape mesh_shape(const TriangleMesh& object_mesh, const Eigen::Vector3d& centre_of_mass_m,
+                      double field_cells = kBodyFieldCells);
 RigidShape ball_shape(double radius_m);
 
 // Points of the surface. Few vertices (up to three quarters of kMaxContactPoints) are all kept: a round thing rolls on

@@ -98,6 +98,7 @@ void add_blows(RigidBody& body) {
     body.blow.impulse_n_s += share * last.impulse_n_s;
     body.blow.moment += share * last.moment;
     body.blow.push_n_s += share * last.push_n_s;
+    body.blow.from_colliders = body.blow.from_colliders && last.from_colliders;
   }
   last = {};
   body.carried_speed_m_s = 0.0;
@@ -111,7 +112,9 @@ void tally(RigidBody& body, ContactPatch& patch) {
     body.contact_impulse_n_s += point.impulse_n_s;
     body.contact_moment += point.impulse_n_s * where;
     tally_blow(body, point, point.normal, where);
+    if (patch.other && point.impulse_n_s > 0.0) body.substep_blow.from_colliders = false;
     if (patch.other && !patch.other->asleep) {
+      if (point.impulse_n_s > 0.0) patch.other->substep_blow.from_colliders = false;
       tally_blow(*patch.other, point, -point.normal, where);
       patch.other->contact_impulse_n_s += point.impulse_n_s;
       patch.other->contact_moment += point.impulse_n_s * where;

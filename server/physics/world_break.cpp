@@ -14,6 +14,8 @@ namespace {
 
 // Blows below this part of the break impulse of the whole break nothing, of a fragment either.
 constexpr double kFaintBlow = 0.01;
+// Impulses whose sum is at least this part of the sum of their sizes point one way.
+constexpr double kOneWay = 0.99;
 
 // Contacts of the body that was are void: their features are gone. What leaned on it wakes.
 void forget_contacts(std::span<RigidBody* const> bodies, RigidBody& broken) {
@@ -102,7 +104,8 @@ void World::State::split_body(uint32_t object_id, RigidObject& object, uint32_t 
   become_fragment(broken, broken, object, *largest);
 }
 
-bool World::State::strike(uint32_t object_id, RigidObject& object, uint32_t body_index, const Blow& blow) {
+bool World::State::strike(uint32_t object_id, RigidObject& object, uint32_t body_index, const Blow& blow,
+                          const Eigen::Vector3d& given_back_n_s) {
   for (const uint32_t bond : broken_bonds(object.bonds, blow)) object.bonds.bonds[bond].health = 0.0;
   const std::vector<uint32_t> group_of = connected_groups(object.bonds);
   std::map<uint32_t, std::vector<uint32_t>> members;
@@ -112,6 +115,9 @@ bool World::State::strike(uint32_t object_id, RigidObject& object, uint32_t body
   if (members.size() < 2) return false;
   std::vector<std::vector<uint32_t>> groups;
   for (auto& [first, group] : members) groups.push_back(std::move(group));
+  RigidBody& body = object.body_at(body_index);
+  const Eigen::Vector3d arm = body.arm_of(blow.point_m);
+  body.apply_impulse(-(body.world_from_body.orientation * given_back_n_s), arm);
   if (object.piece_bodies.empty()) object.piece_bodies.assign(group_of.size(), 0);
   split_body(object_id, object, body_index, groups);
   ++object.revision;
@@ -134,7 +140,17 @@ void World::State::break_struck() {
       blow.impulse_n_s = sum.impulse_n_s * sum.push_n_s.normalized();
       blow.piece = nearest_piece(*object, index, blow.point_m);
       const Eigen::Vector3d where = body.world_from_body * Eigen::Vector3d(blow.point_m - body.rest_centre_m);
-      if (!strike(id, *object, index, blow)) continue;
+      // What the bonds did not bear was never passed on: of a blow from the floor, fragments keep the velocity they had
+      // before it, less the part that broke them, and go on until they hit the floor themselves. Kinetic energy is convex
+      // in that part, so it lies below what it was before or after. Blows from other bodies are kept whole, because those
+      // have had theirs.
+      Eigen::Vector3d given_back = Eigen::Vector3d::Zero();
+      const bool one_way = sum.push_n_s.norm() > kOneWay * sum.impulse_n_s;
+      if (sum.from_colliders && one_way) {
+        const double borne = break_threshold_n_s(object->bonds, blow) / sum.impulse_n_s;
+        given_back = std::max(0.0, 1.0 - borne) * sum.push_n_s;
+      }
+      if (!strike(id, *object, index, blow, given_back)) continue;
       broke = true;
       events.push_back({tick, WorldEventKind::Fracture, id, sum.impulse_n_s, where});
     }
@@ -188,7 +204,7 @@ Result<void> World::break_object(uint32_t object_id, const Eigen::Vector3d& rest
   blow.impulse_n_s = kBreakAtWill * threshold * direction;
   const Eigen::Vector3d where = body.world_from_body.position_m + body.arm_of(rest_point_m);
   thing->wake();
-  if (state_->strike(object_id, *object, index, blow)) {
+  if (state_->strike(object_id, *object, index, blow, Eigen::Vector3d::Zero())) {
     state_->events.push_back({state_->tick, WorldEventKind::Fracture, object_id, 0.0, where});
     state_->list_bodies();
   }

@@ -155,7 +155,9 @@ struct World::State {
   // At the end of a tick: what was struck hard enough comes apart.
   void break_struck();
   // Breaks what a blow on one body breaks. Returns whether the body came apart.
-  bool strike(uint32_t object_id, RigidObject& object, uint32_t body_index, const Blow& blow);
+  // `given_back_n_s` (body axes) is taken from it first, at the blow's point.
+  bool strike(uint32_t object_id, RigidObject& object, uint32_t body_index, const Blow& blow,
+              const Eigen::Vector3d& given_back_n_s);
   // Makes a body of each group of pieces (at least two groups, together all of the body's); the largest keeps the index.
   void split_body(uint32_t object_id, RigidObject& object, uint32_t body_index,
                   const std::vector<std::vector<uint32_t>>& groups);

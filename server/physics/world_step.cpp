@@ -31,6 +31,7 @@ void World::State::gather_loads(double duration_s) {
       if (!force.isZero(0.0)) {
         const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
         body.blow.add(duration_s * force.norm(), body_from_world * force.normalized(), rest_point - body.rest_centre_m);
+        body.blow.from_colliders = false;
       }
       load.angular_impulse += duration_s * body.arm_of(rest_point).cross(force);
     }
@@ -85,7 +86,11 @@ void World::State::step_elastic(double start_s, double duration_s) {
       elastic->contact_moment += size * ball.world_from_body.position_m;
       ball.contact_impulse_n_s += size;
       ball.contact_moment += size * ball.world_from_body.position_m;
-      if (size > 0.0) ball.blow.add(size, ball.world_from_body.orientation.conjugate() * (sphere.impulse_n_s / size), Eigen::Vector3d::Zero());
+      if (size > 0.0) {
+        ball.blow.add(size, ball.world_from_body.orientation.conjugate() * (sphere.impulse_n_s / size),
+                      Eigen::Vector3d::Zero());
+        ball.blow.from_colliders = false;
+      }
     }
   }
 }

@@ -112,9 +112,10 @@ ObjectFacts facts_of(const Form& form, const std::string& name, bool captured) {
   return facts;
 }
 
-// A rigid asset collides as LIVE-GS's coarse mesh; shapes as themselves.
-Result<TriangleMesh> rigid_mesh(const Form& form, bool shape) {
-  if (shape) return form.mesh;
+// A rigid asset collides as LIVE-GS's coarse mesh; shapes as themselves, and what can break as the fine surface that is
+// cut: its pieces have crisp edges, and their masses add up to the whole's.
+Result<TriangleMesh> rigid_mesh(const Form& form, bool fine) {
+  if (fine) return form.mesh;
   auto surface = reconstruct_surface(form.points_m, rigid_surface_options());
   if (!surface) return surface.error();
   return std::move(surface->mesh);
@@ -262,7 +263,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
     }
     default: {
       RigidBodyDescription body;
-      auto mesh = rigid_mesh(*form, shape);
+      auto mesh = rigid_mesh(*form, shape || material.fragile);
       if (!mesh) return fail(mesh.error());
       body.mesh = std::move(*mesh);
       body.properties = properties_of(body.mesh, material.fill);

@@ -104,8 +104,18 @@ Result<void> check_event(const v1::Event& event, const Objects& objects, const s
       if (!checked) return of_object(checked.error(), release.object());
       return {};
     }
+    case v1::Event::kBreak: {
+      LIVEGS_CHECK(check_target(event.break_().object(), field + ".break"));
+      LIVEGS_CHECK(vector_value(event.break_().point_m(), Eigen::Vector3d::Zero(), field + ".break.point_m"));
+      const v1::Physics& physics = objects.at(event.break_().object())->physics();
+      if (physics.has_fragile() && !physics.fragile()) {
+        return missing(field + ".break.object", "\"" + event.break_().object() +
+                                                    "\" is not fragile; set physics.fragile to true");
+      }
+      return {};
+    }
     case v1::Event::ACTION_NOT_SET:
-      return missing(field, "does nothing; give force, ball, set_physics or release_region");
+      return missing(field, "does nothing; give force, ball, break, set_physics or release_region");
   }
   return {};
 }

@@ -11,6 +11,7 @@
 #include "scene/check_object.h"
 #include "scene/check_scene.h"
 #include "scene/elastic_report.h"
+#include "scene/fragile_object.h"
 #include "scene/scene_values.h"
 #include "scene/scenery.h"
 #include "scene/shape_asset.h"
@@ -73,6 +74,11 @@ void log_notes(const SceneObject& drawn) {
 
 }  // namespace
 
+Scene::Scene() = default;
+Scene::Scene(Scene&&) noexcept = default;
+Scene& Scene::operator=(Scene&&) noexcept = default;
+Scene::~Scene() = default;
+
 Result<Scene> Scene::load(const std::filesystem::path& path, const SceneOptions& options) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) {
@@ -97,6 +103,7 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
   Scene scene;
   scene.name_ = std::move(name);
   scene.file_ = file;
+  scene.seed_ = options.seed;
   std::stable_sort(scene.file_.mutable_events()->begin(), scene.file_.mutable_events()->end(),
                    [](const v1::Event& a, const v1::Event& b) { return a.time_s() < b.time_s(); });
   scene.world_ = std::make_unique<World>(*settings);
@@ -150,8 +157,15 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
     if (!added) return of_object(added.error(), one.drawn.name);
     const Similarity object_from_asset = one.object_from_asset;
     scene.note_elastic(one.drawn);
-    scene.add_drawn(std::move(one.drawn), object_from_asset);
+    const SceneObject& drawn = scene.add_drawn(std::move(one.drawn), object_from_asset);
+    if (const auto* rigid = std::get_if<RigidBodyDescription>(&one.body); rigid && rigid->material.fragile) {
+      scene.begin_cut(drawn, rigid->mesh);
+    }
     log_notes(scene.objects_.back());
+  }
+  if (options.wait_for_pieces) {
+    for (FragileTask& task : scene.cutting_) scene.take_cut(task);
+    scene.cutting_.clear();
   }
   scene.changes_ = {};
   return scene;
@@ -178,7 +192,55 @@ const SceneObject& Scene::add_drawn(SceneObject drawn, const Similarity& object_
   return objects_.back();
 }
 
+SceneObject& Scene::drawn(uint32_t object_id) { return const_cast<SceneObject&>(*find(object_id)); }
+
+void Scene::begin_cut(const SceneObject& object, const TriangleMesh& mesh) {
+  const Material& material = *world_->material(object.id);
+  Fragility fragility;
+  fragility.break_impulse_n_s = material.break_impulse_n_s;
+  fragility.drop_height_m = drop_height_m(material, world_->settings().gravity_m_s2.norm());
+  drawn(object.id).fragility = fragility;
+  FragileOptions options;
+  options.object_from_asset = object.rest.object_from_asset;
+  options.pieces.seed = seed_ + object.id;
+  cutting_.emplace_back(object.id, mesh, material.fill, object.asset, options);
+}
+
+void Scene::take_cut(FragileTask& task) {
+  SceneObject& object = drawn(task.object_id());
+  auto fragile = task.take();
+  const auto set = fragile ? world_->set_pieces(object.id, fragile->pieces) : Result<void>(fragile.error());
+  if (!set) {
+    object.warnings.push_back("cannot break: " + set.error().message);
+    log_warn("%s: %s", object.name.c_str(), object.warnings.back().c_str());
+    return;
+  }
+  object.broken = fragile->broken;
+  object.fragility->pieces = static_cast<uint32_t>(fragile->pieces->pieces.size());
+  changes_.changed.push_back(object.id);
+  log_info("%s: fragile, %u pieces with %zu kernels, breaks at %.3g N s (a drop of %.2f m), %.0f ms",
+           object.name.c_str(), object.fragility->pieces, object.broken->asset->size(),
+           object.fragility->break_impulse_n_s, object.fragility->drop_height_m, fragile->prepared_ms);
+}
+
+void Scene::follow_breaks() {
+  for (SceneObject& object : objects_) {
+    if (!object.broken || world_->revision(object.id) == object.rest.revision) continue;
+    const Similarity object_from_asset = object.rest.object_from_asset;
+    object.rest = world_->rest_body(object.id);
+    object.rest.object_from_asset = object_from_asset;
+    object.rest.kernel_runs = kernel_runs(*object.broken, world_->piece_bodies(object.id));
+    object.asset = object.broken->asset;
+    object.fragility->bodies = static_cast<uint32_t>(object.rest.bodies.size());
+    changes_.changed.push_back(object.id);
+  }
+}
+
 void Scene::step() {
+  for (FragileTask& task : cutting_) {
+    if (task.ready()) take_cut(task);
+  }
+  std::erase_if(cutting_, [](const FragileTask& task) { return task.taken(); });
   const uint64_t tick = world_->tick();
   std::erase_if(running_forces_, [&](const auto& running) {
     if (running.first > tick) return false;
@@ -193,6 +255,7 @@ void Scene::step() {
     apply(event, next_event_);
   }
   world_->step();
+  follow_breaks();
 }
 
 void Scene::apply(const v1::Event& event, uint64_t event_id) {
@@ -230,6 +293,12 @@ void Scene::apply(const v1::Event& event, uint64_t event_id) {
       object->physics = std::move(*merged);
       object->mass_kg = object->physics.mass_kg().best();
       note_elastic(*object);
+      if (object->fragility) {
+        const Material& material = *world_->material(object->id);
+        object->fragility->break_impulse_n_s = material.break_impulse_n_s;
+        object->fragility->drop_height_m = drop_height_m(material, world_->settings().gravity_m_s2.norm());
+      }
+      changes_.changed.push_back(object->id);
       break;
     }
     case v1::Event::kReleaseRegion: {
@@ -237,6 +306,13 @@ void Scene::apply(const v1::Event& event, uint64_t event_id) {
       if (auto released = world_->release_region(object->id, event.release_region().region()); !released) {
         log_warn("%s: release_region at %.3f s: %s", object->name.c_str(), event.time_s(),
                  released.error().message.c_str());
+      }
+      break;
+    }
+    case v1::Event::kBreak: {
+      const SceneObject* object = find(event.break_().object());
+      if (auto broken = world_->break_object(object->id, vector(event.break_().point_m())); !broken) {
+        log_warn("%s: break at %.3f s: %s", object->name.c_str(), event.time_s(), broken.error().message.c_str());
       }
       break;
     }

@@ -23,13 +23,25 @@
 namespace livegs {
 
 struct ObjectFacts;  // analysis/estimate.h
+struct BrokenAsset;  // scene/fragile_object.h
+class FragileTask;
+
+// How a fragile object breaks.
+struct Fragility {
+  uint32_t pieces = 0;  // it can break into; 0 while they are being made, or when it cannot be cut
+  uint32_t bodies = 1;  // it is in now
+  double break_impulse_n_s = 0;  // of the whole
+  double drop_height_m = 0;      // a free fall from here onto a hard floor that does not bounce back more than it breaks it
+};
 
 // One thing that is drawn. The environment is one too: it is `environment`, never moves and is never touched.
 struct SceneObject {
   uint32_t id = 0;
   std::string name;
   bool environment = false;
-  std::shared_ptr<const GaussianAsset> asset;  // shared with the service that sends it
+  std::shared_ptr<const GaussianAsset> asset;  // shared with the service that sends it; broken->asset once it is broken
+  std::shared_ptr<const BrokenAsset> broken;   // of a fragile object, once prepared
+  std::optional<Fragility> fragility;          // of a fragile object
   RestBody rest;
   v1::PhysicalParameters physics;  // with the source of each value
   double mass_kg = 0;
@@ -49,12 +61,17 @@ struct SceneOptions {
   std::optional<int> substeps;
   ElasticSolver elastic_solver = ElasticSolver::Cells;
   bool sleep = true;
+  uint64_t seed = 1;            // of the cuts of fragile objects
+  bool wait_for_pieces = true;  // before load() returns; else they break only once their pieces are made
 };
 
 // A scene that runs. One thread owns it. `objects` grows when a ball is shot and shrinks when one is taken
 // away; ids are never used twice.
 class Scene {
  public:
+  Scene(Scene&&) noexcept;
+  Scene& operator=(Scene&&) noexcept;
+  ~Scene();
   // `path` is a *.scene.json or a folder of assets. Errors name the file, the field and the remedy.
   static Result<Scene> load(const std::filesystem::path& path, const SceneOptions& options);
   // The same from a parsed file; `folder` is what its paths are relative to.
@@ -79,15 +96,22 @@ class Scene {
   const SceneObject& shoot_ball(const Eigen::Vector3d& from_m, const Eigen::Vector3d& velocity_m_s);
   static constexpr size_t kMaxBalls = 16;
 
-  // Ids of objects that came or went since the last call, for clients that are connected.
+  // Ids of objects that came, went or changed (broke, were cut, had their physics set) since the last call, for clients
+  // that are connected.
   struct Changes {
-    std::vector<uint32_t> added, removed;
+    std::vector<uint32_t> added, removed, changed;
   };
   Changes take_changes();
 
  private:
+  Scene();
   void apply(const v1::Event& event, uint64_t event_id);
   void note_elastic(SceneObject& drawn) const;  // what its elastic body turned out to be
+  // Fragile objects: begins to cut them, takes what is done, and follows those that broke.
+  void begin_cut(const SceneObject& drawn, const TriangleMesh& mesh);
+  void take_cut(FragileTask& task);
+  void follow_breaks();
+  SceneObject& drawn(uint32_t object_id);
   const SceneObject& add_drawn(SceneObject drawn, const Similarity& object_from_asset);
 
   std::string name_;
@@ -101,6 +125,8 @@ class Scene {
   std::vector<std::pair<uint64_t, uint64_t>> running_forces_;  // end tick, force id; in the order they began
   std::deque<uint32_t> balls_;                                 // oldest first
   Changes changes_;
+  uint64_t seed_ = 1;
+  std::vector<FragileTask> cutting_;
 };
 
 // A scene file, checked as far as that goes without its assets. Comments (//, /* */) are allowed.

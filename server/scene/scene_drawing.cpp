@@ -54,7 +54,7 @@ Result<std::vector<DrawnObject>> SceneDrawing::pose(const Scene& scene, const Dr
 
     auto [at, fresh] = bound_.try_emplace(object.object_id);
     Bound& bound = at->second;
-    if (fresh) {
+    if (fresh || bound.rest.revision != of->rest.revision) {
       bound.rest = as_particles ? particle_rest(*of) : of->rest;
       auto bindings = bind_kernels(*of->asset, bound.rest);
       if (!bindings) return Error{bindings.error().code, of->name + ": " + bindings.error().message};

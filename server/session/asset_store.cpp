@@ -20,6 +20,11 @@ std::shared_ptr<const AssetBytes> AssetStore::add(const std::shared_ptr<const Ga
   return kept;
 }
 
+bool AssetStore::has(const std::shared_ptr<const GaussianAsset>& asset) const {
+  std::lock_guard lock(mutex_);
+  return by_asset_.contains(asset);
+}
+
 std::shared_ptr<const AssetBytes> AssetStore::find(std::string_view hash) const {
   std::lock_guard lock(mutex_);
   const auto found = by_hash_.find(hash);

@@ -25,6 +25,7 @@ class AssetStore {
  public:
   // Encodes on the calling thread the first time: about 0.2 s for 300k kernels.
   std::shared_ptr<const AssetBytes> add(const std::shared_ptr<const GaussianAsset>& asset);
+  bool has(const std::shared_ptr<const GaussianAsset>& asset) const;
   std::shared_ptr<const AssetBytes> find(std::string_view hash) const;  // nullptr if unknown
 
  private:

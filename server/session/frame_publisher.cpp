@@ -6,6 +6,7 @@
 #include <chrono>
 
 #include "core/clock.h"
+#include "scene/fragile_object.h"
 #include "session/describe_object.h"
 #include "session/frame_tail.h"
 #include "wire/frame_codec.h"
@@ -38,9 +39,11 @@ void FramePublisher::publish(SteppedTick tick) {
   {
     std::lock_guard lock(mutex_);
     if (waiting_) {
-      // Ids are never used twice, so all that came before all that went is the order of any number of ticks.
+      // Ids are never used twice, so all that came, then all that changed, then all that went is the order of any number
+      // of ticks.
       ++skipped_;
       tick.added.insert(tick.added.begin(), waiting_->added.begin(), waiting_->added.end());
+      tick.changed.insert(tick.changed.begin(), waiting_->changed.begin(), waiting_->changed.end());
       tick.removed.insert(tick.removed.begin(), waiting_->removed.begin(), waiting_->removed.end());
     }
     waiting_ = std::move(tick);
@@ -63,6 +66,25 @@ void FramePublisher::run() {
   }
 }
 
+SessionTable::Object FramePublisher::describe(const SceneObject& object) {
+  return std::make_shared<const v1::ObjectDescription>(describe_object(object, assets_));
+}
+
+void FramePublisher::encode_ahead(const SceneObject& object) {
+  auto done = std::async(std::launch::async, [this, asset = object.broken->asset] { (void)assets_.add(asset); });
+  encodings_.push_back({object, std::move(done)});
+}
+
+std::vector<SessionTable::Object> FramePublisher::encoded_ahead() {
+  std::vector<SessionTable::Object> changed;
+  std::erase_if(encodings_, [&](Encoding& one) {
+    if (one.done.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return false;
+    changed.push_back(describe(one.object));
+    return true;
+  });
+  return changed;
+}
+
 void FramePublisher::deliver(const SteppedTick& tick) {
   const int64_t begun_ns = now_ns();
   const std::vector<std::byte> frame = encode_frame(tick.drivers);
@@ -70,8 +92,17 @@ void FramePublisher::deliver(const SteppedTick& tick) {
 
   std::vector<SessionTable::Object> added;
   for (const SceneObject& object : tick.added) {
-    added.push_back(
-        std::make_shared<const v1::ObjectDescription>(describe_object(object, *assets_.add(object.asset))));
+    added.push_back(describe(object));
+  }
+  std::vector<SessionTable::Object> changed = encoded_ahead();
+  for (const SceneObject& object : tick.changed) {
+    // What has just been cut is told of when its other kernels are encoded; by then it may have broken.
+    std::erase_if(encodings_, [&](const Encoding& one) { return one.object.id == object.id; });
+    if (object.broken && object.rest.revision == 0 && !assets_.has(object.broken->asset)) {
+      encode_ahead(object);
+    } else {
+      changed.push_back(describe(object));
+    }
   }
   auto encoded = std::make_shared<EncodedTick>();
   encoded->tick = tick.drivers.tick;
@@ -85,7 +116,7 @@ void FramePublisher::deliver(const SteppedTick& tick) {
     frame_bytes_.add(static_cast<double>(frame.size()));
     encode_ms_.add(encode_ms);
   }
-  table_.deliver(std::move(encoded), added, tick.removed);
+  table_.deliver(std::move(encoded), added, changed, tick.removed);
 }
 
 PublisherSummary FramePublisher::summary() const {

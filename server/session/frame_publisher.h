@@ -2,9 +2,11 @@
 #pragma once
 
 #include <condition_variable>
+#include <future>
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <vector>
 
 #include "session/asset_store.h"
 #include "session/duration_histogram.h"
@@ -33,9 +35,18 @@ class FramePublisher final : public TickSink {
  private:
   void run();
   void deliver(const SteppedTick& tick);
+  SessionTable::Object describe(const SceneObject& object);
+  // Encodes, on a thread of its own, what an object will be drawn with once it breaks; clients are told when it is done.
+  void encode_ahead(const SceneObject& object);
+  std::vector<SessionTable::Object> encoded_ahead();
 
   SessionTable& table_;
   AssetStore& assets_;
+  struct Encoding {
+    SceneObject object;
+    std::future<void> done;
+  };
+  std::vector<Encoding> encodings_;  // the publisher's thread only
 
   mutable std::mutex mutex_;  // guards everything below but the thread
   std::condition_variable changed_;

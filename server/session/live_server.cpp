@@ -12,6 +12,7 @@
 #include <mutex>
 
 #include "core/log.h"
+#include "scene/fragile_object.h"
 #include "session/describe_object.h"
 #include "session/live_service.h"
 
@@ -116,8 +117,8 @@ void LiveServer::open(const std::string& scene_name, double rate_hz,
                       std::span<const SceneObject* const> objects, InputSink& inputs) {
   std::vector<SessionTable::Object> described;
   for (const SceneObject* object : objects) {
-    described.push_back(std::make_shared<const v1::ObjectDescription>(
-        describe_object(*object, *parts_->assets.add(object->asset))));
+    if (object->broken) (void)parts_->assets.add(object->broken->asset);
+    described.push_back(std::make_shared<const v1::ObjectDescription>(describe_object(*object, parts_->assets)));
   }
   parts_->table.open(scene_name, rate_hz, std::move(described), inputs);
   parts_->server->GetHealthCheckService()->SetServingStatus(true);

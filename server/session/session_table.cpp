@@ -80,7 +80,7 @@ void SessionTable::remove(const ClientSession& session) {
 }
 
 void SessionTable::deliver(std::shared_ptr<const EncodedTick> tick, std::span<const Object> added,
-                           std::span<const uint32_t> removed) {
+                           std::span<const Object> changed, std::span<const uint32_t> removed) {
   std::vector<std::shared_ptr<ClientSession>> sessions;
   std::vector<std::shared_ptr<ClientSession>> not_reading;
   {
@@ -90,6 +90,14 @@ void SessionTable::deliver(std::shared_ptr<const EncodedTick> tick, std::span<co
     for (const Object& object : added) {
       objects_.push_back(object);
       *events.emplace_back().mutable_object_added() = *object;
+    }
+    for (const Object& object : changed) {
+      const auto known = std::find_if(objects_.begin(), objects_.end(), [&](const Object& one) {
+        return one->object_id() == object->object_id();
+      });
+      if (known == objects_.end()) continue;  // it went meanwhile
+      *known = object;
+      *events.emplace_back().mutable_object_changed() = *object;
     }
     for (uint32_t id : removed) {
       std::erase_if(objects_, [&](const Object& object) { return object->object_id() == id; });

@@ -40,9 +40,9 @@ class SessionTable {
   std::shared_ptr<ClientSession> find(std::string_view session_id) const;
   void remove(const ClientSession& session);
 
-  // A new tick for everybody, with what came and went in it.
+  // A new tick for everybody, with what came, changed and went in it.
   void deliver(std::shared_ptr<const EncodedTick> tick, std::span<const Object> added,
-               std::span<const uint32_t> removed);
+               std::span<const Object> changed, std::span<const uint32_t> removed);
   // Drops sessions that went silent or never opened a stream.
   void sweep(int64_t now_ns);
 

@@ -129,6 +129,9 @@ SteppedTick SimulationLoop::stepped_tick(int64_t stepped_ns, double step_ms) {
   for (uint32_t id : changes.added) {
     if (const SceneObject* object = scene_.find(id)) tick.added.push_back(*object);
   }
+  for (uint32_t id : changes.changed) {
+    if (const SceneObject* object = scene_.find(id)) tick.changed.push_back(*object);
+  }
   tick.removed = changes.removed;
   for (uint32_t id : changes.removed) controls_.drop_object(scene_, id);
   for (const auto& [session, sequence] : applied_) {

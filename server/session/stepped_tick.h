@@ -39,6 +39,7 @@ struct SteppedTick {
   double step_ms = 0;
   std::vector<SceneObject> added;  // since the tick before
   std::vector<uint32_t> removed;
+  std::vector<SceneObject> changed;  // broke, were cut, or had their physics set; as they are now
   std::vector<SessionHands> hands;  // ascending session
 };
 

@@ -31,6 +31,7 @@ class Receiver final : public StreamSink {
     steps_ms.push_back(frame.step_ms);
   }
   void on_object_added(StreamedObject) override {}
+  void on_object_changed(StreamedObject) override {}
   void on_object_removed(uint32_t) override {}
   void on_draining(const std::string&) override {}
 

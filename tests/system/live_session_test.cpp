@@ -21,16 +21,19 @@ namespace {
 
 class LiveSession : public ::testing::Test {
  protected:
-  void start(double rate_hz = 90) {
+  void start(double rate_hz = 90) { start(box_scene(rate_hz)); }
+  void start(Scene scene) {
     auto server = LiveServer::listen("127.0.0.1:0");
     ASSERT_TRUE(server) << server.error().message;
     server_ = std::move(*server);
     loop_ =
-        std::make_unique<SimulationLoop>(box_scene(rate_hz), server_->ticks(), [this](const Scene& scene) {
+        std::make_unique<SimulationLoop>(std::move(scene), server_->ticks(), [this](const Scene& scene) {
           std::lock_guard lock(mutex_);
           simulated_[scene.world().tick()] = scene.world().drivers();
           newest_tick_ = scene.world().tick();
-          for (const SceneObject& object : scene.objects()) objects_.emplace(object.id, object);
+          for (const SceneObject& object : scene.objects()) {
+            objects_.try_emplace({object.id, object.rest.revision}, object);
+          }
           ticked_.notify_all();
         });
     server_->open(loop_->scene(), *loop_);
@@ -58,6 +61,15 @@ class LiveSession : public ::testing::Test {
     return simulated_.at(tick);
   }
 
+  // The objects of a frame as they were then.
+  void add_objects(const DriverFrame& frame, SceneView& view) {
+    std::lock_guard lock(mutex_);
+    for (const ObjectDrivers& drivers : frame.objects) {
+      const SceneObject& object = objects_.at({drivers.object_id, drivers.revision});
+      ASSERT_TRUE(view.add(object.id, object.asset, object.rest, object.environment));
+    }
+  }
+
   ScratchFolder folder_;
   // Looks at every tick whether so many clients have joined.
   bool wait_clients(size_t count) {
@@ -68,7 +80,7 @@ class LiveSession : public ::testing::Test {
   std::mutex mutex_;  // guards the next three
   std::condition_variable ticked_;
   std::map<uint64_t, DriverFrame> simulated_;
-  std::map<uint32_t, SceneObject> objects_;
+  std::map<std::pair<uint32_t, uint32_t>, SceneObject> objects_;  // by id and revision
   uint64_t newest_tick_ = 0;
   std::unique_ptr<LiveServer> server_;
   std::unique_ptr<SimulationLoop> loop_;
@@ -101,11 +113,7 @@ TEST_F(LiveSession, TheLastPictureIsAnOfflineDrawOfTheServersOwnDrivers) {
   ASSERT_TRUE(camera) << camera.error().message;
 
   SceneView view;
-  {
-    std::lock_guard lock(mutex_);
-    for (const auto& [id, object] : objects_)
-      ASSERT_TRUE(view.add(id, object.asset, object.rest, object.environment));
-  }
+  add_objects(own, view);
   RasterisedView offline;
   ASSERT_TRUE(view.draw(own, *camera, offline));
   const auto last = read_png(run.output / "last.png");
@@ -115,6 +123,34 @@ TEST_F(LiveSession, TheLastPictureIsAnOfflineDrawOfTheServersOwnDrivers) {
   // And it shows something: the objects stand out from the background.
   const auto [darkest, brightest] = std::minmax_element(last->pixels.begin(), last->pixels.end());
   EXPECT_GT(*brightest - *darkest, 0.3f);
+}
+
+// What a client that was there when it broke sees, and what one sees that comes afterwards.
+TEST_F(LiveSession, ABreakReachesTheClientThatIsThereAndTheOneThatComesLater) {
+  start(breaking_scene());
+  for (const char* name : {"there", "later"}) {
+    const OffscreenRunOptions run = options(name, std::string(name) == "there" ? 2.0 : 0.3);
+    const auto summary = run_offscreen(run, interrupted_);
+    ASSERT_TRUE(summary) << summary.error().message;
+    ASSERT_FALSE(summary->stream_error) << summary->stream_error->message;
+    EXPECT_NE(summary->object_lines.at(0).find("broken into"), std::string::npos) << summary->object_lines.at(0);
+    const auto bytes = read_file(run.output / "last_frame.bin");
+    ASSERT_TRUE(bytes);
+    const auto streamed = decode_frame(*bytes);
+    ASSERT_TRUE(streamed) << streamed.error().message;
+    EXPECT_GE(streamed->objects.back().revision, 1u);
+    EXPECT_GE(streamed->objects.back().poses.size(), 2u);
+    const auto camera = read_camera_file(run.output / "camera.json", std::nullopt);
+    ASSERT_TRUE(camera) << camera.error().message;
+    const DriverFrame own = simulated(streamed->tick);
+    SceneView view;
+    add_objects(own, view);
+    RasterisedView offline;
+    ASSERT_TRUE(view.draw(own, *camera, offline));
+    const auto last = read_png(run.output / "last.png");
+    ASSERT_TRUE(last) << last.error().message;
+    EXPECT_GE(psnr_db(*last, offline.image), 50.0);
+  }
 }
 
 TEST_F(LiveSession, FramesComeInOrderAndTheirDriversAreTheServersWithinAStep) {

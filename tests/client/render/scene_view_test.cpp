@@ -87,6 +87,34 @@ TEST(SceneView, DriversThatDoNotFitAreRefused) {
   EXPECT_NE(posed.error().message.find("object 1"), std::string::npos) << posed.error().message;
 }
 
+// An object that breaks: the event comes first, and frames of before may follow it.
+TEST(SceneView, FramesOfAnEarlierRevisionAreDrawnAsBefore) {
+  SceneView view;
+  ASSERT_TRUE(view.add(1, cube_asset(0.2f, {1, 0, 0}), rigid_rest(), false));
+  const DriverFrame whole = frame_of({{1, {3, 0, 0}}});
+  RestBody broken = rigid_rest();
+  broken.revision = 1;
+  broken.bodies.push_back({{0.05, 0, 0}, Eigen::Quaterniond::Identity()});
+  broken.kernel_runs = {{0, 256}, {1, 256}};
+  ASSERT_TRUE(view.change(1, cube_asset(0.2f, {1, 0, 0}), broken, false));
+  ASSERT_TRUE(view.pose(whole));
+  EXPECT_NEAR(view.bounds(1).center().x(), 3.0, 1e-6);
+  DriverFrame apart = frame_of({{1, {0, 0, 0}}});
+  apart.objects[0].revision = 1;
+  apart.objects[0].poses.push_back({{7, 0, 0}, Eigen::Quaterniond::Identity()});
+  ASSERT_TRUE(view.pose(apart));
+  EXPECT_NEAR(view.bounds(1).max().x(), 7.0, 0.2);
+  // What is over is over: drivers of a revision that is gone are refused with a reason.
+  const auto late = view.pose(whole);
+  ASSERT_FALSE(late);
+  EXPECT_NE(late.error().message.find("revision 0"), std::string::npos) << late.error().message;
+  broken.revision = 2;
+  broken.kernel_runs = {{0, 1}};
+  const auto refused = view.change(1, cube_asset(0.2f, {1, 0, 0}), broken, false);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("object 1"), std::string::npos) << refused.error().message;
+}
+
 // Every corner of the objects, and nothing of the environment's extent, decides the default picture.
 TEST(ChooseCamera, HasAllObjectsInThePictureAndTheEnvironmentBehind) {
   SceneView view;

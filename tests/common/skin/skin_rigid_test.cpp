@@ -65,6 +65,25 @@ TEST(SkinRigid, AnObjectWithoutABodyIsAnError) {
   EXPECT_FALSE(bind_kernels(kernels_at(rest, {{0, 0, 0}}, 5), rest));
 }
 
+TEST(SkinRigid, KernelRunsSayWhichBodyWhereverItIs) {
+  RestBody rest = rigid_body({Pose{}, Pose{{1, 0, 0}, Eigen::Quaterniond::Identity()}});
+  const GaussianAsset asset = kernels_at(rest, {{0.9, 0, 0}, {0.1, 0, 0}, {0.2, 0, 0}}, 5);
+  rest.kernel_runs = {{0, 1}, {1, 2}};
+  const Result<KernelBindings> bindings = bind_kernels(asset, rest);
+  ASSERT_TRUE(bindings);
+  EXPECT_EQ(bindings->kernels[0].drivers[0], 0u);  // against its nearest body
+  EXPECT_EQ(bindings->kernels[1].drivers[0], 1u);
+  EXPECT_EQ(bindings->kernels[2].drivers[0], 1u);
+  for (const auto& [runs, what] : std::vector<std::pair<std::vector<RestBody::KernelRun>, const char*>>{
+           {{{0, 1}}, "1 of the asset's 3"}, {{{0, 4}}, "more than"}, {{{2, 3}}, "body 2 of 2"},
+           {{{0, ~0u}, {1, ~0u}}, "more than"}}) {
+    rest.kernel_runs = runs;
+    const Result<KernelBindings> refused = bind_kernels(asset, rest);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find(what), std::string::npos) << refused.error().message;
+  }
+}
+
 TEST(SkinRigid, AnAssetWithoutKernelsIsFine) {
   const RestBody rest = rigid_body({Pose{}});
   const GaussianAsset asset;

@@ -24,6 +24,7 @@ DriverFrame busy_frame(uint64_t seed) {
     object.object_id = 10 + i;
     object.kind = static_cast<DriverKind>(1 + i % 3);
     object.asleep = i % 2 == 0;
+    if (object.kind == DriverKind::Rigid) object.revision = 85 * i;  // 0 and 255
     const int count = 1 + static_cast<int>(random() % 12);
     for (int d = 0; d < count; ++d) {
       const Eigen::Vector3d at = uniform3(random, -2.0, 3.0);
@@ -69,6 +70,7 @@ TEST(FrameCodec, ARoundTripKeepsEverythingWithinTheQuantisersBounds) {
       EXPECT_EQ(is.object_id, was.object_id);
       EXPECT_EQ(is.kind, was.kind);
       EXPECT_EQ(is.asleep, was.asleep);
+      EXPECT_EQ(is.revision, was.revision);
       ASSERT_EQ(is.poses.size(), was.poses.size());
       ASSERT_EQ(is.positions_m.size(), was.positions_m.size());
       ASSERT_EQ(is.rotations.size(), was.rotations.size());

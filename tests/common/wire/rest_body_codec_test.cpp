@@ -29,6 +29,12 @@ void expect_same(const RestBody& a, const RestBody& b) {
   EXPECT_EQ(a.cells, b.cells);
   EXPECT_EQ(a.cell_fills, b.cell_fills);
   EXPECT_EQ(a.particles_m, b.particles_m);
+  EXPECT_EQ(a.revision, b.revision);
+  ASSERT_EQ(a.kernel_runs.size(), b.kernel_runs.size());
+  for (size_t i = 0; i < a.kernel_runs.size(); ++i) {
+    EXPECT_EQ(a.kernel_runs[i].body, b.kernel_runs[i].body);
+    EXPECT_EQ(a.kernel_runs[i].count, b.kernel_runs[i].count);
+  }
 }
 
 std::vector<RestBody> one_of_each() {
@@ -44,7 +50,10 @@ std::vector<RestBody> one_of_each() {
   RestBody fingers = lattice_body(1, 2, 1, 0.1);
   fingers.cells.push_back(fingers.cells[0]);
   for (size_t c = 0; c < fingers.cells.size(); ++c) fingers.cell_fills.push_back(random());
-  return {lattice, rigid, particles, fingers};
+  RestBody broken = rigid;
+  broken.revision = 2;
+  for (uint32_t body : {0u, 2u, 1u}) broken.kernel_runs.push_back({body, 1});
+  return {lattice, rigid, particles, fingers, broken};
 }
 
 TEST(RestBodyCodec, ARoundTripIsExact) {
@@ -119,6 +128,7 @@ TEST(RestBodyCodec, WhatAMutationLeavesDecodableBindsOrIsRefused) {
       } else {
         drivers = rest_drivers(*decoded);
       }
+      drivers.revision = decoded->revision;
       if (!check_drivers(*decoded, drivers)) return;
       PosedKernels kernels;
       skin_kernels(asset, *decoded, *bindings, drivers, kernels);
@@ -143,8 +153,13 @@ TEST(RestBodyCodec, EachLieIsNamed) {
   EXPECT_NE(message(set(4, 9), 0).find("version 9"), std::string::npos);
   EXPECT_NE(message(set(6, 0), 0).find("unknown kind 0"), std::string::npos);
   EXPECT_NE(message(set(7, 2), 0).find("unknown encoding 2"), std::string::npos);
-  EXPECT_NE(message(set(7, 1), 1).find("unknown encoding 1"),
-            std::string::npos);                                                // a rigid body has no fills
+  EXPECT_NE(message(set(7, 1), 2).find("unknown encoding 1"), std::string::npos);  // particles have no fills
+  EXPECT_NE(message(set(7, 1), 1).find("kernel runs is cut short"), std::string::npos);
+  const size_t revision = 72 + 4 + 3 * 56;
+  EXPECT_NE(message(set(revision, 0), 4).find("revision 0"), std::string::npos);
+  EXPECT_NE(message(set(revision + 1, 1), 4).find("revision 258"), std::string::npos);
+  EXPECT_NE(message(set(revision + 7, 0xFF), 4).find("kernel runs is cut short"), std::string::npos);
+  EXPECT_NE(message(set(revision + 8, 3), 4).find("kernel run 0 names body 3 of 3"), std::string::npos);
   EXPECT_NE(message(set(15, 0xBF), 0).find("similarity"), std::string::npos);  // scale is negative
   EXPECT_NE(message(set(72 + 56 + 7, 0xBF), 0).find("cell width"), std::string::npos);
   EXPECT_NE(message(set(72 + 56 + 8 + 8 + 12, 3), 0).find("3 bytes a coordinate"), std::string::npos);

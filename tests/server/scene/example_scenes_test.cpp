@@ -2,8 +2,10 @@
 // The scenes of tests/scenes, run for a short time and held against what can be worked out by hand.
 #include <gtest/gtest.h>
 
+#include "scene/fragile_object.h"
 #include "scene/points_file.h"
 #include "scene/scene.h"
+#include "skin/skin_kernels.h"
 
 namespace livegs {
 namespace {
@@ -42,6 +44,41 @@ TEST(ExampleScenes, ABarOfTwoMaterialsStretchesAsItsHalvesInSeries) {
   const Vector3d momentum = scene.world().energy().linear_momentum;
   EXPECT_NEAR(momentum.x(), 2.5, 0.025);
   EXPECT_NEAR(momentum.tail<2>().norm(), 0.0, 0.025);
+}
+
+// m sqrt(2 g H) (1 + e): 1.59 N s breaks the cup that bears 0.9 N s, 0.80 N s does not break the lower one.
+TEST(ExampleScenes, ACupBreaksFromAMetreAndTheLowerOneOnlyAtWill) {
+  Scene scene = example("cup_breaks");
+  const SceneObject& cup = *scene.find("cup");
+  const SceneObject& lower = *scene.find("lower cup");
+  const size_t kernels = cup.asset->size();
+  ASSERT_TRUE(cup.fragility && cup.fragility->pieces > 8) << "it must have been cut";
+  EXPECT_NEAR(cup.fragility->drop_height_m, 0.9 * 0.9 / (0.36 * 0.36) / (2 * 9.81), 1e-6);
+  run(scene, 0.6);
+  EXPECT_GT(cup.fragility->bodies, 1u);
+  EXPECT_EQ(lower.fragility->bodies, 1u);
+  double impulse = 0;
+  for (const WorldEvent& event : scene.world().take_events()) {
+    if (event.kind == WorldEventKind::Fracture && impulse == 0) impulse = event.impulse_n_s;
+  }
+  EXPECT_NEAR(impulse, 0.3 * std::sqrt(2 * 9.81) * 1.2, 0.01 * 1.6);
+  run(scene, 1.5);
+  EXPECT_GT(lower.fragility->bodies, 1u);
+
+  // Each kernel is one of the new asset, or the parts it was split into; runs name each of them once.
+  std::vector<int> parts(kernels, 0);
+  for (const uint32_t source : cup.broken->source) {
+    if (source < kernels) ++parts[source];
+  }
+  EXPECT_EQ(std::count(parts.begin(), parts.end(), 0), 0);
+  size_t bound = 0;
+  for (const RestBody::KernelRun& run : cup.rest.kernel_runs) bound += run.count;
+  EXPECT_EQ(bound, cup.asset->size());
+  EXPECT_EQ(cup.asset->size(), cup.broken->source.size());
+  EXPECT_TRUE(bind_kernels(*cup.asset, cup.rest));
+  double mass_kg = 0;
+  for (const BodyState& body : scene.world().bodies()) mass_kg += body.object_id == cup.id ? body.mass_kg : 0;
+  EXPECT_NEAR(mass_kg, 0.3, 1e-9);
 }
 
 // Nothing acts on it: it flies straight, keeps its spin and gains no energy.

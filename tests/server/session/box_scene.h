@@ -8,6 +8,25 @@
 
 namespace livegs {
 
+// A fragile block that falls apart after a second, on a floor.
+inline Scene breaking_scene(double rate_hz = 90) {
+  v1::Scene file;
+  const auto parsed = google::protobuf::util::JsonStringToMessage(R"({
+    "substeps": 4,
+    "environment": { "colliders": [ { "plane": {}, "friction": 0.6 } ] },
+    "objects": [
+      { "name": "box", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } }, "pose": { "position_m": [0, 0.1, 0] },
+        "physics": { "behavior": "RIGID", "mass_kg": 1.0, "fragile": true, "break_impulse_n_s": 2 } } ],
+    "events": [ { "time_s": 1.0, "break": { "object": "box", "point_m": [0.1, 0.1, 0.1] } } ] })",
+                                                                  &file);
+  EXPECT_TRUE(parsed.ok()) << parsed.message();
+  SceneOptions options;
+  options.rate_hz = rate_hz;
+  auto scene = Scene::build(file, ".", "breaking", options);
+  EXPECT_TRUE(scene) << scene.error().message;
+  return std::move(*scene);
+}
+
 // A wooden box and a soft cube, a metre apart on a floor, made of shapes: no assets are needed.
 inline Scene box_scene(double rate_hz = 90) {
   v1::Scene file;

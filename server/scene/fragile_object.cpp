@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/fragile_object.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/clock.h"
+#include "geometry/piece_kernels.h"
+
+namespace livegs {
+namespace {
+
+// Kernels in the order of their pieces.
+BrokenAsset ordered_by_piece(const PieceKernels& kernels, size_t piece_count) {
+  std::vector<uint32_t> order(kernels.piece.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](uint32_t a, uint32_t b) { return kernels.piece[a] < kernels.piece[b]; });
+  const GaussianAsset& from = kernels.asset;
+  auto to = std::make_shared<GaussianAsset>();
+  to->sh_degree = from.sh_degree;
+  to->antialiased = from.antialiased;
+  to->resize(order.size());
+  BrokenAsset broken;
+  broken.piece_kernels.assign(piece_count, 0);
+  broken.source.resize(order.size());
+  const size_t rest = from.sh_rest_count();
+  for (size_t i = 0; i < order.size(); ++i) {
+    const uint32_t k = order[i];
+    to->positions[i] = from.positions[k];
+    to->log_scales[i] = from.log_scales[k];
+    to->rotations[i] = from.rotations[k];
+    to->opacity_logits[i] = from.opacity_logits[k];
+    to->sh_dc[i] = from.sh_dc[k];
+    std::copy_n(from.sh_rest.begin() + static_cast<ptrdiff_t>(k * rest), rest,
+                to->sh_rest.begin() + static_cast<ptrdiff_t>(i * rest));
+    broken.source[i] = kernels.source[k];
+    ++broken.piece_kernels[kernels.piece[k]];
+  }
+  broken.asset = std::move(to);
+  return broken;
+}
+
+}  // namespace
+
+std::vector<RestBody::KernelRun> kernel_runs(const BrokenAsset& broken, std::span<const uint32_t> piece_bodies) {
+  std::vector<RestBody::KernelRun> runs;
+  for (size_t piece = 0; piece < piece_bodies.size(); ++piece) {
+    if (runs.empty() || runs.back().body != piece_bodies[piece]) runs.push_back({piece_bodies[piece], 0});
+    runs.back().count += broken.piece_kernels[piece];
+  }
+  return runs;
+}
+
+Result<FragileObject> prepare_fragile(const TriangleMesh& mesh, Fill fill, const GaussianAsset& asset,
+                                      const FragileOptions& options) {
+  const int64_t begun_ns = now_ns();
+  auto pieces = prepare_pieces(mesh, fill, options.pieces);
+  if (!pieces) return pieces.error();
+  FragileObject fragile;
+  fragile.pieces = std::move(*pieces);
+  PieceKernelOptions splitting;
+  splitting.stop = options.pieces.stop;
+  auto kernels = make_piece_kernels(asset, options.object_from_asset, fragile.pieces->cut, splitting);
+  if (!kernels) return kernels.error();
+  fragile.broken =
+      std::make_shared<const BrokenAsset>(ordered_by_piece(*kernels, fragile.pieces->pieces.size()));
+  fragile.prepared_ms = milliseconds_from_ns(now_ns() - begun_ns);
+  return fragile;
+}
+
+double drop_height_m(const Material& material, double gravity_m_s2) {
+  const double speed = material.break_impulse_n_s / (material.mass_kg * (1.0 + material.restitution));
+  return gravity_m_s2 > 0.0 ? speed * speed / (2.0 * gravity_m_s2) : INFINITY;
+}
+
+FragileTask::FragileTask(uint32_t object_id, TriangleMesh mesh, Fill fill,
+                         std::shared_ptr<const GaussianAsset> asset, const FragileOptions& options)
+    : object_id_(object_id) {
+  FragileOptions own = options;
+  own.pieces.stop = stop_.get_token();
+  future_ = std::async(std::launch::async, [mesh = std::move(mesh), fill, asset = std::move(asset), own] {
+    return prepare_fragile(mesh, fill, *asset, own);
+  });
+}
+
+}  // namespace livegs
