@@ -41,11 +41,18 @@ class CellNodes {
   // Where a material point is, and where after the corrections so far.
   Eigen::Vector3d position_m(const NodeSample& sample) const;
   Eigen::Vector3d corrected_m(const NodeSample& sample) const;
+  Eigen::Vector3d corrected_m(size_t node) const { return vector(predicted_[node]) + vector(corrections_[node]); }
   void correct(size_t node, const Eigen::Vector3d& by_m) { add(corrections_[node], by_m); }
   void predict(size_t node, const Eigen::Vector3d& position_m, const Eigen::Vector3d& velocity_m_s);
   void push(size_t node, const Eigen::Vector3d& way_m, const Eigen::Vector3d& velocity_m_s);
   // After advance: of the velocity before the step.
   void change_velocity_before(size_t node, const Eigen::Vector3d& by_m_s) { add(predicted_velocity_[node], by_m_s); }
+
+  // Between steps: of the velocity and that before.
+  void change_velocities(size_t node, const Eigen::Vector3d& by_m_s) {
+    add(velocity_[node], by_m_s);
+    add(predicted_velocity_[node], by_m_s);
+  }
 
   // Now and a step ago. The largest distance from `centre_m` afterwards.
   double move_all(const Eigen::Vector3d& by_m, const Eigen::Vector3d& centre_m);

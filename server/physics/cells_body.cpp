@@ -161,13 +161,21 @@ void CellsBody::set_gains(double h) {
 }
 
 void CellsBody::make_surface(const ParticleSet& particles) {
-  std::vector<EmbeddedPoint> points;
-  for (const SurfacePoint& point : surface_points(particles)) points.push_back(lattice_.embed(point.rest_m));
-  std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.cell < b.cell; });
+  struct Point {
+    EmbeddedPoint at;
+    Vector3d normal;
+  };
+  std::vector<Point> points;
+  for (const SurfacePoint& point : surface_points(particles)) {
+    points.push_back({lattice_.embed(point.rest_m), extent_.object_from_lattice.conjugate() * point.normal});
+  }
+  std::stable_sort(points.begin(), points.end(), [](const Point& a, const Point& b) { return a.at.cell < b.at.cell; });
   for (uint32_t i = 0; i < points.size(); ++i) {
-    surface_.push_back(sample_at(points[i]));
-    if (i == 0 || points[i].cell != points[i - 1].cell) {
-      surface_cells_.push_back({lattice_.cells[points[i].cell].nodes, i, i});
+    surface_.push_back(sample_at(points[i].at));
+    surface_local_.push_back(points[i].at.local.cast<float>());
+    surface_normals_.push_back(points[i].normal.cast<float>());
+    if (i == 0 || points[i].at.cell != points[i - 1].at.cell) {
+      surface_cells_.push_back({lattice_.cells[points[i].at.cell].nodes, i, i});
     }
     surface_cells_.back().end = i + 1;
   }
@@ -243,7 +251,9 @@ void CellsBody::restart_motion() {
   angular_before_ = motion_.angular_momentum;
   owed_velocity_.setZero();
   owed_spin_.setZero();
-  candidate_margin_m_ = 0.0;
+  contact_lag_m_.setZero();
+  late_impulse_.setZero();
+  candidate_margin_m_ = touch_margin_m_ = 0.0;
   first_step_ = true;
 }
 
@@ -352,7 +362,7 @@ ElasticAccuracy CellsBody::accuracy() const {
   accuracy.nodes = nodes_.count();
   accuracy.cells = lattice_.cells.size();
   accuracy.particles = particle_points_.size();
-  accuracy.bytes = nodes_.bytes() + batches_.bytes() + surface_.capacity() * sizeof(NodeSample) +
+  accuracy.bytes = nodes_.bytes() + batches_.bytes() + surface_.capacity() * (sizeof(NodeSample) + 2 * sizeof(Eigen::Vector3f)) +
                    surface_cells_.capacity() * sizeof(SurfaceCell) +
                    gains_[0].bytes() + gains_[1].bytes();
   return accuracy;

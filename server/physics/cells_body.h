@@ -22,8 +22,9 @@
 //   regions   nodes of moved regions go where they are told; loads push              cells_regions.cpp
 //   sweep     elasticity, cell by cell, into corrections that start at zero          cell_kernels.h
 //   regions   particles of held regions that their nodes do not already hold
-//   contact   surface points against colliders and balls; after elasticity,          cells_contact.cpp
-//             so that nothing is left inside
+//   contact   with rigid and elastic bodies that move, both ways                     cells_touch.cpp
+//             surface points against colliders; after elasticity, so that nothing is cells_contact.cpp
+//             left inside
 //   advance   velocity = predicted + corrections / h_e, never a difference of positions; momentum ledger
 // Once a frame: plastic flow (cells_flow.cpp), the body's own untangling (cells_untangle.cpp)
 // and rest (cells_rest.cpp).
@@ -55,6 +56,19 @@ class CellsBody final : public ElasticBody {
   Vector3d centre_m() const override { return origin_m_ + motion_.centre_m; }
   double mass_kg() const override { return mass_kg_; }
   ContactTally take_contacts() override { return std::exchange(contact_tally_, {}); }
+  double reach_m() const override { return reach_m_; }
+  void expect_contact() override { become_elastic(); }
+  void surface_elements(const Eigen::AlignedBox3d& within, double ahead_s,
+                        std::vector<SurfaceElement>& elements) const override;
+  double element_reach_m() const override;
+  ContactSpot spot_at(uint32_t element, const Vector3d& point_m, double ahead_s) const override;
+  double spot_mobility(const ContactSpot& spot) const override;
+  Vector3d spot_velocity_m_s(const ContactSpot& spot) const override;
+  void push_spot(const ContactSpot& spot, const Vector3d& point_m, const Vector3d& impulse_n_s) override;
+  void settle_spot(const ContactSpot& spot, const Vector3d& point_m, const Vector3d& impulse_n_s) override;
+  void wait_for_company(bool wait) override { rest_clock_.wait(wait); }
+  bool rested() const override { return rest_clock_.rested(); }
+  void sleep() override;
   Eigen::Vector3d velocity_m_s() const override;
   Eigen::Vector3d angular_velocity_rad_s() const override;
   std::vector<ParticleState> particles() const override;
@@ -88,6 +102,10 @@ class CellsBody final : public ElasticBody {
     uint32_t sample;  // surface_
     Vector3d impulse_n_s;
   };
+  struct SpotTouch {
+    NodeSample sample;
+    Vector3d impulse_n_s;
+  };
   // A body that flies without deforming visibly moves as a rigid one.
   struct RigidMotion {
     Pose world_from_body;  // of the shape frozen in shape_m
@@ -111,15 +129,32 @@ class CellsBody final : public ElasticBody {
   void move_regions(double time_s, double h);
   void hold_particles(double time_s);
 
-  void step(double time_s, double h, const SubstepContext& context);
+  void step(double began_s, double h, const SubstepContext& context);
   void predict(double h, bool second_order, const SubstepContext& context);
-  void advance(double step_s);
-  void measure(const NodeSums& sums);
+  void advance(double h, bool second_order);
+  void measure(const NodeSums& sums, double h, bool second_order);
 
   void gather_point_loads(const SubstepContext& context);
   void find_candidates(const SubstepContext& context);
   void resolve_colliders(double step_s, const SubstepContext& context);
-  void resolve_balls(double h, double step_s, std::span<MovingSphere> spheres);
+
+  // cells_touch.cpp
+  class StepSide;
+  template <class NodeAt>
+  void list_elements(const Eigen::AlignedBox3d& within, const NodeAt& node_at, std::vector<SurfaceElement>& elements) const;
+  template <class NodeAt>
+  ContactSpot find_spot(uint32_t element, const Vector3d& point_m, const NodeAt& node_at) const;
+  template <class Visit>
+  void visit_cells_near(const MovingBody& body, double margin_m, const Visit& visit) const;
+  void count_contact(const Vector3d& point_m, double impulse_n_s);
+  bool meets_awake(const SubstepContext& context) const;
+  double own_speed_m_s() const;  // no node is faster, but for few
+  void find_touchable(const SubstepContext& context);
+  void touch_rigid(ContactSide& side, const SubstepContext& context);
+  void be_touched(MovingBody& body, ContactSide& side);
+  void touch_elastic(const ElasticNeighbour& other, ContactSide& side, ContactSide& other_side, double ahead_s,
+                     double response_s, double h);
+  void resolve_moving(double began_s, double h, double step_s, const SubstepContext& context);
   void take_contact(uint32_t sample, const Vector3d& point_m, const Vector3d& pull_kg_m, double step_s);
 
   struct CellShape {
@@ -190,6 +225,8 @@ class CellsBody final : public ElasticBody {
   Vector3d owed_velocity_ = Vector3d::Zero(), owed_spin_ = Vector3d::Zero();         // to the nodes, by the ledger
   ContactTally contact_tally_;
   Vector3d contact_impulse_ = Vector3d::Zero(), contact_moment_ = Vector3d::Zero();
+  Vector3d late_impulse_ = Vector3d::Zero();  // got between the last step and this one
+  Vector3d contact_lag_m_ = Vector3d::Zero();  // how far the centre of mass is behind what contact impulses say
   Vector3d ledger_momentum_ = Vector3d::Zero(), ledger_angular_ = Vector3d::Zero();
 
   std::vector<NodeSample> surface_;  // by cell
@@ -199,6 +236,13 @@ class CellsBody final : public ElasticBody {
   double candidate_margin_m_ = 0.0;  // how far any node may still go before they are found anew
   size_t candidate_colliders_ = 0;
   std::vector<Touch> touches_;  // of this substep
+  std::vector<Eigen::Vector3f> surface_local_, surface_normals_;  // of surface_: in its cell, and outwards, lattice axes
+  std::vector<Candidate> touchable_;  // with rigid bodies
+  std::vector<uint64_t> touch_ids_;   // of those, as they were found
+  double touch_margin_m_ = 0.0;
+  std::vector<TouchRow> rows_;
+  std::vector<uint64_t> row_ids_;     // whom it meets, one a row
+  std::vector<SpotTouch> spot_touches_;  // of this step, with what moves
 
   double reach_m_ = 0.0;        // radius about the centre that holds every node
   double deviation_m_s_ = 0.0;  // root mean square of velocities relative to the body as a whole

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contact of the body's surface points with colliders and balls, after the elastic sweep: one Gauss-Seidel pass,
+// Contact of the body's surface points with colliders, after the elastic sweep: one Gauss-Seidel pass,
 // forwards and backwards in turn, because a fixed order pulls a body sideways.
 #include <algorithm>
 #include <cmath>
@@ -75,33 +75,6 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
     const double friction = mixed_friction(material_.friction, collider.friction);
     const uint32_t count = cell.end - cell.begin;
     for (uint32_t i = 0; i < count; ++i) resolve(collider, friction, backward_ ? cell.end - 1 - i : cell.begin + i);
-  }
-}
-
-void CellsBody::resolve_balls(double h, double step_s, std::span<MovingSphere> spheres) {
-  for (MovingSphere& sphere : spheres) {
-    const Vector3d start = sphere.position_m;
-    Vector3d end = start + h * sphere.velocity_m_s;
-    const double reach = 1.1 * (reach_m_ + h * motion_.velocity_m_s().norm()) + sphere.radius_m + extent_.box_edge_m;
-    if ((end - origin_m_ - motion_.centre_m).norm() < reach) {
-      const double ball_mobility = h / (step_s * sphere.mass_kg);
-      const double friction = mixed_friction(material_.friction, sphere.friction);
-      for (uint32_t n = 0; n < surface_.size(); ++n) {
-        const uint32_t i = backward_ ? static_cast<uint32_t>(surface_.size()) - 1 - n : n;
-        const NodeSample& sample = surface_[i];
-        const Vector3d point = nodes_.corrected_m(sample);
-        if ((origin_m_ + point - end).squaredNorm() > sphere.radius_m * sphere.radius_m) continue;
-        const auto contact = ball_contact(origin_m_ + point, 0.0, point - nodes_.position_m(sample), surface_mobility_[i], end,
-                                          end - start, sphere.radius_m, ball_mobility, friction);
-        if (!contact) continue;
-        const Vector3d impulse = contact->pull_kg_m / step_s;
-        take_contact(i, point, contact->pull_kg_m, step_s);
-        sphere.impulse_n_s -= impulse;
-        sphere.velocity_m_s -= impulse / sphere.mass_kg;
-        end -= h / sphere.mass_kg * impulse;
-      }
-    }
-    sphere.position_m = end;
   }
 }
 

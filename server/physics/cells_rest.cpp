@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "physics/cells_body.h"
+#include "physics/moving_body.h"
 #include "physics/rigid_motion.h"
 
 namespace livegs {
@@ -34,6 +35,7 @@ void CellsBody::end_frame(double frame_s) {
   reach_m_ = nodes_.move_all(-shift, motion_.centre_m);
   orientation_ = (rotation_exp(frame_s * motion_.angular_velocity_rad_s()) * orientation_).normalized();
   candidate_margin_m_ -= 1e-6 * reach_m_;  // rounding of the shift
+  touch_margin_m_ -= 1e-6 * reach_m_;
 
   flow();
   untangle(frame_s);
@@ -51,7 +53,11 @@ void CellsBody::rest(double frame_s) {
   // What is held or loaded is measured: it sleeps in equilibrium, not while it still creeps there. What lies on
   // something trembles more.
   const double calm = held_ || !region_loads_.empty() ? kMeasuredCalm : 1.0;
-  if (!rest_clock_.tick(frame_s, calm * fastest_m_s(), supported_, forced_)) return;
+  if (rest_clock_.tick(frame_s, calm * fastest_m_s(), supported_, forced_)) sleep();
+}
+
+void CellsBody::sleep() {
+  rest_clock_.sleep();
   nodes_.stop();
   motion_.momentum.setZero();
   motion_.angular_momentum.setZero();
@@ -59,6 +65,8 @@ void CellsBody::rest(double frame_s) {
   angular_before_.setZero();
   owed_velocity_.setZero();
   owed_spin_.setZero();
+  contact_lag_m_.setZero();
+  late_impulse_.setZero();
   deviation_m_s_ = 0.0;
   first_step_ = true;
 }
@@ -90,11 +98,11 @@ bool CellsBody::rigid_substep(const SubstepContext& context) {
   const Vector3d centre = rigid_->world_from_body.position_m;
   // It wakes one frame before anything can touch it.
   const double reach = reach_m_ + extent_.box_edge_m + 2.0 / rate_hz_ * velocity.norm();
-  bool near = !context.forces.empty();
+  bool near = !context.forces.empty() || !context.others.empty();
   for (const Collider& collider : context.colliders) near = near || reaches(collider, centre, reach);
-  for (const MovingSphere& sphere : context.spheres) {
-    const double together = reach + sphere.radius_m + 2.0 / rate_hz_ * sphere.velocity_m_s.norm();
-    near = near || (sphere.position_m - centre).norm() < together;
+  for (const MovingBody* body : context.bodies) {
+    const double distance = body->shape->sample(body->start.inverse() * centre).distance_m;
+    near = near || distance < reach + 2.0 / rate_hz_ * body->fastest_m_s();
   }
   if (near) {
     become_elastic();
@@ -106,7 +114,6 @@ bool CellsBody::rigid_substep(const SubstepContext& context) {
   motion_.momentum += h * mass_kg_ * context.gravity_m_s2;
   motion_.inertia = rotated_tensor(rigid_->world_from_body.orientation, rigid_->inverse_inertia).inverse();
   supported_ = context.gravity_m_s2.squaredNorm() == 0.0;
-  for (MovingSphere& sphere : context.spheres) sphere.position_m += h * sphere.velocity_m_s;
   return true;
 }
 
@@ -133,8 +140,10 @@ void CellsBody::become_elastic() {
   angular_before_ = motion_.angular_momentum;
   owed_velocity_.setZero();
   owed_spin_.setZero();
+  contact_lag_m_.setZero();
+  late_impulse_.setZero();
   unstrained_s_ = 0.0;
-  candidate_margin_m_ = 0.0;
+  candidate_margin_m_ = touch_margin_m_ = 0.0;
   first_step_ = true;
 }
 

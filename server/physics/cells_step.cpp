@@ -44,11 +44,7 @@ void CellsBody::substep(const SubstepContext& context) {
   for (const PointForce& force : context.forces) forced = forced || force.force_n.squaredNorm() > 0.0;
   forced_ = forced_ || forced;
   if (asleep()) {
-    bool touched = forced;
-    for (const MovingSphere& sphere : context.spheres) {
-      const double reach = reach_m_ + sphere.radius_m + context.duration_s * sphere.velocity_m_s.norm();
-      touched = touched || (sphere.position_m - origin_m_ - motion_.centre_m).norm() < reach;
-    }
+    const bool touched = forced || meets_awake(context);
     if (!touched) return;
     wake();
   }
@@ -59,7 +55,7 @@ void CellsBody::substep(const SubstepContext& context) {
   const double h = context.duration_s / count;
   if (std::abs(h - gains_step_s_) > 1e-9 * h) set_gains(h);
   gather_point_loads(context);
-  for (int i = 0; i < count; ++i) step(context.start_s + (i + 1) * h, h, context);
+  for (int i = 0; i < count; ++i) step(i * h, h, context);
   forced_ = forced;
   supported_ = touching_ || held_ || context.gravity_m_s2.squaredNorm() == 0.0;
 }
@@ -72,7 +68,8 @@ void CellsBody::gather_point_loads(const SubstepContext& context) {
   }
 }
 
-void CellsBody::step(double time_s, double h, const SubstepContext& context) {
+void CellsBody::step(double began_s, double h, const SubstepContext& context) {
+  const double time_s = context.start_s + began_s + h;
   const double smallest_m = (extent_.max_m - extent_.min_m).minCoeff();
   const bool quiet = touching_ && deviation_m_s_ < kQuiet * std::sqrt(context.gravity_m_s2.norm() * smallest_m);
   const bool second_order = options_.second_order && !first_step_ && !strained_ && !quiet;
@@ -108,9 +105,9 @@ void CellsBody::step(double time_s, double h, const SubstepContext& context) {
   contact_moment_.setZero();
   touches_.clear();
   touching_ = false;
+  resolve_moving(began_s, h, step_s, context);
   resolve_colliders(step_s, context);
-  if (!context.spheres.empty()) resolve_balls(h, step_s, context.spheres);
-  advance(step_s);
+  advance(h, second_order);
   first_step_ = false;
 }
 
@@ -161,12 +158,13 @@ void CellsBody::predict(double h, bool second_order, const SubstepContext& conte
   }
 }
 
-void CellsBody::advance(double step_s) {
+void CellsBody::advance(double h, bool second_order) {
+  const double step_s = second_order ? 2.0 * h / 3.0 : h;
   NodeSums sums;
   advance_nodes(nodes_.arrays(), static_cast<float>(step_s), sums);
   nodes_.swap();
   const Vector3d momentum_of_step = motion_.momentum;
-  measure(sums);
+  measure(sums, h, second_order);
   momentum_before_ = momentum_of_step;
   angular_before_ = vector_of(sums.angular_before) - motion_.centre_m.cross(momentum_before_);
   for (const Touch& touch : touches_) {
@@ -178,10 +176,22 @@ void CellsBody::advance(double step_s) {
     momentum_before_ += touch.impulse_n_s;
     angular_before_ += (nodes_.position_m(sample) - motion_.centre_m).cross(touch.impulse_n_s);
   }
+  for (const SpotTouch& touch : spot_touches_) {
+    for (int c = 0; c < 8; ++c) {
+      const uint32_t node = touch.sample.nodes[c];
+      nodes_.change_velocity_before(node, touch.sample.weights[c] * inverse_masses_[node] * touch.impulse_n_s);
+    }
+    momentum_before_ += touch.impulse_n_s;
+    angular_before_ += (nodes_.position_m(touch.sample) - motion_.centre_m).cross(touch.impulse_n_s);
+  }
 }
 
-// The motion of the body as a whole, and what its nodes lack of the ledger's.
-void CellsBody::measure(const NodeSums& sums) {
+// The motion of the body as a whole, and what its nodes lack of the ledger's. An impulse J at p turns the body by p x J
+// about a fixed point, whatever way the centre c takes to its new velocity: its share about the centre is
+// (p - c) x J with c before the step, less e x P for the way e that c is ahead of h P / m. BDF2 spreads that way over
+// several steps, e' = (e - h J / m) / 3.
+void CellsBody::measure(const NodeSums& sums, double h, bool second_order) {
+  const Vector3d centre_before = motion_.centre_m;
   motion_.mass_kg = mass_kg_;
   motion_.centre_m = vector_of(sums.mass_position) / mass_kg_;
   motion_.momentum = vector_of(sums.momentum);
@@ -196,7 +206,10 @@ void CellsBody::measure(const NodeSums& sums) {
   owed_spin_.setZero();
   if (free()) {
     ledger_momentum_ += contact_impulse_;
-    ledger_angular_ += contact_moment_ - motion_.centre_m.cross(contact_impulse_);
+    contact_lag_m_ -= h / mass_kg_ * (contact_impulse_ + late_impulse_);
+    contact_lag_m_ *= second_order ? 1.0 / 3.0 : 0.0;
+    late_impulse_.setZero();
+    ledger_angular_ += contact_moment_ - centre_before.cross(contact_impulse_) - contact_lag_m_.cross(ledger_momentum_);
     owed_velocity_ = (ledger_momentum_ - motion_.momentum) / mass_kg_;
     owed_spin_ = solve_inertia(motion_.inertia, ledger_angular_ - motion_.angular_momentum);
     motion_.momentum = ledger_momentum_;

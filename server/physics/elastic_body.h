@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -14,7 +15,9 @@
 #include "geometry/sample_particles.h"
 #include "physics/body_region.h"
 #include "physics/collider.h"
+#include "physics/contact_rows.h"
 #include "physics/material.h"
+#include "physics/surface_elements.h"
 #include "skin/driver_frame.h"
 #include "skin/rest_body.h"
 
@@ -22,6 +25,8 @@
 // lattice of eight-node cells) and `livegs-v1` (the paper's shape-matching blend, the baseline of every chart).
 
 namespace livegs {
+
+struct MovingBody;
 
 // What studies switch off to show what it is worth; `cells` only.
 struct CellsOptions {
@@ -46,30 +51,30 @@ struct ElasticBodyDescription {
   CellsOptions cells;
 };
 
-// A ball that is simulated by the world and touched by everything during one substep.
-struct MovingSphere {
-  Eigen::Vector3d position_m;
-  Eigen::Vector3d velocity_m_s;
-  double radius_m;
-  double mass_kg;
-  double friction;
-  double restitution;
-  Eigen::Vector3d impulse_n_s = Eigen::Vector3d::Zero();  // out: what the body gave the ball in this substep
-};
-
 // A force on one material point, constant over the substep. The point is in the object's rest frame.
 struct PointForce {
   Eigen::Vector3d point_m;
   Eigen::Vector3d force_n;  // world frame
 };
 
+class ElasticBody;
+struct ElasticNeighbour {
+  ElasticBody* body;
+  uint64_t contact_id;  // as MovingBody
+  bool stepped;  // it has taken this substep already
+};
+
+// What acts on a body in one substep. Moving bodies and neighbours get, at once, the opposite of every impulse that this
+// body gets from them; nobody else may use them meanwhile.
 struct SubstepContext {
   double start_s = 0.0;  // time of simulation when the substep begins
   double duration_s = 0.0;
   Eigen::Vector3d gravity_m_s2;
   std::span<const Collider> colliders;
-  std::span<MovingSphere> spheres;  // this body's own copies
+  std::span<MovingBody* const> bodies;       // rigid ones it may touch in this substep
+  std::span<const ElasticNeighbour> others;  // elastic ones, of the same solver
   std::span<const PointForce> forces;
+  std::vector<uint64_t>* met = nullptr;      // gets the ids of those it pushed, once or oftener
 };
 
 struct ParticleState {
@@ -123,6 +128,28 @@ class ElasticBody {
   virtual void end_frame(double frame_s) = 0;  // plasticity and the sleep test happen here
 
   virtual ContactTally take_contacts() { return {}; }
+
+  // For bodies that touch. Defaults: a solver that meets nothing that moves.
+  virtual double reach_m() const { return 0.0; }  // about the centre; nothing of it is farther away
+  virtual void expect_contact() {}                // something is near: its surface must be where it is drawn
+  // Elements of the surface within a box as they will be `ahead_s` from now at the present velocities.
+  virtual void surface_elements(const Eigen::AlignedBox3d& within, double ahead_s,
+                                std::vector<SurfaceElement>& elements) const;
+  virtual double element_reach_m() const { return 0.0; }  // see ElementGrid
+  // The material point at `point_m`, near an element.
+  virtual ContactSpot spot_at(uint32_t element, const Eigen::Vector3d& point_m, double ahead_s) const;
+  virtual double spot_mobility(const ContactSpot& spot) const;  // 1/kg
+  virtual Eigen::Vector3d spot_velocity_m_s(const ContactSpot& spot) const;
+  // An impulse between two substeps; a sleeper wakes.
+  virtual void push_spot(const ContactSpot& spot, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s);
+  // Once all impulses of a step at a spot are given: their sum.
+  virtual void settle_spot(const ContactSpot& spot, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s);
+
+  // Sleep in company: with `wait` the body does not fall asleep by itself when it has been still for long enough, but
+  // says so, until it is told to.
+  virtual void wait_for_company(bool wait);
+  virtual bool rested() const { return asleep(); }
+  virtual void sleep() {}
 
   // Lets go of a fixed or moved region for good; its other properties stay. False when there is none of that name.
   virtual bool release_region(const std::string& name) = 0;

@@ -19,7 +19,7 @@
 // One substep:
 //   drive     held particles to where their regions are; forces, traction, gravity; damping relative to rigid motion
 //   match     clusters to their rest shapes, plastic flow, the blend
-//   contact   particles against colliders and balls
+//   contact   particles against what moves, and against colliders
 //   advance   velocities from positions
 
 namespace livegs {
@@ -32,6 +32,19 @@ class LivegsV1Body final : public ElasticBody {
   void substep(const SubstepContext& context) override;
   void end_frame(double frame_s) override;
   ContactTally take_contacts() override { return std::exchange(contact_tally_, {}); }
+
+  double reach_m() const override { return reach_m_; }
+  void surface_elements(const Eigen::AlignedBox3d& within, double ahead_s,
+                        std::vector<SurfaceElement>& elements) const override;
+  double element_reach_m() const override;
+  ContactSpot spot_at(uint32_t element, const Eigen::Vector3d& point_m, double ahead_s) const override;
+  double spot_mobility(const ContactSpot& spot) const override;
+  Eigen::Vector3d spot_velocity_m_s(const ContactSpot& spot) const override;
+  void push_spot(const ContactSpot& spot, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) override;
+  void settle_spot(const ContactSpot& spot, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) override;
+  void wait_for_company(bool wait) override { rest_clock_.wait(wait); }
+  bool rested() const override { return rest_clock_.rested(); }
+  void sleep() override;
 
   bool release_region(const std::string& name) override;
   void set_material(const Material& material) override;
@@ -88,6 +101,13 @@ class LivegsV1Body final : public ElasticBody {
   void step(const SubstepContext& context, double start_s, double h);
   void drive(const SubstepContext& context, double end_s, double h);
   void resolve_contacts(const SubstepContext& context, double h);
+
+  // livegs_v1_touch.cpp
+  class StepSide;
+  class OtherSide;
+  void count_contact(const Vector3d& point_m, double impulse_n_s);
+  bool meets_awake(const SubstepContext& context) const;
+  void resolve_moving(double began_s, double h, const SubstepContext& context);
 
   double blend(double h) const;
   double apparent_modulus_pa(double h) const;

@@ -44,11 +44,7 @@ void LivegsV1Body::substep(const SubstepContext& context) {
   bool forced = driven(context.start_s, end_s);
   for (const PointForce& force : context.forces) forced = forced || force.force_n.squaredNorm() > 0.0;
   if (asleep()) {
-    bool touched = forced;
-    for (const MovingSphere& sphere : context.spheres) {
-      const double reach = reach_m_ + sphere.radius_m + context.duration_s * sphere.velocity_m_s.norm();
-      touched = touched || (sphere.position_m - origin_m_ - motion_.centre_m).norm() < reach;
-    }
+    const bool touched = forced || meets_awake(context);
     if (!touched) return;
     wake();
   }
@@ -80,6 +76,7 @@ int LivegsV1Body::steps_of(const SubstepContext& context) {
 void LivegsV1Body::step(const SubstepContext& context, double start_s, double h) {
   drive(context, start_s + h, h);
   match_shapes(blend(h));
+  resolve_moving(start_s - context.start_s, h, context);
   resolve_contacts(context, h);
   for (size_t i = 0; i < positions_m_.size(); ++i) velocities_m_s_[i] = (predicted_m_[i] - positions_m_[i]) / h;
   std::swap(positions_m_, predicted_m_);
@@ -144,25 +141,6 @@ void LivegsV1Body::resolve_contacts(const SubstepContext& context, double h) {
       if (depth > 0.0) push(surface.normal, depth);
     }
   }
-  for (MovingSphere& sphere : context.spheres) {
-    const Vector3d start = sphere.position_m;
-    Vector3d end = start + h * sphere.velocity_m_s;
-    if ((end - centre).norm() < swept + sphere.radius_m) {
-      const double friction = mixed_friction(material_.friction, sphere.friction);
-      for (const SurfacePoint& point : contact_points_) {
-        const size_t i = point.particle;
-        const auto contact = ball_contact(origin_m_ + predicted_m_[i], point.radius_m,
-                                          predicted_m_[i] - positions_m_[i], held(i) ? 0.0 : 1.0 / masses_kg_[i], end,
-                                          end - start, sphere.radius_m, 1.0 / sphere.mass_kg, friction);
-        if (!contact) continue;
-        predicted_m_[i] += contact->correction_m;
-        sphere.impulse_n_s -= contact->pull_kg_m / h;
-        sphere.velocity_m_s -= contact->pull_kg_m / (h * sphere.mass_kg);
-        end -= contact->pull_kg_m / sphere.mass_kg;
-      }
-    }
-    sphere.position_m = end;
-  }
 }
 
 void LivegsV1Body::end_frame(double frame_s) {
@@ -173,10 +151,7 @@ void LivegsV1Body::end_frame(double frame_s) {
   orientation_ = centre_pose().orientation;
   double fastest = 0.0;
   for (const Vector3d& v : velocities_m_s_) fastest = std::max(fastest, v.squaredNorm());
-  if (!rest_clock_.tick(frame_s, std::sqrt(fastest), supported_, forced_)) return;
-  for (Vector3d& v : velocities_m_s_) v.setZero();
-  motion_.momentum.setZero();
-  motion_.angular_momentum.setZero();
+  if (rest_clock_.tick(frame_s, std::sqrt(fastest), supported_, forced_)) sleep();
 }
 
 }  // namespace livegs

@@ -27,6 +27,7 @@ class VoxelMap {
     for (size_t i = 0; i < particles.positions_m.size(); ++i) voxels_[key(particles.positions_m[i])].push_back(i);
   }
 
+  // Whether `accept` takes any of the particles within a cube.
   template <class Accept>
   bool any_within(const Vector3d& centre, double half, const Accept& accept) const {
     const Key low = key(centre - Vector3d::Constant(half)), high = key(centre + Vector3d::Constant(half));
@@ -64,11 +65,25 @@ std::vector<SurfacePoint> surface_points(const ParticleSet& particles) {
   const VoxelMap map(particles, edge);
   const auto on_surface = [&](size_t i) { return i < particles.on_surface.size() && particles.on_surface[i]; };
 
+  Vector3d middle = Vector3d::Zero();
+  for (size_t i = 0; i < count; ++i) middle += particles.volumes_m3[i] / volume * particles.positions_m[i];
+  // From the centroid of the material within two voxels.
+  const auto away_from_material = [&](const Vector3d& p) -> Vector3d {
+    Vector3d away = Vector3d::Zero();
+    map.any_within(p, 2.0 * edge, [&](size_t j) {
+      const Vector3d from = p - particles.positions_m[j];
+      if (from.norm() < 2.0 * edge) away += particles.volumes_m3[j] * from;
+      return false;
+    });
+    if (!(away.norm() > 1e-9 * volume * edge)) away = p - middle;
+    return away.norm() > 0.0 ? Vector3d(away.normalized()) : Vector3d::UnitY();
+  };
+
   std::vector<SurfacePoint> points;
   for (size_t i = 0; i < count; ++i) {
     const Vector3d& p = particles.positions_m[i];
     if (on_surface(i)) {
-      points.push_back({static_cast<uint32_t>(i), p, 0.0});
+      points.push_back({static_cast<uint32_t>(i), p, 0.0, away_from_material(p)});
       continue;
     }
     std::array<std::array<bool, 2>, 3> open{};  // whether nothing lies on each side
@@ -91,7 +106,8 @@ std::vector<SurfacePoint> surface_points(const ParticleSet& particles) {
           for (int d = 0; d < 3; ++d) {
             outermost = outermost && (side[d] ? open[d][side[d] > 0] : !open[d][0] && !open[d][1]);
           }
-          if (outermost) points.push_back({static_cast<uint32_t>(i), p + 0.5 * edge * Vector3d(x, y, z), 0.5 * edge});
+          const Vector3d out(x, y, z);
+          if (outermost) points.push_back({static_cast<uint32_t>(i), p + 0.5 * edge * out, 0.5 * edge, out.normalized()});
         }
       }
     }
@@ -104,18 +120,6 @@ Vector3d contact_correction(const Vector3d& normal, double depth_m, const Vector
   const double way = slid.norm(), hold = friction * depth_m;
   const double part = way > hold ? hold / way : 1.0;
   return depth_m * normal - part * slid;
-}
-
-std::optional<BallContact> ball_contact(const Vector3d& point_m, double radius_m, const Vector3d& moved_m,
-                                        double mobility, const Vector3d& centre_m, const Vector3d& ball_moved_m,
-                                        double ball_radius_m, double ball_mobility, double friction) {
-  const Vector3d away = point_m - centre_m;
-  const double distance = away.norm(), depth = ball_radius_m + radius_m - distance;
-  if (depth <= 0.0) return std::nullopt;
-  const Vector3d normal = distance > 0.0 ? Vector3d(away / distance) : Vector3d::UnitY();
-  const Vector3d relative = contact_correction(normal, depth, moved_m - ball_moved_m, friction);
-  const Vector3d pull = relative / (mobility + ball_mobility);
-  return BallContact{mobility * pull, pull};
 }
 
 bool reaches(const Collider& collider, const Vector3d& centre_m, double radius_m) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -19,6 +18,7 @@ struct SurfacePoint {
   uint32_t particle;
   Eigen::Vector3d rest_m;  // object frame
   double radius_m;         // from the particle, when it is taken for a ball around its centre
+  Eigen::Vector3d normal;  // outwards, unit, object frame
 };
 // Mesh vertices stand on the surface. Voxels count where they are at the edge of the body and no vertex is near, since
 // a coarse mesh has few vertices and a cloud of points none: by the middle of their outer face, edge or corner, two to
@@ -30,18 +30,6 @@ std::vector<SurfacePoint> surface_points(const ParticleSet& particles);
 // solid since then.
 Eigen::Vector3d contact_correction(const Eigen::Vector3d& normal, double depth_m, const Eigen::Vector3d& moved_m,
                                    double friction);
-
-// What a ball is to a point during one substep: where it will be, and how it answers.
-struct BallContact {
-  Eigen::Vector3d correction_m;        // of the point
-  Eigen::Vector3d pull_kg_m;           // the multiplier: mass times way, what the point was given
-};
-// `mobility` is the point's inverse mass; `ball_mobility` the way of the ball for the same multiplier. `centre_m` and
-// `ball_moved_m` are the ball's at the end of the substep so far.
-std::optional<BallContact> ball_contact(const Eigen::Vector3d& point_m, double radius_m,
-                                        const Eigen::Vector3d& moved_m, double mobility,
-                                        const Eigen::Vector3d& centre_m, const Eigen::Vector3d& ball_moved_m,
-                                        double ball_radius_m, double ball_mobility, double friction);
 
 // Whether a ball may touch the collider; distance fields are trusted to two cells.
 bool reaches(const Collider& collider, const Eigen::Vector3d& centre_m, double radius_m);

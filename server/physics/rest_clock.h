@@ -12,13 +12,17 @@ class RestClock {
   static constexpr double kStillSpeed_m_s = 0.02;
   static constexpr double kStillTime_s = 0.5;
 
-  // Once a frame; true when the body falls asleep now. A body that is forced, or falls, is not at rest.
+  // Once a frame; true when the body falls asleep now. A body that is forced, or falls, is not at rest; one that waits
+  // for its company only becomes rested.
   bool tick(double frame_s, double fastest_m_s, bool supported, bool forced) {
     if (!may_sleep_ || asleep_) return false;
     still_s_ = fastest_m_s < kStillSpeed_m_s && supported && !forced ? still_s_ + frame_s : 0.0;
-    asleep_ = still_s_ >= kStillTime_s - 1e-9;
+    asleep_ = rested() && !waits_;
     return asleep_;
   }
+  void wait(bool waits) { waits_ = waits; }
+  bool rested() const { return asleep_ || (may_sleep_ && still_s_ >= kStillTime_s - 1e-9); }
+  void sleep() { asleep_ = true; }
   void wake() {
     asleep_ = false;
     still_s_ = 0.0;
@@ -27,7 +31,7 @@ class RestClock {
 
  private:
   bool may_sleep_;
-  bool asleep_ = false;
+  bool asleep_ = false, waits_ = false;
   double still_s_ = 0.0;
 };
 

@@ -52,6 +52,8 @@ struct RigidBody {
   Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero();  // follows from it: see update_turning
 
   bool asleep = false;
+  // Over the tick: an elastic body bears or pushes it; and one of its company is not ready to sleep.
+  bool touches_elastic = false, company_restless = false;
   double still_s = 0.0;  // for how long it has been slower than the sleep speed
   uint64_t sleep_group = 0;  // bodies that fell asleep together wake together: the lowest id of them, plus one
   uint32_t slot = 0;         // its place in the list that is being worked on

@@ -253,14 +253,14 @@ void update_sleep(std::span<RigidBody* const> bodies, double tick_s, RigidBroadP
   for (RigidBody* body : bodies) {
     if (body->asleep) continue;
     awake.push_back(body);
-    bool touching = body->pushed_by_owner || body->joints;
+    bool touching = body->pushed_by_owner || body->touches_elastic || body->joints;
     for (const ContactPatch& patch : body->patches) touching = touching || total_impulse(patch) > 0.0;
     const bool still = touching && three_point_speed_m_s(*body, body->velocity_m_s) < sleep_speed_m_s(body->shape);
     body->still_s = still ? body->still_s + tick_s : 0.0;
   }
   for (RigidIsland& island : rigid_islands(awake, IslandLink::TouchingPatch, Eigen::Vector3d::Zero())) {
     const bool still = std::all_of(island.bodies.begin(), island.bodies.end(),
-                                   [](const RigidBody* body) { return body->still_s >= kSleepSeconds; });
+                                   [](const RigidBody* body) { return body->still_s >= kSleepSeconds && !body->company_restless; });
     if (!still) continue;
     for (RigidBody* body : island.bodies) {
       body->asleep = true;

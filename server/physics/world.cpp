@@ -51,6 +51,8 @@ void World::State::list_bodies() {
     if (ElasticObject* elastic = object.elastic()) elastic_objects.push_back(elastic);
   }
   loads.resize(rigid_bodies.size());
+  moving_bodies.assign(rigid_bodies.size(), {});
+  rigid_changes.assign(rigid_bodies.size(), {});
   if (!joints.empty()) link_joints();
 }
 
@@ -164,12 +166,8 @@ Result<void> World::add_elastic(const ElasticBodyDescription& description) {
   if (!body) return body.error();
   ElasticObject object;
   object.body = std::move(body).value();
-  const Eigen::Vector3d centre = object.body->centre_m();
-  for (const Eigen::Vector3d& particle : description.particles.positions_m) {
-    object.reach_m = std::max(object.reach_m, (normalized(description.world_from_object) * particle - centre).norm());
-  }
-  object.reach_m += description.particles.spacing_m;
   object.rest_particles_m = description.particles.positions_m;
+  object.object_id = id;
   state_->objects[id] = {std::move(object), false};
   state_->list_bodies();
   return {};
@@ -186,8 +184,17 @@ void World::remove(uint32_t object_id) {
       }
     }
   }
+  if (const ElasticObject* elastic = found->second.elastic()) {
+    for (const uint64_t id : elastic->met) {
+      if (WorldObject* other = state_->find(static_cast<uint32_t>(id / kMaxBodiesOfObject))) other->wake();
+    }
+  }
   state_->objects.erase(found);
   state_->list_bodies();
+  for (ElasticObject* elastic : state_->elastic_objects) {
+    const auto was = [&](uint64_t id) { return id / kMaxBodiesOfObject == object_id; };
+    if (std::erase_if(elastic->met, was) > 0) elastic->body->wake();
+  }
   const auto gone = [&](const ContactPatch& patch) {
     return patch.other_id < kColliderBit && patch.other_id / kMaxBodiesOfObject == object_id;
   };

@@ -220,7 +220,7 @@ std::optional<RayHit> World::nearest(const Eigen::Vector3d& point_m, double reac
         offer(id, body.shape.sample(local).distance_m, local + body.rest_centre_m);
       }
     } else if (const ElasticObject* elastic = object.elastic()) {
-      if ((elastic->body->centre_m() - point_m).norm() > 2.0 * elastic->reach_m + reach_m) continue;
+      if ((elastic->body->centre_m() - point_m).norm() > 2.0 * elastic->body->reach_m() + reach_m) continue;
       for (const Eigen::Vector3d& rest : elastic->rest_particles_m) {
         offer(id, (elastic->body->world_point(rest) - point_m).norm(), rest);
       }

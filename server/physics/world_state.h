@@ -10,6 +10,7 @@
 
 #include "physics/bond_graph.h"
 #include "physics/breakable_pieces.h"
+#include "physics/moving_body.h"
 #include "physics/rigid_body.h"
 #include "physics/rigid_joint.h"
 #include "physics/rigid_spring.h"
@@ -54,15 +55,20 @@ struct RigidObject {
 struct ElasticObject {
   std::unique_ptr<ElasticBody> body;
   std::vector<Eigen::Vector3d> rest_particles_m;  // object frame
-  double reach_m = 0;  // no particle at rest is farther from the centre of mass
+  uint32_t object_id = 0;
   // Of one substep, in its own memory so that bodies can run on different threads.
-  std::vector<MovingSphere> spheres;
-  std::vector<RigidBody*> sphere_owners;
+  std::vector<MovingBody*> near_bodies;
+  std::vector<ElasticNeighbour> near_elastic;
   std::vector<PointForce> forces;
-  // Over the tick, from balls and colliders.
+  // Bodies it pushed in the last tick it was awake, by RigidBody::contact_id or elastic_contact_id, ascending: they sleep
+  // and wake together.
+  std::vector<uint64_t> met, met_now;
+  // Over the tick, from everything it touches.
   double contact_impulse_n_s = 0;
   Eigen::Vector3d contact_moment = Eigen::Vector3d::Zero();
 };
+
+inline uint64_t elastic_contact_id(uint32_t object_id) { return uint64_t{object_id} * kMaxBodiesOfObject; }
 
 struct WorldObject {
   std::variant<StaticObject, RigidObject, ElasticObject> thing;
@@ -138,6 +144,13 @@ struct World::State {
   std::vector<ElasticObject*> elastic_objects;
   std::vector<RigidLoad> loads;
   RigidBroadPhase broad_phase;
+  // Of each rigid body: its copy for elastic ones, and how its velocities changed in the last substep, without what
+  // elastic ones gave it.
+  std::vector<MovingBody> moving_bodies;
+  struct RigidChange {
+    Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero(), spin_rad_s = Eigen::Vector3d::Zero();
+  };
+  std::vector<RigidChange> rigid_changes;
 
   WorldObject* find(uint32_t object_id);
   const WorldObject* find(uint32_t object_id) const;
@@ -149,8 +162,14 @@ struct World::State {
 
   void gather_loads(double duration_s);
   void gather_springs(double duration_s);  // of hands
-  void meet_balls(ElasticObject& elastic, double duration_s);
   void step_elastic(double start_s, double duration_s);
+  void step_rigid(double duration_s);
+  // world_contact.cpp
+  std::vector<std::vector<ElasticObject*>> meet(double duration_s);
+  void take_impulses(double duration_s);
+  void wake_company();
+  bool wake_body(uint64_t contact_id, bool awake);
+  void rest_company(double tick_s);
   void report_contacts();
   // At the end of a tick: what was struck hard enough comes apart.
   void break_struck();

@@ -42,56 +42,39 @@ void World::State::gather_loads(double duration_s) {
   gather_springs(duration_s);
 }
 
-// The body's own copies of the balls it may touch.
-void World::State::meet_balls(ElasticObject& elastic, double duration_s) {
-  elastic.spheres.clear();
-  elastic.sphere_owners.clear();
-  const Eigen::Vector3d centre = elastic.body->centre_m();
-  // A soft body may be drawn out to twice its length while it is held.
-  const double reach = 2.0 * elastic.reach_m;
-  for (RigidBody* body : rigid_bodies) {
-    if (!body->shape.is_ball() || body->asleep) continue;
-    const double radius = body->shape.sphere_radius_m;
-    const Eigen::Vector3d& position = body->world_from_body.position_m;
-    if ((position - centre).norm() > reach + radius + duration_s * body->velocity_m_s.norm()) continue;
-    elastic.spheres.push_back({position, body->velocity_m_s, radius, body->mass_kg, body->friction,
-                               body->restitution, Eigen::Vector3d::Zero()});
-    elastic.sphere_owners.push_back(body);
-  }
-}
-
+// Bodies that may touch are stepped after each other on one thread, ascending; groups of them on different threads.
 void World::State::step_elastic(double start_s, double duration_s) {
-  for (ElasticObject* elastic : elastic_objects) meet_balls(*elastic, duration_s);
-  parallel_for(elastic_objects.size(), 1, [&](size_t begin, size_t end) {
+  const std::vector<std::vector<ElasticObject*>> groups = meet(duration_s);
+  parallel_for(groups.size(), 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      ElasticObject& elastic = *elastic_objects[i];
-      SubstepContext context;
-      context.start_s = start_s;
-      context.duration_s = duration_s;
-      context.gravity_m_s2 = settings.gravity_m_s2;
-      context.colliders = colliders;
-      context.spheres = elastic.spheres;
-      context.forces = elastic.forces;
-      elastic.body->substep(context);  // a sleeper that is pushed or touched wakes by itself
-    }
-  });
-  // In body order, so that the sum does not depend on threads.
-  for (ElasticObject* elastic : elastic_objects) {
-    for (size_t i = 0; i < elastic->spheres.size(); ++i) {
-      const MovingSphere& sphere = elastic->spheres[i];
-      RigidBody& ball = *elastic->sphere_owners[i];
-      loads[index_of(rigid_bodies, ball)].implicit_impulse_n_s += sphere.impulse_n_s;
-      const double size = sphere.impulse_n_s.norm();
-      elastic->contact_impulse_n_s += size;
-      elastic->contact_moment += size * ball.world_from_body.position_m;
-      ball.contact_impulse_n_s += size;
-      ball.contact_moment += size * ball.world_from_body.position_m;
-      if (size > 0.0) {
-        ball.blow.add(size, ball.world_from_body.orientation.conjugate() * (sphere.impulse_n_s / size),
-                      Eigen::Vector3d::Zero());
-        ball.blow.from_colliders = false;
+      for (ElasticObject* elastic : groups[i]) {
+        SubstepContext context;
+        context.start_s = start_s;
+        context.duration_s = duration_s;
+        context.gravity_m_s2 = settings.gravity_m_s2;
+        context.colliders = colliders;
+        context.bodies = elastic->near_bodies;
+        context.others = elastic->near_elastic;
+        context.forces = elastic->forces;
+        context.met = &elastic->met_now;
+        elastic->body->substep(context);  // a sleeper that is pushed or touched wakes by itself
       }
     }
+  });
+  take_impulses(duration_s);
+}
+
+void World::State::step_rigid(double duration_s) {
+  for (size_t i = 0; i < rigid_bodies.size(); ++i) {
+    // Without what elastic bodies gave.
+    const RigidBody& body = *rigid_bodies[i];
+    rigid_changes[i].velocity_m_s = body.velocity_m_s + moving_bodies[i].impulse_n_s / body.mass_kg;
+    rigid_changes[i].spin_rad_s = body.angular_velocity_rad_s + body.inverse_inertia * moving_bodies[i].angular_impulse;
+  }
+  step_rigid_bodies(rigid_bodies, loads, colliders, settings.gravity_m_s2, duration_s, broad_phase);
+  for (size_t i = 0; i < rigid_bodies.size(); ++i) {
+    rigid_changes[i].velocity_m_s = rigid_bodies[i]->velocity_m_s - rigid_changes[i].velocity_m_s;
+    rigid_changes[i].spin_rad_s = rigid_bodies[i]->angular_velocity_rad_s - rigid_changes[i].spin_rad_s;
   }
 }
 
@@ -145,13 +128,13 @@ void World::step() {
   const double duration_s = tick_s / state.settings.substeps;
   state.times = {};
   ++state.tick;
+  state.wake_company();
   for (int substep = 0; substep < state.settings.substeps; ++substep) {
     state.gather_loads(duration_s);
     const int64_t elastic_ns = now_ns();
     state.step_elastic((state.tick - 1) * tick_s + substep * duration_s, duration_s);
     const int64_t rigid_ns = now_ns();
-    step_rigid_bodies(state.rigid_bodies, state.loads, state.colliders, state.settings.gravity_m_s2, duration_s,
-                      state.broad_phase);
+    state.step_rigid(duration_s);
     state.times.elastic_ms += milliseconds_from_ns(rigid_ns - elastic_ns);
     state.times.rigid_ms += milliseconds_from_ns(now_ns() - rigid_ns);
   }
@@ -161,7 +144,7 @@ void World::step() {
   });
   state.times.elastic_ms += milliseconds_from_ns(now_ns() - end_ns);
   state.break_struck();
-  if (state.settings.sleep) update_sleep(state.rigid_bodies, tick_s, state.broad_phase);
+  state.rest_company(tick_s);
   state.report_contacts();
   state.report_sleep();
   if (state.events.size() > kMaxKeptEvents) {

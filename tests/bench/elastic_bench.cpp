@@ -5,10 +5,13 @@
 // because the machine is shared. How fast the machine is in the same run is given by `peak`: eight-lane fused multiply-adds a
 // second on one core, measured before and after each row; `peaks_per_node_substep` is the cost in their number, which
 // means the same on any machine. (20 ns at the 97 GFLOP/s of the study's machine are 121.)
+// With --table: contact with a rigid body beside that with the floor.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <string>
 
+#include "geometry/shape_mesh.h"
 #include "server/physics/elastic_bodies.h"
 #include "study/bullet_body.h"
 
@@ -42,19 +45,25 @@ double seconds_of(Stage& stage, int frames) {
 
 enum class By { Cells, Bullet };
 
-void report(const char* name, const ElasticBodyDescription& description, bool floor, By by = By::Cells) {
+// Returns the cost of a frame, ms. With a table there is that in place of the floor.
+double report(const char* name, const ElasticBodyDescription& description, bool floor, By by = By::Cells,
+              MovingBody* table = nullptr) {
   Stage stage;
   stage.rate_hz = 90.0;
   if (floor) {
     stage.gravity_m_s2 = kGravity;
-    stage.add_floor();
+    if (table) {
+      stage.bodies = {table};
+    } else {
+      stage.add_floor();
+    }
   }
   auto made = by == By::Bullet
                   ? study::make_bullet_body(description, stage.rate_hz, stage.substeps)
                   : make_elastic_body(description, ElasticSolver::Cells, stage.rate_hz, stage.substeps, false);
   if (!made) {
     std::fprintf(stderr, "%s: %s\n", name, made.error().message.c_str());
-    return;
+    return 0.0;
   }
   stage.body = std::move(*made);
   const ElasticAccuracy accuracy = stage.body->accuracy();
@@ -71,6 +80,7 @@ void report(const char* name, const ElasticBodyDescription& description, bool fl
               static_cast<double>(accuracy.bytes) / static_cast<double>(accuracy.nodes), 1e-9 * peak,
               best_s / work * peak);
   std::fflush(stdout);
+  return 1e3 * best_s;
 }
 
 ElasticBodyDescription block(int cells, double cell_m, double youngs_modulus_pa) {
@@ -81,9 +91,30 @@ ElasticBodyDescription block(int cells, double cell_m, double youngs_modulus_pa)
   return description;
 }
 
+// The same block on a rigid table as wide as it is, which hardly gives way, and on the static floor: what contact with
+// a moving body costs more.
+void report_table(int cells) {
+  const RigidShape shape = mesh_shape(box_mesh({0.5, 0.1, 0.5}), Vector3d::Zero());
+  MovingBody table;
+  table.contact_id = 1;
+  table.shape = &shape;
+  table.start.position_m = table.before.position_m = {0, -0.05, 0};
+  table.inverse_mass = 1e-9;
+  const std::string size = "block " + std::to_string(cells) + "^3";
+  const double on_floor = report((size + " on floor").c_str(), block(cells, 0.02, 1e4), true);
+  const double on_table = report((size + " on table").c_str(), block(cells, 0.02, 1e4), true, By::Cells, &table);
+  const double free = report((size + " free").c_str(), block(cells, 0.02, 1e4), false);
+  std::fprintf(stderr, "%s: a frame costs %.2f as much on a rigid body as on the floor, its contact %.1f times as much\n",
+               size.c_str(), on_table / on_floor, (on_table - free) / std::max(1e-6, on_floor - free));
+}
+
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  if (argc > 1 && std::string(argv[1]) == "--table") {
+    for (const int cells : {7, 14}) report_table(cells);
+    return 0;
+  }
   std::printf("scene,nodes,cells,particles,substeps,courant,ms_per_frame,ns_per_node_substep,bytes_per_node,peak_per_ns,"
               "peaks_per_node_substep\n");
   for (const int cells : {3, 5, 7, 14, 24, 36, 58}) {

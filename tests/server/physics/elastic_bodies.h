@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "physics/elastic_body.h"
+#include "physics/moving_body.h"
 
 // Bodies of the elastic tests: regular grids of particles, and the bar of physics.md section 2.
 
@@ -66,7 +67,7 @@ struct Stage {
   int substeps = 4;
   Vector3d gravity_m_s2 = kNoGravity;
   std::vector<Collider> colliders;
-  std::vector<MovingSphere> spheres;
+  std::vector<MovingBody*> bodies;
   std::vector<PointForce> forces;
   std::unique_ptr<ElasticBody> body;
 
@@ -82,7 +83,7 @@ struct Stage {
     context.duration_s = substep_s();
     context.gravity_m_s2 = gravity_m_s2;
     context.colliders = colliders;
-    context.spheres = spheres;
+    context.bodies = bodies;
     context.forces = forces;
     body->substep(context);
   }

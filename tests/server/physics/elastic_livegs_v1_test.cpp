@@ -14,7 +14,7 @@ struct TimedStage : Stage {
   void run(double seconds) {
     for (int i = 0; i < static_cast<int>(std::lround(seconds * rate_hz)); ++i) {
       for (int j = 0; j < substeps; ++j) {
-        SubstepContext context{time_s, substep_s(), gravity_m_s2, colliders, spheres, forces};
+        SubstepContext context{time_s, substep_s(), gravity_m_s2, colliders, bodies, {}, forces};
         body->substep(context);
         time_s += substep_s();
       }

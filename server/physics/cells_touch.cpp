@@ -1,0 +1,372 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Contact of a `cells` body with what moves: rigid bodies, balls and other elastic bodies. After the sweep, both ways:
+// surface points of this body against the other's surface, and contact points of a rigid body against this body's own
+// surface, so that a corner, a rod or a small ball between two of its points is not missed. (Of two elastic bodies each
+// brings its own points when it takes its step.)
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "physics/cells_body.h"
+#include "physics/moving_body.h"
+
+namespace livegs {
+namespace {
+
+using Eigen::AlignedBox3d;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// As for colliders: room for the body to move before candidates are found anew, in cells.
+constexpr double kCandidateRoom = 0.5;
+constexpr double kFurthestEmbedding = 2.0;
+// Points nearer than this part of a particle's edge get a row: a neighbour's push may bring them into contact.
+constexpr double kRowMargin = 0.02;
+// An element speaks for the surface this far, in edges of particles.
+constexpr double kElementReach = 1.5;
+// Where a spot may lie beyond its cell, in half-widths from the middle.
+constexpr double kFurthestSpot = 1.25;
+
+Vector3d corner_sign(int c) { return {c & 1 ? 1.0 : -1.0, c & 2 ? 1.0 : -1.0, c & 4 ? 1.0 : -1.0}; }
+
+// An elastic body that takes its step before or after this one: impulses change its velocities.
+class NeighbourSide final : public ContactSide {
+ public:
+  NeighbourSide(ElasticBody& body, double response_s) : body_(body), response_s_(response_s) {}
+  Matrix3d response(const ContactSpot& spot) const override {
+    return response_s_ * body_.spot_mobility(spot) * Matrix3d::Identity();
+  }
+  Vector3d way_m(const ContactSpot& spot) const override {
+    return spot.base_m + response_s_ * body_.spot_velocity_m_s(spot);
+  }
+  void give(const ContactSpot& spot, const Vector3d& point, const Vector3d& impulse) override {
+    body_.push_spot(spot, point, impulse);
+  }
+  void count(const ContactSpot& spot, const Vector3d& point, const Vector3d& impulse) override {
+    body_.settle_spot(spot, point, impulse);
+  }
+
+ private:
+  ElasticBody& body_;
+  double response_s_;
+};
+
+}  // namespace
+
+// This body in the middle of its step.
+class CellsBody::StepSide final : public ContactSide {
+ public:
+  StepSide(CellsBody& body, double step_s) : body_(body), step_s_(step_s) {}
+  Matrix3d response(const ContactSpot& spot) const override {
+    return step_s_ * body_.mobility(spot.sample) * Matrix3d::Identity();
+  }
+  Vector3d way_m(const ContactSpot& spot) const override {
+    return body_.nodes_.corrected_m(spot.sample) - body_.nodes_.position_m(spot.sample);
+  }
+  void give(const ContactSpot& spot, const Vector3d& point, const Vector3d& impulse) override {
+    body_.pull(spot.sample, step_s_ * impulse);
+    body_.contact_impulse_ += impulse;
+    body_.contact_moment_ += (point - body_.origin_m_).cross(impulse);
+  }
+  void count(const ContactSpot& spot, const Vector3d& point, const Vector3d& impulse) override {
+    body_.spot_touches_.push_back({spot.sample, impulse});
+    body_.count_contact(point, impulse.norm());
+  }
+
+ private:
+  CellsBody& body_;
+  double step_s_;
+};
+
+template <class NodeAt>
+void CellsBody::list_elements(const AlignedBox3d& within, const NodeAt& node_at,
+                              std::vector<SurfaceElement>& elements) const {
+  for (const SurfaceCell& cell : surface_cells_) {
+    std::array<Vector3d, 8> corners;
+    AlignedBox3d box;
+    for (int c = 0; c < 8; ++c) {
+      corners[c] = node_at(cell.nodes[c]);
+      box.extend(corners[c]);
+    }
+    const Vector3d room = 0.5 * box.sizes();
+    if (!AlignedBox3d(box.min() - room, box.max() + room).intersects(within)) continue;
+    // Normals turn with the cofactors of the deformation.
+    Matrix3d f = Matrix3d::Zero();
+    for (int c = 0; c < 8; ++c) f += corners[c] * corner_sign(c).transpose();
+    Matrix3d cofactors;
+    cofactors << f.col(1).cross(f.col(2)), f.col(2).cross(f.col(0)), f.col(0).cross(f.col(1));
+    for (uint32_t i = cell.begin; i < cell.end; ++i) {
+      Vector3d position = Vector3d::Zero();
+      for (int c = 0; c < 8; ++c) position += surface_[i].weights[c] * corners[c];
+      if (!within.contains(position)) continue;
+      const Vector3d normal = cofactors * surface_normals_[i].cast<double>();
+      const double length = normal.norm();
+      if (length > 0.0) elements.push_back({position, normal / length, 0.0, i});
+    }
+  }
+}
+
+void CellsBody::surface_elements(const AlignedBox3d& within, double ahead_s,
+                                 std::vector<SurfaceElement>& elements) const {
+  list_elements(within, [&](uint32_t node) { return Vector3d(origin_m_ + nodes_.position_m(node) + ahead_s * node_velocity(node)); },
+                elements);
+}
+
+double CellsBody::element_reach_m() const { return kElementReach * extent_.box_edge_m; }
+
+// The element's place in its cell, and from there by the inverse of the cell's deformation.
+template <class NodeAt>
+ContactSpot CellsBody::find_spot(uint32_t element, const Vector3d& point_m, const NodeAt& node_at) const {
+  ContactSpot spot;
+  spot.sample = surface_[element];
+  Vector3d position = Vector3d::Zero();
+  Matrix3d f = Matrix3d::Zero();  // by local coordinates
+  for (int c = 0; c < 8; ++c) {
+    const Vector3d corner = node_at(spot.sample.nodes[c]);
+    position += spot.sample.weights[c] * corner;
+    f += 0.125 * corner * corner_sign(c).transpose();
+  }
+  const double half = 0.5 * lattice_.cell_width_m;
+  if (!(f.determinant() > 0.01 * half * half * half)) return spot;
+  const Vector3d local = surface_local_[element].cast<double>();
+  const Vector3d furthest = local.cwiseAbs().cwiseMax(kFurthestSpot);
+  const auto weights =
+      trilinear_weights((local + f.inverse() * (point_m - position)).cwiseMin(furthest).cwiseMax(-furthest));
+  for (int c = 0; c < 8; ++c) spot.sample.weights[c] = static_cast<float>(weights[c]);
+  return spot;
+}
+
+ContactSpot CellsBody::spot_at(uint32_t element, const Vector3d& point_m, double ahead_s) const {
+  return find_spot(element, point_m, [&](uint32_t node) {
+    return Vector3d(origin_m_ + nodes_.position_m(node) + ahead_s * node_velocity(node));
+  });
+}
+
+double CellsBody::spot_mobility(const ContactSpot& spot) const { return mobility(spot.sample); }
+Vector3d CellsBody::spot_velocity_m_s(const ContactSpot& spot) const { return velocity_of(spot.sample); }
+
+void CellsBody::push_spot(const ContactSpot& spot, const Vector3d& point_m, const Vector3d& impulse_n_s) {
+  if (asleep()) wake();
+  for (int c = 0; c < 8; ++c) {
+    const uint32_t node = spot.sample.nodes[c];
+    nodes_.change_velocities(node, spot.sample.weights[c] * inverse_masses_[node] * impulse_n_s);
+  }
+  if (!free()) return;
+  const Vector3d turn = (point_m - origin_m_ - motion_.centre_m).cross(impulse_n_s);
+  motion_.momentum += impulse_n_s;
+  motion_.angular_momentum += turn;
+  momentum_before_ += impulse_n_s;
+  angular_before_ += turn;
+  late_impulse_ += impulse_n_s;
+}
+
+// The ledger has the impulse where it acts, the nodes where the spot is.
+void CellsBody::settle_spot(const ContactSpot& spot, const Vector3d& point_m, const Vector3d& impulse_n_s) {
+  count_contact(point_m, impulse_n_s.norm());
+  if (!free()) return;
+  const Vector3d beside = point_m - origin_m_ - nodes_.position_m(spot.sample);
+  owed_spin_ += solve_inertia(motion_.inertia, beside.cross(impulse_n_s));
+}
+
+void CellsBody::count_contact(const Vector3d& point_m, double impulse_n_s) {
+  contact_tally_.impulse_n_s += impulse_n_s;
+  contact_tally_.moment += impulse_n_s * point_m;
+}
+
+// Calls `visit(i)` for the surface cells that come within `margin_m` of a rigid body.
+template <class Visit>
+void CellsBody::visit_cells_near(const MovingBody& body, double margin_m, const Visit& visit) const {
+  const Pose body_from_world = body.before.inverse();
+  const auto distance = [&](const Vector3d& point) { return body.shape->sample(body_from_world * point).distance_m; };
+  if (distance(origin_m_ + motion_.centre_m) > 1.5 * reach_m_ + extent_.box_edge_m + margin_m) return;
+  for (uint32_t i = 0; i < surface_cells_.size(); ++i) {
+    Vector3d centre = Vector3d::Zero();
+    for (const uint32_t node : surface_cells_[i].nodes) centre += 0.125 * nodes_.position_m(node);
+    double radius = 0.0;
+    for (const uint32_t node : surface_cells_[i].nodes) {
+      radius = std::max(radius, (nodes_.position_m(node) - centre).squaredNorm());
+    }
+    if (distance(origin_m_ + centre) <= kFurthestEmbedding * std::sqrt(radius) + margin_m) visit(i);
+  }
+}
+
+bool CellsBody::meets_awake(const SubstepContext& context) const {
+  for (const MovingBody* body : context.bodies) {
+    bool near = false;
+    if (!body->asleep) {
+      visit_cells_near(*body, context.duration_s * body->fastest_m_s() + kRowMargin * extent_.box_edge_m,
+                       [&](uint32_t) { near = true; });
+    }
+    if (near) return true;
+  }
+  return false;
+}
+
+// As find_candidates: which cells may meet which rigid body before they have closed by the margin.
+void CellsBody::find_touchable(const SubstepContext& context) {
+  touch_ids_.clear();
+  touchable_.clear();
+  double speed = own_speed_m_s() + context.gravity_m_s2.norm() / rate_hz_;
+  for (const MovingBody* body : context.bodies) speed = std::max(speed, own_speed_m_s() + body->fastest_m_s());
+  touch_margin_m_ = std::max(kCandidateRoom * lattice_.cell_width_m, speed / rate_hz_);
+  for (uint32_t k = 0; k < context.bodies.size(); ++k) {
+    touch_ids_.push_back(context.bodies[k]->contact_id);
+    visit_cells_near(*context.bodies[k], touch_margin_m_, [&](uint32_t cell) { touchable_.push_back({cell, k}); });
+  }
+}
+
+double CellsBody::own_speed_m_s() const {
+  return motion_.velocity_m_s().norm() + reach_m_ * spin_rad_s_ + 4.0 * deviation_m_s_;
+}
+
+// This body's points against rigid bodies.
+void CellsBody::touch_rigid(ContactSide& side, const SubstepContext& context) {
+  struct Frame {
+    Matrix3d from_world_before, from_world;
+    Vector3d before_m, at_m;
+  };
+  std::vector<Frame> frames;
+  for (const MovingBody* body : context.bodies) {
+    const Pose &before = body->before, at = body->at_end();
+    frames.push_back({before.orientation.toRotationMatrix().transpose(), at.orientation.toRotationMatrix().transpose(),
+                      before.position_m - origin_m_, at.position_m - origin_m_});
+  }
+  for (const Candidate& candidate : touchable_) {
+    MovingBody& body = *context.bodies[candidate.collider];
+    const Frame& frame = frames[candidate.collider];
+    const SurfaceCell& cell = surface_cells_[candidate.cell];
+    for (uint32_t i = cell.begin; i < cell.end; ++i) {
+      const Vector3d point = nodes_.corrected_m(surface_[i]);
+      const DistanceField::Sample found =
+          gap_after_way(*body.shape, frame.from_world_before * (nodes_.position_m(surface_[i]) - frame.before_m),
+                        frame.from_world * (point - frame.at_m));
+      if (found.distance_m > kRowMargin * extent_.box_edge_m) continue;
+      TouchRow row;
+      row.a = &side;
+      row.b = &body;
+      row.spot_a.sample = surface_[i];
+      row.point_m = origin_m_ + point;
+      row.spot_b = body.spot_at(row.point_m);
+      row.normal = frame.from_world.transpose() * found.gradient;
+      row.gap_m = found.distance_m;
+      row.friction = mixed_friction(material_.friction, body.friction);
+      rows_.push_back(row);
+      row_ids_.push_back(body.contact_id);
+    }
+  }
+}
+
+// A rigid body's points against this body's surface; of a ball the one that would be deepest.
+void CellsBody::be_touched(MovingBody& body, ContactSide& side) {
+  const Pose at = body.at_end();
+  const double reach = element_reach_m(), radius = body.shape->sphere_radius_m;
+  const double around = 1.1 * reach_m_ + reach + radius;
+  std::vector<Vector3d> points;
+  AlignedBox3d box;
+  const auto offer = [&](const Vector3d& point) {
+    if ((point - origin_m_ - motion_.centre_m).squaredNorm() > around * around) return;
+    points.push_back(point);
+    box.extend(point);
+  };
+  if (body.shape->is_ball()) offer(at.position_m);
+  const Matrix3d turn = at.orientation.toRotationMatrix();
+  for (const Vector3d& point : body.shape->contact_points_m) offer(at.position_m + turn * point);
+  if (points.empty()) return;
+  const Vector3d room = Vector3d::Constant(reach + radius);
+  const auto node_at = [&](uint32_t node) { return Vector3d(origin_m_ + nodes_.corrected_m(node)); };
+  std::vector<SurfaceElement> elements;
+  list_elements(AlignedBox3d(box.min() - room, box.max() + room), node_at, elements);
+  if (elements.empty()) return;
+  const ElementGrid grid(elements, reach + radius);
+  for (const Vector3d& point : points) {
+    const Vector3d own_way = body.step_s * motion_.velocity_m_s();
+    const auto depth = grid.depth_after_way(point, body.way_m(body.spot_at(point)) - own_way);
+    if (!depth || depth->distance_m - radius > kRowMargin * extent_.box_edge_m) continue;
+    TouchRow row;
+    row.a = &side;
+    row.b = &body;
+    row.point_m = point - radius * depth->normal;
+    row.spot_a = find_spot(depth->element, point - depth->distance_m * depth->normal, node_at);
+    row.spot_b = body.spot_at(row.point_m);
+    row.normal = -depth->normal;
+    row.gap_m = depth->distance_m - radius;
+    row.friction = mixed_friction(material_.friction, body.friction);
+    rows_.push_back(row);
+    row_ids_.push_back(body.contact_id);
+  }
+}
+
+// This body's points against another elastic body, which stands where it is when it has taken this substep and goes on
+// at its present velocity when it has not.
+void CellsBody::touch_elastic(const ElasticNeighbour& other, ContactSide& side, ContactSide& other_side, double ahead_s,
+                              double response_s, double h) {
+  const double reach = other.body->element_reach_m();
+  const Vector3d centre = origin_m_ + motion_.centre_m;
+  const Vector3d around = Vector3d::Constant(1.1 * reach_m_ + h * motion_.velocity_m_s().norm() + reach);
+  std::vector<SurfaceElement> elements;
+  other.body->surface_elements(AlignedBox3d(centre - around, centre + around), ahead_s, elements);
+  if (elements.empty()) return;
+  const Vector3d way = h * (motion_.velocity_m_s() - other.body->velocity_m_s());
+  AlignedBox3d box;
+  for (const SurfaceElement& element : elements) box.extend(element.position_m);
+  const Vector3d room = Vector3d::Constant(reach) + way.cwiseAbs();
+  std::vector<SurfaceElement> points;
+  list_elements(AlignedBox3d(box.min() - room, box.max() + room),
+                [&](uint32_t node) { return Vector3d(origin_m_ + nodes_.corrected_m(node)); }, points);
+  if (points.empty()) return;
+  const ElementGrid grid(elements, reach);
+  const double friction = mixed_friction(material_.friction, other.body->material().friction);
+  for (const SurfaceElement& point : points) {
+    const auto depth = grid.depth_after_way(point.position_m, way);
+    if (!depth || depth->distance_m > kRowMargin * extent_.box_edge_m) continue;
+    TouchRow row;
+    row.a = &side;
+    row.b = &other_side;
+    row.spot_a.sample = surface_[point.index];
+    row.point_m = point.position_m;
+    row.spot_b = other.body->spot_at(depth->element, point.position_m - depth->distance_m * depth->normal, ahead_s);
+    row.spot_b.base_m = (h - response_s) * other.body->spot_velocity_m_s(row.spot_b);
+    row.normal = depth->normal;
+    row.gap_m = depth->distance_m;
+    row.friction = friction;
+    rows_.push_back(row);
+    row_ids_.push_back(other.contact_id);
+  }
+}
+
+// In a step of `h` that begins `began_s` after the substep did.
+void CellsBody::resolve_moving(double began_s, double h, double step_s, const SubstepContext& context) {
+  spot_touches_.clear();
+  if (context.bodies.empty() && context.others.empty()) return;
+  rows_.clear();
+  row_ids_.clear();
+  const double elapsed_s = began_s + h;
+  StepSide side(*this, step_s);
+  double fastest = 0.0;
+  bool same = touch_ids_.size() == context.bodies.size();
+  for (size_t k = 0; k < context.bodies.size(); ++k) {
+    context.bodies[k]->begin_step(began_s, h, context.duration_s);
+    fastest = std::max(fastest, context.bodies[k]->fastest_m_s());
+    same = same && touch_ids_[k] == context.bodies[k]->contact_id;
+  }
+  touch_margin_m_ -= 1.5 * h * (own_speed_m_s() + fastest);
+  if (touch_margin_m_ <= 0.0 || !same) find_touchable(context);
+  touch_rigid(side, context);
+  for (MovingBody* body : context.bodies) be_touched(*body, side);
+  std::vector<NeighbourSide> neighbours;
+  neighbours.reserve(context.others.size());  // rows point at them
+  for (const ElasticNeighbour& other : context.others) {
+    const double response_s = other.stepped ? h : elapsed_s;
+    neighbours.emplace_back(*other.body, response_s);
+    touch_elastic(other, side, neighbours.back(), other.stepped ? elapsed_s - context.duration_s : elapsed_s,
+                  response_s, h);
+  }
+  if (rows_.empty()) return;
+  if (solve_rows(rows_, h, backward_)) touching_ = true;
+  if (!context.met) return;
+  for (size_t k = 0; k < rows_.size(); ++k) {
+    if (rows_[k].normal_impulse_n_s > 0.0) context.met->push_back(row_ids_[k]);
+  }
+}
+
+}  // namespace livegs

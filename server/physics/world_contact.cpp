@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Who may touch whom among elastic and rigid bodies, and how those that lie on each other sleep and wake.
+#include <algorithm>
+#include <cmath>
+
+#include "physics/disjoint_sets.h"
+#include "physics/rigid_motion.h"
+#include "physics/world_state.h"
+
+namespace livegs {
+namespace {
+
+using Eigen::Vector3d;
+
+// What a rigid body is expected to gain in a substep is believed up to twice what gravity gives: it is right for what
+// rests, and wrong right after an impact.
+constexpr double kExpectedGravities = 2.0;
+// Bodies within this part of an elastic one's reach are met, beyond what they move in a substep.
+constexpr double kNearby = 0.1;
+
+Vector3d bounded(const Vector3d& v, double limit) {
+  const double length = v.norm();
+  return length > limit ? Vector3d(limit / length * v) : v;
+}
+
+}  // namespace
+
+// The copies of rigid bodies for this substep; every elastic body's neighbours; and the groups that share any.
+std::vector<std::vector<ElasticObject*>> World::State::meet(double duration_s) {
+  const double gain_m_s = duration_s * settings.gravity_m_s2.norm();
+  for (size_t i = 0; i < rigid_bodies.size(); ++i) {
+    const RigidBody& body = *rigid_bodies[i];
+    MovingBody& copy = moving_bodies[i];
+    copy = MovingBody{};
+    copy.contact_id = body.contact_id();
+    copy.shape = &body.shape;
+    copy.start = copy.before = body.world_from_body;
+    copy.velocity_m_s = body.velocity_m_s;
+    copy.spin_rad_s = body.angular_velocity_rad_s;
+    copy.inverse_mass = 1.0 / body.mass_kg;
+    const Eigen::Matrix3d turn = body.world_from_body.orientation.toRotationMatrix();
+    copy.inverse_inertia = turn * body.inverse_inertia_body() * turn.transpose();
+    copy.friction = body.friction;
+    copy.asleep = body.asleep;
+    if (body.asleep) continue;
+    const double limit = kExpectedGravities * gain_m_s;
+    copy.expected_m_s = bounded(rigid_changes[i].velocity_m_s, limit);
+    copy.expected_rad_s = bounded(rigid_changes[i].spin_rad_s, limit / body.shape.bounding_radius_m);
+  }
+
+  const size_t count = elastic_objects.size();
+  DisjointSets sets(count + rigid_bodies.size());
+  for (size_t i = 0; i < count; ++i) {
+    elastic_objects[i]->near_bodies.clear();
+    elastic_objects[i]->near_elastic.clear();
+  }
+  for (size_t i = 0; i < count; ++i) {
+    ElasticObject& elastic = *elastic_objects[i];
+    const ElasticBody& body = *elastic.body;
+    const Vector3d centre = body.centre_m();
+    const bool asleep = body.asleep();
+    const double own_reach = (1.0 + kNearby) * body.reach_m() + body.element_reach_m() +
+                             duration_s * (body.velocity_m_s().norm() + gain_m_s);
+    if (!(body.reach_m() > 0.0)) continue;
+    for (size_t k = 0; k < rigid_bodies.size(); ++k) {
+      MovingBody& other = moving_bodies[k];
+      if (asleep && other.asleep) continue;
+      const double reach = own_reach + duration_s * other.fastest_m_s();
+      const double together = reach + other.shape->bounding_radius_m;
+      const Vector3d between = centre - other.start.position_m;
+      if (between.squaredNorm() > together * together) continue;
+      if (other.shape->sample(other.start.orientation.conjugate() * between).distance_m > reach) continue;
+      elastic.near_bodies.push_back(&other);
+      sets.join(static_cast<uint32_t>(i), static_cast<uint32_t>(count + k));
+    }
+    for (size_t k = i + 1; k < count; ++k) {
+      ElasticObject& other = *elastic_objects[k];
+      const bool other_asleep = other.body->asleep();
+      if ((asleep && other_asleep) || !(other.body->reach_m() > 0.0)) continue;
+      const double reach = own_reach + (1.0 + kNearby) * other.body->reach_m() + other.body->element_reach_m() +
+                           duration_s * (other.body->velocity_m_s().norm() + gain_m_s);
+      if ((other.body->centre_m() - centre).squaredNorm() > reach * reach) continue;
+      elastic.body->expect_contact();
+      other.body->expect_contact();
+      elastic.near_elastic.push_back({other.body.get(), elastic_contact_id(other.object_id), false});
+      other.near_elastic.push_back({elastic.body.get(), elastic_contact_id(elastic.object_id), true});
+      sets.join(static_cast<uint32_t>(i), static_cast<uint32_t>(k));
+    }
+  }
+  std::vector<std::vector<ElasticObject*>> groups(count);
+  for (uint32_t i = 0; i < count; ++i) groups[sets.root(i)].push_back(elastic_objects[i]);
+  std::erase_if(groups, [](const auto& group) { return group.empty(); });
+  return groups;
+}
+
+// What elastic bodies gave to rigid ones in this substep. What only balances the change that is expected of gravity and
+// rigid contacts acts over the substep like these; the rest acts at its start.
+void World::State::take_impulses(double duration_s) {
+  for (size_t i = 0; i < rigid_bodies.size(); ++i) {
+    const MovingBody& copy = moving_bodies[i];
+    const double size = copy.contact_impulse_n_s;
+    if (size == 0.0) continue;
+    RigidBody& body = *rigid_bodies[i];
+    if (body.asleep) body.wake();
+    body.touches_elastic = true;
+    const Vector3d balance = -body.mass_kg * copy.expected_m_s;
+    const double whole = balance.squaredNorm();
+    const double part = whole > 0.0 ? std::clamp(balance.dot(copy.impulse_n_s) / whole, 0.0, 1.0) : 0.0;
+    const Vector3d blow = copy.impulse_n_s - part * balance;
+    loads[i].impulse_n_s += part * balance;
+    loads[i].implicit_impulse_n_s += blow;
+    loads[i].angular_impulse += copy.angular_impulse;
+    body.contact_impulse_n_s += size;
+    body.contact_moment += copy.contact_moment;
+    const double struck = blow.norm();
+    // Where the copy was: impulses that came later in the substep moved it less. Those that balance come evenly.
+    const double steps = copy.steps_n_s / size, even = 0.5 * (steps - 1.0) / steps * duration_s;
+    body.world_from_body.position_m += even * part / body.mass_kg * balance - copy.late_m;
+    const double turned = struck / std::max(copy.impulse_n_s.norm(), struck);
+    body.world_from_body.orientation = (rotation_exp(-turned * copy.late_rad) * body.world_from_body.orientation).normalized();
+    body.update_turning();
+    if (struck > 0.0) {
+      const Pose body_from_world = body.world_from_body.inverse();
+      body.blow.add(struck, body_from_world.orientation * (blow / struck), body_from_world * Vector3d(copy.contact_moment / size));
+      body.blow.from_colliders = false;
+    }
+  }
+}
+
+// Wakes a body if it sleeps, when `awake` says that one of its company is awake. Returns whether it is awake now.
+bool World::State::wake_body(uint64_t contact_id, bool awake) {
+  const auto found = std::lower_bound(rigid_bodies.begin(), rigid_bodies.end(), contact_id,
+                                      [](const RigidBody* body, uint64_t id) { return body->contact_id() < id; });
+  if (found != rigid_bodies.end() && (*found)->contact_id() == contact_id) {
+    if (awake && (*found)->asleep) (*found)->wake();
+    return !(*found)->asleep;
+  }
+  WorldObject* object = find(static_cast<uint32_t>(contact_id / kMaxBodiesOfObject));
+  if (!object || !object->elastic()) return awake;
+  if (awake && object->asleep()) object->wake();
+  return !object->asleep();
+}
+
+// Whoever lay on one that is awake now wakes too.
+void World::State::wake_company() {
+  bool again = true;
+  while (again) {
+    again = false;
+    for (ElasticObject* elastic : elastic_objects) {
+      for (const uint64_t id : elastic->met) {
+        const bool awake = !elastic->body->asleep(), other_awake = wake_body(id, false);
+        if (!awake && other_awake) elastic->body->wake();
+        if (awake && !other_awake) again = wake_body(id, true) || again;
+        again = again || (!awake && other_awake);
+      }
+    }
+  }
+  for (RigidBody* body : rigid_bodies) body->touches_elastic = false;
+}
+
+// Bodies that pushed each other in this tick fall asleep together: rigid ones first, when every elastic one is rested;
+// then those.
+void World::State::rest_company(double tick_s) {
+  if (!settings.sleep) {
+    for (ElasticObject* elastic : elastic_objects) elastic->met_now.clear();
+    return;
+  }
+  std::vector<uint64_t> ids;
+  for (const RigidBody* body : rigid_bodies) ids.push_back(body->contact_id());
+  for (const ElasticObject* elastic : elastic_objects) ids.push_back(elastic_contact_id(elastic->object_id));
+  std::sort(ids.begin(), ids.end());
+  const auto place_of = [&](uint64_t id) { return std::lower_bound(ids.begin(), ids.end(), id) - ids.begin(); };
+  DisjointSets sets(ids.size());
+  for (ElasticObject* elastic : elastic_objects) {
+    if (!elastic->body->asleep()) {
+      std::sort(elastic->met_now.begin(), elastic->met_now.end());
+      elastic->met_now.erase(std::unique(elastic->met_now.begin(), elastic->met_now.end()), elastic->met_now.end());
+      elastic->met.swap(elastic->met_now);
+    }
+    elastic->met_now.clear();
+    const auto own = place_of(elastic_contact_id(elastic->object_id));
+    for (const uint64_t id : elastic->met) {
+      const auto other = place_of(id);
+      if (other < std::ssize(ids) && ids[other] == id) sets.join(static_cast<uint32_t>(own), static_cast<uint32_t>(other));
+    }
+  }
+  const auto root_of = [&](uint64_t id) { return sets.root(static_cast<uint32_t>(place_of(id))); };
+  std::vector<char> restless(ids.size(), 0), company(ids.size(), 0);
+  for (const ElasticObject* elastic : elastic_objects) {
+    if (!elastic->body->rested()) restless[root_of(elastic_contact_id(elastic->object_id))] = 1;
+  }
+  for (uint32_t i = 0; i < ids.size(); ++i) {
+    if (sets.root(i) != i) company[sets.root(i)] = 1;
+  }
+  for (RigidBody* body : rigid_bodies) body->company_restless = restless[root_of(body->contact_id())] != 0;
+  update_sleep(rigid_bodies, tick_s, broad_phase);
+  for (const RigidBody* body : rigid_bodies) {
+    if (!body->asleep) restless[root_of(body->contact_id())] = 1;
+  }
+  for (ElasticObject* elastic : elastic_objects) {
+    const uint32_t root = root_of(elastic_contact_id(elastic->object_id));
+    elastic->body->wait_for_company(company[root] != 0);
+    if (company[root] && !restless[root] && !elastic->body->asleep()) elastic->body->sleep();
+  }
+}
+
+}  // namespace livegs

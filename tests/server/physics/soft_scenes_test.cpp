@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scenes of elastic and rigid bodies on each other: they come to rest, sleep, wake, and nothing goes through.
+#include <bit>
+
+#include "core/parallel_for.h"
+#include "server/physics/soft_fixtures.h"
+
+namespace livegs {
+namespace {
+
+using namespace soft_fixtures;
+
+// How far the lowest point of a 1 kg sphere settles below the top of an unloaded block; the mean of the last second.
+double settled_depth_m(double spacing_m, double cell_width_m, double rate) {
+  World world = world_with(ElasticSolver::Cells, rate);
+  world.add_collider(floor_plane(0.6));
+  ElasticBodyDescription block = soft_block(1, {0.2, 0.1, 0.2}, 4.0, 2e4, spacing_m, 0.3, cell_width_m);
+  block.material.loss_factor = 2.0;
+  block.world_from_object.position_m = {0, 0.05, 0};
+  EXPECT_TRUE(world.add_elastic(block));
+  EXPECT_TRUE(world.add_ball(ball(2, {0.004, 0.15, 0.003}, 0.05, 1.0)));
+  run_seconds(world, 2.0);
+  double height = 0.0;
+  for (int i = 0; i < 60; ++i) {
+    world.step();
+    height += body_state(world, 2).world_from_body.position_m.y() / 60;
+  }
+  return 0.1 - (height - 0.05);
+}
+
+TEST(SoftScenes, SphereOnASoftBlockSettlesAtTheConvergedDepth) {
+  // Hertz on a half-space: d = (F (1 - nu²) / (4/3 E sqrt(R)))^(2/3) = 13 mm. The block is as deep as four contact radii
+  // and sinks under its own weight too, so the reference is the same block in cells of half the width.
+  const double converged = settled_depth_m(0.0125, 0.0125, 90.0);
+  const double hertz = std::pow(kGravity * 0.91 / (4.0 / 3.0 * 2e4 * std::sqrt(0.05)), 2.0 / 3.0);
+  for (const double rate : {60.0, 90.0}) {
+    const double depth = settled_depth_m(0.0125, 0.025, rate);
+    std::printf("sphere depth %.5f converged %.5f hertz %.5f\n", depth, converged, hertz);
+    EXPECT_NEAR(depth / converged, 1.0, 0.1) << rate;
+  }
+  EXPECT_NEAR(converged / hertz, 1.0, 0.35);
+}
+
+TEST(SoftScenes, TwoSoftCubesStackAndSleep) {
+  for (const double rate : {60.0, 90.0}) {
+    World world = world_with(ElasticSolver::Cells, rate);
+    world.add_collider(floor_plane(0.6));
+    ElasticBodyDescription low = soft_block(1, Vector3d::Constant(0.1), 0.5, 3e4, 0.0125);
+    low.world_from_object.position_m = {0, 0.05, 0};
+    ElasticBodyDescription high = soft_block(2, Vector3d::Constant(0.1), 0.5, 3e4, 0.0125);
+    high.world_from_object.position_m = {0.01, 0.17, 0.005};
+    ASSERT_TRUE(world.add_elastic(low));
+    ASSERT_TRUE(world.add_elastic(high));
+    run_seconds(world, 5.0);
+    const Vector3d top = world.elastic_body(2)->centre_m(), bottom = world.elastic_body(1)->centre_m();
+    std::printf("stack %g Hz: %.4f %.4f apart %.4f asleep %d %d v %.4f %.4f\n", rate, bottom.y(), top.y(), top.y() - bottom.y(),
+                world.elastic_body(1)->asleep(), world.elastic_body(2)->asleep(), world.elastic_body(1)->velocity_m_s().norm(), world.elastic_body(2)->velocity_m_s().norm());
+    // Columns under m g: the lower one by the weight of both; 0.5 kg over 0.01 m² is 490 Pa, 1.6 % of 3e4 Pa.
+    EXPECT_NEAR(top.y() - bottom.y(), 0.1, 0.005);
+    EXPECT_LT(std::hypot(top.x() - bottom.x() - 0.01, top.z() - bottom.z() - 0.005), 0.005);
+    EXPECT_TRUE(world.elastic_body(1)->asleep() && world.elastic_body(2)->asleep());
+  }
+}
+
+void add_table_scene(World& world) {
+  world.add_collider(floor_plane(0.6));
+  RigidBodyDescription table = box_body(1, {0.6, 0.06, 0.4}, 6.0);
+  table.world_from_object.position_m = {0, 0.03, 0};
+  EXPECT_TRUE(world.add_rigid(table));
+  ElasticBodyDescription cube = soft_block(2, Vector3d::Constant(0.1), 0.4, 3e4, 0.0125);
+  cube.world_from_object.position_m = {0, 0.13, 0};
+  EXPECT_TRUE(world.add_elastic(cube));
+  RigidBodyDescription box = box_body(3, {0.08, 0.06, 0.07}, 0.5);
+  box.world_from_object.position_m = {0.01, 0.26, 0};
+  box.world_from_object.orientation = rotation_about(1);
+  EXPECT_TRUE(world.add_rigid(box));
+}
+
+TEST(SoftScenes, SoftCubeAndTiltedBoxComeToRestOnATable) {
+  for (const double rate : {60.0, 90.0}) {
+    World world = world_with(ElasticSolver::Cells, rate);
+    add_table_scene(world);
+    run_seconds(world, 5.0);
+    const double cube = world.elastic_body(2)->centre_m().y(), box = body_state(world, 3).world_from_body.position_m.y();
+    std::printf("table %g Hz: cube %.4f low %.4f box %.4f table %.4f asleep %d %d %d\n", rate, cube, lowest_m(world, 2), box,
+                body_state(world, 1).world_from_body.position_m.y(), body_state(world, 1).asleep,
+                world.elastic_body(2)->asleep(), body_state(world, 3).asleep);
+    EXPECT_NEAR(cube, 0.11, 0.006);                 // the sag of 0.9 kg on 0.01 m² is under 3 %
+    EXPECT_GT(lowest_m(world, 2), 0.06 + 0.005);    // centres of voxels of 12.5 mm, squeezed
+    EXPECT_GT(box, 0.06 + 0.025);                   // on the cube, or beside it on the table
+    EXPECT_NEAR(body_state(world, 1).world_from_body.position_m.y(), 0.03, 1e-3);
+    EXPECT_TRUE(world.elastic_body(2)->asleep());
+    EXPECT_TRUE(body_state(world, 1).asleep && body_state(world, 3).asleep);
+  }
+}
+
+TEST(SoftScenes, ThinRodLiesAcrossASoftBlock) {
+  // The rod is thinner than half the distance of the block's points: its own points must be felt.
+  for (const double rate : {60.0, 90.0}) {
+    World world = world_with(ElasticSolver::Cells, rate);
+    world.add_collider(floor_plane(0.6));
+    ElasticBodyDescription block = soft_block(1, {0.2, 0.1, 0.2}, 1.0, 3e4, 0.025);
+    block.world_from_object.position_m = {0, 0.05, 0};
+    ASSERT_TRUE(world.add_elastic(block));
+    RigidBodyDescription rod = box_body(2, {0.4, 0.01, 0.01}, 0.4);
+    rod.world_from_object.position_m = {0, 0.12, 0.007};
+    ASSERT_TRUE(world.add_rigid(rod));
+    run_seconds(world, 5.0);
+    const BodyState state = body_state(world, 2);
+    std::printf("rod %g Hz: %.4f %.4f %.4f asleep %d %d v %.4f\n", rate, state.world_from_body.position_m.x(), state.world_from_body.position_m.y(), state.world_from_body.position_m.z(), state.asleep, world.elastic_body(1)->asleep(), state.velocity_m_s.norm());
+    // A line load of 20 N/m on E = 3e4 Pa sinks by a few q / E, 0.65 mm each.
+    EXPECT_NEAR(state.world_from_body.position_m.y(), 0.105, 0.005);
+    EXPECT_TRUE(state.asleep && world.elastic_body(1)->asleep());
+  }
+}
+
+TEST(SoftScenes, PileOfEightStaysAboveTheFloor) {
+  World world = world_with(ElasticSolver::Cells, 60.0);
+  world.add_collider(floor_plane(0.6));
+  for (uint32_t i = 0; i < 8; ++i) {
+    ElasticBodyDescription soft = soft_block(1 + i, {0.12, 0.08, 0.1}, 0.4, 2e4, 0.02);
+    soft.world_from_object.position_m = {0.05 * (i % 2) - 0.03 * (i % 3), 0.1 + 0.13 * i, 0.02 * (i % 3)};
+    soft.world_from_object.orientation = rotation_about(static_cast<int>(i));
+    ASSERT_TRUE(world.add_elastic(soft));
+  }
+  const BodyEnergy start = world.energy();
+  double peak = -1e300, low = 1.0;
+  for (int i = 0; i < 600; ++i) {
+    world.step();
+    if (i % 10) continue;
+    const BodyEnergy now = world.energy();
+    peak = std::max(peak, now.kinetic_j + now.elastic_j + now.gravity_j - start.kinetic_j - start.elastic_j - start.gravity_j);
+    for (uint32_t id = 1; id <= 8; ++id) low = std::min(low, lowest_m(world, id));
+  }
+  int asleep = 0;
+  for (uint32_t id = 1; id <= 8; ++id) {
+    asleep += world.elastic_body(id)->asleep();
+    EXPECT_TRUE(test::all_finite(*world.elastic_body(id)));
+  }
+  std::printf("pile: peak %.4f of %.3f J, low %.4f, asleep %d kinetic %.2e\n", peak, start.gravity_j, low, asleep, world.energy().kinetic_j);
+  EXPECT_LT(peak, 0.01 * start.gravity_j);
+  EXPECT_GT(low, 0.0);
+  EXPECT_LT(world.energy().kinetic_j, 1e-3);
+}
+
+TEST(SoftScenes, SoftBodiesThrownAtPlatesDoNotPass) {
+  int passed = 0, runs = 0;
+  for (const double rate : {60.0, 90.0}) {
+    for (const double speed : {5.0, 20.0}) {
+      for (const double thickness : {0.005, 0.02}) {
+        World world = world_with(ElasticSolver::Cells, rate, Vector3d::Zero());
+        RigidBodyDescription plate = box_body(1, {0.3, 0.3, thickness}, 2.0);
+        ASSERT_TRUE(world.add_rigid(plate));
+        ElasticBodyDescription cube = soft_block(2, Vector3d::Constant(0.08), 0.1, 3e4, 0.016);
+        cube.world_from_object.position_m = {0.02, 0.03, 0.2};
+        cube.world_from_object.orientation = rotation_about(2);
+        cube.velocity_m_s = {0, 0, -speed};
+        ASSERT_TRUE(world.add_elastic(cube));
+        run_seconds(world, 0.5);
+        const BodyState state = body_state(world, 1);
+        const double side = (state.world_from_body.inverse() * world.elastic_body(2)->centre_m()).z();
+        const bool through = side < 0.0;
+        std::printf("plate %g mm %g m/s %g Hz: side %.3f v %.2f plate v %.3f\n", 1e3 * thickness, speed, rate, side, world.elastic_body(2)->velocity_m_s().z(), state.velocity_m_s.z());
+        ++runs;
+        passed += through;
+      }
+    }
+  }
+  EXPECT_EQ(passed, 0) << "of " << runs;
+}
+
+TEST(SoftScenes, WhatLiesOnASoftBodySleepsAndWakesWithIt) {
+  for (const ElasticSolver solver : {ElasticSolver::Cells, ElasticSolver::LivegsV1}) {
+    World world = world_with(solver, 90.0);
+    world.add_collider(floor_plane(0.6));
+    ElasticBodyDescription pillow = soft_block(1, {0.2, 0.06, 0.2}, 0.4, solver == ElasticSolver::Cells ? 3e4 : 3e6, 0.02);
+    pillow.material.loss_factor = 1.0;
+    pillow.world_from_object.position_m = {0, 0.031, 0};
+    ASSERT_TRUE(world.add_elastic(pillow));
+    RigidBodyDescription box = box_body(2, Vector3d::Constant(0.08), 0.5);
+    box.world_from_object.position_m = {0, 0.105, 0};
+    ASSERT_TRUE(world.add_rigid(box));
+    double struck_soft = 0.0, struck_box = 0.0;
+    for (int i = 0; i < 540; ++i) {
+      world.step();
+      for (const WorldEvent& event : world.take_events()) {
+        if (event.kind != WorldEventKind::Contact) continue;
+        (event.object_id == 1 ? struck_soft : struck_box) += event.impulse_n_s;
+      }
+    }
+    std::printf("company solver %d: box %.4f asleep %d %d impulses %.3f %.3f\n", static_cast<int>(solver), body_state(world, 2).world_from_body.position_m.y(), body_state(world, 2).asleep, world.elastic_body(1)->asleep(), struck_soft, struck_box);
+    EXPECT_TRUE(body_state(world, 2).asleep);
+    EXPECT_TRUE(world.elastic_body(1)->asleep());
+    EXPECT_GT(struck_soft, 0.1);
+    EXPECT_GT(struck_box, 0.1);
+
+    // Pulled at the box: both wake. 2 N do not lift it.
+    world.set_force(1, 2, {{0, 0, 0}, {2, 0, 0}});
+    run_seconds(world, 2.0 / 90.0);
+    EXPECT_FALSE(body_state(world, 2).asleep);
+    EXPECT_FALSE(world.elastic_body(1)->asleep());
+    world.clear_force(1);
+    run_seconds(world, 4.0);
+    EXPECT_TRUE(world.elastic_body(1)->asleep());
+    // Without the box it rises again.
+    world.remove(2);
+    world.step();
+    EXPECT_FALSE(world.elastic_body(1)->asleep());
+  }
+}
+
+TEST(SoftScenes, SleepingSoftBodyWakesWhenABoxLandsOnIt) {
+  World world = world_with(ElasticSolver::Cells, 90.0);
+  world.add_collider(floor_plane(0.6));
+  ElasticBodyDescription pillow = soft_block(1, {0.2, 0.06, 0.2}, 0.4, 3e4, 0.02);
+  pillow.world_from_object.position_m = {0, 0.03, 0};
+  ASSERT_TRUE(world.add_elastic(pillow));
+  run_seconds(world, 3.0);
+  ASSERT_TRUE(world.elastic_body(1)->asleep());
+  const double before = world.elastic_body(1)->centre_m().y();
+  RigidBodyDescription box = box_body(2, Vector3d::Constant(0.08), 2.0);
+  box.world_from_object.position_m = {0, 0.3, 0};
+  ASSERT_TRUE(world.add_rigid(box));
+  run_seconds(world, 0.1);
+  EXPECT_TRUE(world.elastic_body(1)->asleep()) << "the box is still far";
+  run_seconds(world, 0.15);
+  EXPECT_FALSE(world.elastic_body(1)->asleep());
+  run_seconds(world, 0.5);
+  EXPECT_LT(world.elastic_body(1)->centre_m().y(), before - 5e-4);
+}
+
+uint64_t hash_of(const World& world) {
+  uint64_t hash = 0xcbf29ce484222325u;
+  const auto mix = [&](double value) { hash = (hash ^ std::bit_cast<uint64_t>(value)) * 0x100000001b3u; };
+  for (const ObjectDrivers& object : world.drivers().objects) {
+    for (const Pose& pose : object.poses) {
+      for (int i = 0; i < 3; ++i) mix(pose.position_m[i]);
+      for (int i = 0; i < 4; ++i) mix(pose.orientation.coeffs()[i]);
+    }
+    for (const Eigen::Vector3f& node : object.positions_m) {
+      for (int i = 0; i < 3; ++i) mix(node[i]);
+    }
+  }
+  return hash;
+}
+
+TEST(SoftScenes, SameBitsForAnyNumberOfThreads) {
+  std::vector<uint64_t> hashes;
+  for (const int threads : {1, 2, 8}) {
+    set_thread_count(threads);
+    World world = world_with(ElasticSolver::Cells, 90.0);
+    add_table_scene(world);
+    for (uint32_t i = 0; i < 4; ++i) {
+      ElasticBodyDescription soft = soft_block(10 + i, {0.1, 0.06, 0.08}, 0.3, 2e4, 0.02);
+      soft.world_from_object.position_m = {0.25 * i - 0.4, 0.2 + 0.03 * i, i < 2 ? 0.0 : 0.5};
+      ASSERT_TRUE(world.add_elastic(soft));
+      ASSERT_TRUE(world.add_ball(ball(30 + i, {0.25 * i - 0.4, 0.4, i < 2 ? 0.0 : 0.5}, 0.03, 0.2)));
+    }
+    for (int i = 0; i < 150; ++i) world.step();
+    hashes.push_back(hash_of(world));
+  }
+  set_thread_count(0);
+  EXPECT_EQ(hashes[0], hashes[1]);
+  EXPECT_EQ(hashes[0], hashes[2]);
+}
+
+}  // namespace
+}  // namespace livegs
