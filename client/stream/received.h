@@ -45,6 +45,8 @@ struct HeldByHand {
   uint32_t hand = 0;  // 0 left, 1 right
   uint32_t object_id = 0;
   Eigen::Vector3f point_m, force_n;
+  bool grabbed = false;             // in the hand, not on the ray
+  float contact_impulse_n_s = 0.0f; // that contacts gave the object in this tick, for haptics
 };
 
 // A driver frame as it came, still encoded: it takes a fifth of the memory, and who draws later decodes it

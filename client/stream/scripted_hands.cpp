@@ -46,6 +46,13 @@ Result<void> check_script(const v1::InputScript& script) {
                 check_seconds(poke.hold_s(), field + ".poke.hold_s"),
                 check_vector(poke.from_m(), field + ".poke.from_m", false),
                 check_vector(poke.pull_m(), field + ".poke.pull_m", false)};
+    } else if (action.has_grab()) {
+      const auto& grab = action.grab();
+      if (grab.object().empty()) return invalid_data(field + ".grab.object: is missing");
+      checks = {check_seconds(grab.start_s(), field + ".grab.start_s"),
+                check_seconds(grab.move_s(), field + ".grab.move_s"),
+                check_seconds(grab.hold_s(), field + ".grab.hold_s"),
+                check_vector(grab.move_m(), field + ".grab.move_m", false)};
     } else if (action.has_ball()) {
       const auto& ball = action.ball();
       checks = {check_seconds(ball.time_s(), field + ".ball.time_s"),
@@ -56,7 +63,7 @@ Result<void> check_script(const v1::InputScript& script) {
         return invalid_data(field + ".ball: has neither object nor point to aim at");
       }
     } else {
-      return invalid_data(field + ": does nothing; give poke or ball");
+      return invalid_data(field + ": does nothing; give poke, grab or ball");
     }
     for (const auto& check : checks) {
       if (!check) return check;
@@ -120,6 +127,13 @@ v1::InputScript poke_script(const std::string& object) {
 ScriptedHands::ScriptedHands(v1::InputScript script, const Settings& settings) : settings_(settings) {
   for (const v1::InputScript::Action& action : script.actions()) {
     if (action.has_ball()) balls_.push_back({action.ball(), false});
+    if (action.has_grab()) {
+      Grab grab;
+      grab.script = action.grab();
+      grab.move_s = grab.script.has_move_s() ? grab.script.move_s() : kPull_s;
+      grab.hold_s = grab.script.has_hold_s() ? grab.script.hold_s() : kHold_s;
+      grabs_.push_back(grab);
+    }
     if (!action.has_poke()) continue;
     Poke poke;
     poke.script = action.poke();
@@ -140,6 +154,8 @@ InputSample ScriptedHands::at(double time_s, const Locate& locate) {
   sample_.hands[0].shoot = false;
   sample_.hands[1].trigger = 0.0f;
   for (Poke& poke : pokes_) apply(poke, time_s, locate, sample_.hands[1]);
+  sample_.hands[0].squeeze = 0.0f;
+  for (Grab& grab : grabs_) apply(grab, time_s, locate, sample_.hands[0]);
   for (Ball& ball : balls_) apply(ball, time_s, locate, sample_.hands[0]);
   return sample_;
 }
@@ -166,6 +182,27 @@ void ScriptedHands::apply(Poke& poke, double time_s, const Locate& locate, HandS
   hand.trigger = 1.0f;
 }
 
+// The hand is in the object's middle when it closes.
+void ScriptedHands::apply(Grab& grab, double time_s, const Locate& locate, HandSample& hand) {
+  if (grab.missed || time_s < grab.script.start_s() || time_s >= grab.end_s()) return;
+  if (!grab.begun) {
+    grab.begun = true;
+    const auto extent = locate(grab.script.object());
+    if (!extent) {
+      grab.missed = true;
+      log_warn("script: no object is called \"%s\"", grab.script.object().c_str());
+      return;
+    }
+    grab.from_m = extent->middle_m;
+    grab.move_m = vector_or(grab.script.move_m(), {0, kPullOfSize * extent->size_m, 0});
+  }
+  const double passed_s = time_s - grab.script.start_s();
+  const double share = grab.move_s > 0 ? std::min(1.0, passed_s / grab.move_s) : 1.0;
+  hand.grip.orientation.setIdentity();
+  hand.grip.position_m = grab.from_m + share * share * (3 - 2 * share) * grab.move_m;
+  hand.squeeze = 1.0f;
+}
+
 void ScriptedHands::apply(Ball& ball, double time_s, const Locate& locate, HandSample& hand) {
   if (ball.shot || time_s < ball.script.time_s()) return;
   if (hand.shoot)
@@ -182,13 +219,15 @@ void ScriptedHands::apply(Ball& ball, double time_s, const Locate& locate, HandS
     mark = extent->middle_m;
   }
   const Eigen::Vector3d from_m = vector_or(ball.script.from_m(), settings_.eye_m);
-  hand.aim = hand.grip = aimed(from_m, throw_direction(mark - from_m, settings_.ball_speed_m_s));
+  hand.aim = aimed(from_m, throw_direction(mark - from_m, settings_.ball_speed_m_s));
+  if (hand.squeeze == 0.0f) hand.grip = hand.aim;
   hand.shoot = true;
   last_shot_sequence_ = sample_.sequence;
 }
 
 bool ScriptedHands::done(double time_s) const {
   return std::all_of(pokes_.begin(), pokes_.end(), [&](const Poke& poke) { return time_s > poke.end_s(); }) &&
+         std::all_of(grabs_.begin(), grabs_.end(), [&](const Grab& grab) { return time_s > grab.end_s(); }) &&
          std::all_of(balls_.begin(), balls_.end(), [](const Ball& ball) { return ball.shot; });
 }
 

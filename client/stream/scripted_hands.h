@@ -27,7 +27,7 @@ struct ObjectExtent {
   double size_m = 0;
 };
 
-// Plays a script as two hands would: the right one pokes, the left one shoots. Not locked.
+// Plays a script as two hands would: the right one pokes, the left one shoots and grabs. Not locked.
 class ScriptedHands {
  public:
   struct Settings {
@@ -52,16 +52,25 @@ class ScriptedHands {
     double start_s = 0, pull_s = 0, hold_s = 0;
     double end_s() const { return start_s + pull_s + hold_s; }
   };
+  struct Grab {
+    v1::InputScript::Grab script;
+    bool begun = false, missed = false;
+    Eigen::Vector3d from_m = Eigen::Vector3d::Zero(), move_m = Eigen::Vector3d::Zero();
+    double move_s = 0, hold_s = 0;
+    double end_s() const { return script.start_s() + move_s + hold_s; }
+  };
   struct Ball {
     v1::InputScript::Ball script;
     bool shot = false;
   };
 
   void apply(Poke& poke, double time_s, const Locate& locate, HandSample& hand);
+  void apply(Grab& grab, double time_s, const Locate& locate, HandSample& hand);
   void apply(Ball& ball, double time_s, const Locate& locate, HandSample& hand);
 
   Settings settings_;
   std::vector<Poke> pokes_;
+  std::vector<Grab> grabs_;
   std::vector<Ball> balls_;
   InputSample sample_;  // hands stay where they were
   uint64_t last_shot_sequence_ = 0;

@@ -304,7 +304,8 @@ Result<void> SessionClient::Connection::take(v1::ServerMessage& message, int64_t
   frame.input_sequence = message.input_sequence();
   for (const v1::HandState& hand : message.hands()) {
     frame.hands.push_back(
-        {hand.hand(), hand.object_id(), vector_of(hand.point_m()), vector_of(hand.force_n())});
+        {hand.hand(), hand.object_id(), vector_of(hand.point_m()), vector_of(hand.force_n()), hand.grabbed(),
+         hand.contact_impulse_n_s()});
   }
   frame.encoded = std::move(*message.mutable_frame());
   const uint64_t tick = frame.tick;

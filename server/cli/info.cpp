@@ -6,6 +6,7 @@
 #include "core/log.h"
 #include "gaussian/asset_file.h"
 #include "gaussian/asset_summary.h"
+#include "scene/add_joints.h"
 #include "scene/elastic_report.h"
 #include "scene/scene.h"
 
@@ -28,6 +29,7 @@ int print_scene(const std::filesystem::path& path) {
     std::printf("object       %s: %s, %s\n", object.name().empty() ? "(unnamed)" : object.name().c_str(),
                 form, v1::Physics::Behavior_Name(object.physics().behavior()).c_str());
   }
+  for (const v1::Joint& joint : scene->joints()) std::printf("joint        %s\n", joint_line(joint).c_str());
   std::printf("events       %d\n", scene->events_size());
   // The rest of what could be wrong shows only when its assets are opened and its bodies made. What there is
   // to warn of is printed below.

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "analysis/estimate.h"
+#include "scene/add_joints.h"
 #include "scene/check_object.h"
 #include "scene/scene_values.h"
 
@@ -114,8 +115,18 @@ Result<void> check_event(const v1::Event& event, const Objects& objects, const s
       }
       return {};
     }
+    case v1::Event::kGrab: {
+      const v1::Event::Grab& grab = event.grab();
+      LIVEGS_CHECK(check_target(grab.object(), field + ".grab"));
+      LIVEGS_CHECK(vector_value(grab.point_m(), Eigen::Vector3d::Zero(), field + ".grab.point_m"));
+      if (objects.at(grab.object())->physics().behavior() == v1::Physics::STATIC) {
+        return missing(field + ".grab.object", "\"" + grab.object() + "\" is STATIC and cannot be moved");
+      }
+      if (grab.path().empty()) return missing(field + ".grab.path", "is missing; name a CSV of where the hand goes");
+      return {};
+    }
     case v1::Event::ACTION_NOT_SET:
-      return missing(field, "does nothing; give force, ball, break, set_physics or release_region");
+      return missing(field, "does nothing; give force, ball, grab, break, set_physics or release_region");
   }
   return {};
 }
@@ -146,6 +157,13 @@ Result<void> check_scene(const v1::Scene& scene) {
       return of_object(checked.error(), name);
     if (!objects.emplace(name, &scene.objects(i)).second)
       return missing(field + ".name", "\"" + name + "\" stands twice; names are unique");
+  }
+  for (int i = 0; i < scene.joints_size(); ++i) {
+    const auto find = [&](const std::string& name) {
+      const auto found = objects.find(name);
+      return found == objects.end() ? nullptr : found->second;
+    };
+    LIVEGS_CHECK(check_joint(scene.joints(i), find, "joints[" + std::to_string(i) + "]"));
   }
   for (int i = 0; i < scene.events_size(); ++i) {
     LIVEGS_CHECK(check_event(scene.events(i), objects, "events[" + std::to_string(i) + "]"));

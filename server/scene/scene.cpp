@@ -7,6 +7,7 @@
 #include "core/log.h"
 #include "core/parallel_for.h"
 #include "geometry/shape_mesh.h"
+#include "scene/add_joints.h"
 #include "scene/build_object.h"
 #include "scene/check_object.h"
 #include "scene/check_scene.h"
@@ -167,6 +168,14 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
     for (FragileTask& task : scene.cutting_) scene.take_cut(task);
     scene.cutting_.clear();
   }
+  const auto by_name = [&](const std::string& name) { return scene.find(std::string_view(name)); };
+  if (auto added = add_joints(file, by_name, *scene.world_); !added) return added.error();
+  for (int i = 0; i < scene.file_.events_size(); ++i) {
+    if (scene.file_.events(i).action_case() != v1::Event::kGrab) continue;
+    auto path = read_grab_path(folder / scene.file_.events(i).grab().path());
+    if (!path) return path.error();
+    scene.paths_[static_cast<size_t>(i)] = std::move(*path);
+  }
   scene.changes_ = {};
   return scene;
 }
@@ -254,6 +263,7 @@ void Scene::step() {
     if (static_cast<double>(tick) < std::ceil(event.time_s() * rate_hz - 1e-6)) break;
     apply(event, next_event_);
   }
+  grabs_.move(*world_, static_cast<double>(world_->tick()) / rate_hz);
   world_->step();
   follow_breaks();
 }
@@ -313,6 +323,16 @@ void Scene::apply(const v1::Event& event, uint64_t event_id) {
       const SceneObject* object = find(event.break_().object());
       if (auto broken = world_->break_object(object->id, vector(event.break_().point_m())); !broken) {
         log_warn("%s: break at %.3f s: %s", object->name.c_str(), event.time_s(), broken.error().message.c_str());
+      }
+      break;
+    }
+    case v1::Event::kGrab: {
+      const SceneObject* object = find(event.grab().object());
+      const double now_s = static_cast<double>(world_->tick()) / world_->settings().rate_hz;
+      auto grabbed = grabs_.begin(*world_, kEventForceBit | event_id, object->id, vector(event.grab().point_m()),
+                                  object->mass_kg, paths_.at(event_id), now_s);
+      if (!grabbed) {
+        log_warn("%s: grab at %.3f s: %s", object->name.c_str(), event.time_s(), grabbed.error().message.c_str());
       }
       break;
     }

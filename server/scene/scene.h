@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,6 +16,7 @@
 #include "gaussian/gaussian_asset.h"
 #include "livegs/v1/scene.pb.h"
 #include "physics/world.h"
+#include "scene/scripted_grabs.h"
 #include "skin/rest_body.h"
 
 // From a scene file, or a folder of assets, to a world that can be stepped and objects that can be drawn.
@@ -123,6 +125,8 @@ class Scene {
   Eigen::AlignedBox3d bounds_m_;
   size_t next_event_ = 0;
   std::vector<std::pair<uint64_t, uint64_t>> running_forces_;  // end tick, force id; in the order they began
+  std::map<size_t, GrabPath> paths_;  // by the index of the event
+  ScriptedGrabs grabs_;
   std::deque<uint32_t> balls_;                                 // oldest first
   Changes changes_;
   uint64_t seed_ = 1;

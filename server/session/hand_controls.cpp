@@ -2,6 +2,7 @@
 #include "session/hand_controls.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 namespace livegs {
@@ -20,9 +21,11 @@ void HandControls::apply(Scene& scene, SessionNumber session, const InputSample&
     const HandSample& input = sample.hands[i];
     if (!input.active) {  // a hand that is lost from view holds nothing
       let_go(scene, spring_id(session, i), hand);
-      hand.triggered = hand.shooting = false;
+      hand.triggered = hand.shooting = hand.squeezed = hand.tracked = false;
       continue;
     }
+    track(hand, input, sample.sampled_ns);
+    apply_grab(scene, spring_id(session, i), hand, input);
     apply_ray(scene, spring_id(session, i), hand, input);
     if (input.shoot && !hand.shooting && now_s - hand.last_shot_s >= kLeastShotInterval_s) {
       scene.shoot_ball(input.aim.position_m, kBallSpeed_m_s * ray_direction(input.aim));
@@ -36,7 +39,7 @@ void HandControls::apply(Scene& scene, SessionNumber session, const InputSample&
 void HandControls::apply_ray(Scene& scene, uint64_t spring, Hand& hand, const HandSample& input) {
   const bool pressed = input.trigger > (hand.triggered ? kTriggerEased : kTriggerPressed);
   World& world = scene.world();
-  if (pressed && !hand.triggered) {  // cast once: a ray that is swept over things does not pick them up
+  if (pressed && !hand.triggered && !hand.grabbing) {  // cast once: a ray that is swept over things does not pick them up
     if (const auto hit = world.ray_cast(input.aim.position_m, ray_direction(input.aim), kRayReach_m)) {
       hand.holding = true;
       hand.object_id = hit->object_id;
@@ -45,7 +48,7 @@ void HandControls::apply_ray(Scene& scene, uint64_t spring, Hand& hand, const Ha
     }
   }
   hand.triggered = pressed;
-  if (!pressed) let_go(scene, spring, hand);
+  if (!pressed && hand.holding) let_go(scene, spring, hand);
   if (!hand.holding) return;
 
   const SceneObject* object = scene.find(hand.object_id);
@@ -59,10 +62,51 @@ void HandControls::apply_ray(Scene& scene, uint64_t spring, Hand& hand, const Ha
   world.set_spring(spring, hand.object_id, pull);
 }
 
+// The grip's velocity from two samples, by the client's clock as far as it is likely.
+void HandControls::track(Hand& hand, const HandSample& sample, int64_t sampled_ns) {
+  const double passed_s = std::clamp(1e-9 * static_cast<double>(sampled_ns - hand.sampled_ns), 0.002, 0.1);
+  if (!hand.tracked) {
+    hand.velocity_m_s.setZero();
+    hand.spin_rad_s.setZero();
+  } else {
+    const auto bounded = [](const Eigen::Vector3d& vector, double most) {
+      return Eigen::Vector3d(std::min(1.0, most / std::max(vector.norm(), 1e-12)) * vector);
+    };
+    const Eigen::AngleAxisd turn(sample.grip.orientation * hand.grip.orientation.conjugate());
+    const double angle = std::remainder(turn.angle(), 2 * std::numbers::pi);
+    const Eigen::Vector3d velocity = (sample.grip.position_m - hand.grip.position_m) / passed_s;
+    const Eigen::Vector3d spin = angle / passed_s * turn.axis();
+    const double share = 1.0 - std::exp(-passed_s / kHandSmoothing_s);
+    hand.velocity_m_s += share * (bounded(velocity, kFastestHand_m_s) - hand.velocity_m_s);
+    hand.spin_rad_s += share * (bounded(spin, kFastestTurn_rad_s) - hand.spin_rad_s);
+  }
+  hand.tracked = true;
+  hand.grip = sample.grip;
+  hand.sampled_ns = sampled_ns;
+}
+
+void HandControls::apply_grab(Scene& scene, uint64_t grab_id, Hand& hand, const HandSample& input) {
+  const bool squeezed = input.squeeze > (hand.squeezed ? kSqueezeEased : kSqueezed);
+  World& world = scene.world();
+  if (squeezed && !hand.squeezed) {  // a hand that is closed already takes nothing
+    if (const auto met = world.nearest(input.grip.position_m, kGrabReach_m)) {
+      const SceneObject* object = scene.find(met->object_id);
+      if (object && object->mass_kg > 0) {
+        let_go(scene, grab_id, hand);
+        hand.grabbing = world.grab(grab_id, met->object_id, input.grip, hand_grip(object->mass_kg)).has_value();
+        hand.object_id = met->object_id;
+      }
+    }
+  }
+  hand.squeezed = squeezed;
+  if (!squeezed && hand.grabbing) let_go(scene, grab_id, hand);
+  if (hand.grabbing) world.move_grab(grab_id, input.grip, hand.velocity_m_s, hand.spin_rad_s);
+}
+
 void HandControls::let_go(Scene& scene, uint64_t spring, Hand& hand) {
-  if (!hand.holding) return;
-  hand.holding = false;
-  scene.world().clear_spring(spring);
+  if (hand.grabbing) scene.world().release_grab(spring);
+  if (hand.holding) scene.world().clear_spring(spring);
+  hand.grabbing = hand.holding = false;
 }
 
 void HandControls::release(Scene& scene, SessionNumber session) {
@@ -87,7 +131,7 @@ void HandControls::drop_object(Scene& scene, uint32_t object_id) {
 bool HandControls::holding(SessionNumber session) const {
   const auto found = sessions_.find(session);
   return found != sessions_.end() && std::any_of(found->second.begin(), found->second.end(),
-                                                 [](const Hand& hand) { return hand.holding; });
+                                                 [](const Hand& hand) { return hand.holding || hand.grabbing; });
 }
 
 std::array<HeldPoint, 2> HandControls::held_points(const Scene& scene, SessionNumber session) const {
@@ -96,9 +140,17 @@ std::array<HeldPoint, 2> HandControls::held_points(const Scene& scene, SessionNu
   if (found == sessions_.end()) return points;
   for (size_t i = 0; i < points.size(); ++i) {
     const Hand& hand = found->second[i];
+    const World& world = scene.world();
+    const double felt_n_s = world.contact_impulse_n_s(hand.object_id);
+    if (hand.grabbing) {
+      if (const auto state = world.grab_state(spring_id(session, i))) {
+        points[i] = {true, hand.object_id, state->point_m, state->force_n, true, state->torque_n_m, felt_n_s};
+      }
+      continue;
+    }
     if (!hand.holding) continue;
     points[i] = {true, hand.object_id, scene.world().world_point(hand.object_id, hand.rest_point_m),
-                 scene.world().spring_force_n(spring_id(session, i))};
+                 scene.world().spring_force_n(spring_id(session, i)), false, Eigen::Vector3d::Zero(), felt_n_s};
   }
   return points;
 }

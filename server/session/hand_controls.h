@@ -9,7 +9,7 @@
 #include "scene/scene.h"
 #include "session/stepped_tick.h"
 
-// What controllers do to the world: the ray's spring and the ball shooter. The simulation's thread only.
+// What controllers do to the world: the ray's spring, the grab and the ball shooter. The simulation's thread only.
 
 namespace livegs {
 
@@ -28,6 +28,16 @@ inline constexpr double kSpringFrequency_hz = 3.0;
 // least with kLeastSpringForce_n, which is what a finger presses a doorbell with.
 inline constexpr double kSpringWeights = 6.0;
 inline constexpr double kLeastSpringForce_n = 2.0;
+
+// A hand that closes takes the nearest object within this distance of its grip.
+inline constexpr double kGrabReach_m = 0.1;
+inline constexpr float kSqueezed = 0.5f;
+inline constexpr float kSqueezeEased = 0.4f;
+// A thrown object goes as the hand went: its velocity is averaged over about this time, and bounded, since samples come
+// from outside.
+inline constexpr double kHandSmoothing_s = 0.03;
+inline constexpr double kFastestHand_m_s = 15.0;
+inline constexpr double kFastestTurn_rad_s = 30.0;
 
 // An underarm throw.
 inline constexpr double kBallSpeed_m_s = 6.0;
@@ -53,6 +63,12 @@ class HandControls {
     bool triggered = false;
     bool holding = false;
     bool shooting = false;
+    bool squeezed = false;
+    bool grabbing = false;  // in place of the ray's holding
+    bool tracked = false;   // grip and the two below are of the sample before
+    Pose grip;
+    int64_t sampled_ns = 0;
+    Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero(), spin_rad_s = Eigen::Vector3d::Zero();
     uint32_t object_id = 0;
     Eigen::Vector3d rest_point_m = Eigen::Vector3d::Zero();
     double distance_m = 0;  // along the ray, where the point was met
@@ -61,6 +77,8 @@ class HandControls {
   using Hands = std::array<Hand, 2>;
 
   void apply_ray(Scene& scene, uint64_t spring_id, Hand& hand, const HandSample& sample);
+  void apply_grab(Scene& scene, uint64_t grab_id, Hand& hand, const HandSample& sample);
+  static void track(Hand& hand, const HandSample& sample, int64_t sampled_ns);
   void let_go(Scene& scene, uint64_t spring_id, Hand& hand);
 
   std::map<SessionNumber, Hands> sessions_;

@@ -24,6 +24,9 @@ struct HeldPoint {
   uint32_t object_id = 0;
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  // now, world frame
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();
+  bool grabbed = false;  // in the hand, not on the ray
+  Eigen::Vector3d torque_n_m = Eigen::Vector3d::Zero();
+  double contact_impulse_n_s = 0;  // that contacts gave the object in this tick
 };
 
 struct SessionHands {

@@ -42,6 +42,9 @@ v1::ServerMessage header_of(const SendWindow::Outgoing& outgoing, SessionNumber 
     hand.set_object_id(held.object_id);
     write_floats(*hand.mutable_point_m(), held.point_m);
     write_floats(*hand.mutable_force_n(), held.force_n);
+    hand.set_grabbed(held.grabbed);
+    if (held.grabbed) write_floats(*hand.mutable_torque_n_m(), held.torque_n_m);
+    hand.set_contact_impulse_n_s(static_cast<float>(held.contact_impulse_n_s));
   }
   return header;
 }

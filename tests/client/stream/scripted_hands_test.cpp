@@ -30,6 +30,26 @@ TEST(ScriptedHands, PokeAimsAtTheMiddlePullsUpAndLetsGo) {
   EXPECT_EQ(hands.at(2.01, locate_hat).hands[1].trigger, 0.0f);
 }
 
+TEST(ScriptedHands, GrabClosesInTheMiddleCarriesAndOpens) {
+  v1::InputScript script;
+  v1::InputScript::Grab& grab = *script.add_actions()->mutable_grab();
+  grab.set_object("hat");
+  grab.set_start_s(0.5);
+  grab.set_move_s(1.0);
+  grab.set_hold_s(0.2);
+  for (double along : {0.3, 0.2, 0.0}) grab.add_move_m(along);
+  ScriptedHands hands(script, kSettings);
+  EXPECT_EQ(hands.at(0.49, locate_hat).hands[0].squeeze, 0.0f);
+  const HandSample closed = hands.at(0.5, locate_hat).hands[0];
+  EXPECT_EQ(closed.squeeze, 1.0f);
+  EXPECT_LT((closed.grip.position_m - Eigen::Vector3d(0, 0.5, 0)).norm(), 1e-12);
+  EXPECT_LT((hands.at(1.0, locate_hat).hands[0].grip.position_m - Eigen::Vector3d(0.15, 0.6, 0)).norm(), 1e-12);
+  EXPECT_LT((hands.at(1.6, locate_hat).hands[0].grip.position_m - Eigen::Vector3d(0.3, 0.7, 0)).norm(), 1e-12);
+  EXPECT_FALSE(hands.done(1.6));
+  EXPECT_EQ(hands.at(1.71, locate_hat).hands[0].squeeze, 0.0f);
+  EXPECT_TRUE(hands.done(1.71));
+}
+
 TEST(ScriptedHands, SequencesRiseByOne) {
   ScriptedHands hands(poke_script("hat"), kSettings);
   for (uint64_t i = 1; i <= 5; ++i)

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/hand_controls.h"
+
+#include <gtest/gtest.h>
+
+#include "server/session/box_scene.h"
+
+namespace livegs {
+namespace {
+
+using Eigen::Vector3d;
+
+struct Hands {
+  Scene scene = box_scene();
+  HandControls controls;
+  uint64_t sequence = 0;
+
+  uint32_t id(const char* name) const { return scene.find(name)->id; }
+  Vector3d middle(const char* name) const { return scene.world().world_point(id(name), Vector3d::Zero()); }
+  HeldPoint held(size_t hand = 1) const { return controls.held_points(scene, 1)[hand]; }
+  double rate_hz() const { return scene.world().settings().rate_hz; }
+
+  // One tick with the right hand, or both, at a place.
+  void tick(const Vector3d& right_m, float squeeze, const Vector3d* left_m = nullptr) {
+    InputSample sample;
+    sample.sequence = ++sequence;
+    sample.sampled_ns = std::llround(1e9 * static_cast<double>(sequence) / rate_hz());
+    for (size_t i = 0; i < 2; ++i) {
+      if (i == 0 && !left_m) continue;
+      sample.hands[i].active = true;
+      sample.hands[i].grip.position_m = i == 0 ? *left_m : right_m;
+      sample.hands[i].squeeze = squeeze;
+    }
+    controls.apply(scene, 1, sample, static_cast<double>(sequence) / rate_hz());
+    scene.step();
+  }
+};
+
+TEST(HandControls, SqueezeTakesWhatIsAtTheHandAndCarriesIt) {
+  for (const char* name : {"box", "cube"}) {
+    Hands hands;
+    const Vector3d start = hands.middle(name);
+    Vector3d hand = start + Vector3d(0, 0.11, 0);  // just above its upper face
+    hands.tick(hand, 1.0f);
+    EXPECT_TRUE(hands.held().holding);
+    EXPECT_TRUE(hands.held().grabbed);
+    EXPECT_EQ(hands.held().object_id, hands.id(name));
+    EXPECT_LT((hands.middle(name) - start).norm(), 1e-3) << name;  // it does not jump
+    for (int i = 0; i < 90; ++i) hands.tick(hand += Vector3d(0, 0.3, 0) / 90.0, 1.0f);
+    for (int i = 0; i < 60; ++i) hands.tick(hand, 1.0f);
+    // Below the hand's way by its sag, g / (2 pi 8 Hz)² = 4 mm, and what a soft cube gives.
+    EXPECT_NEAR(hands.middle(name).y() - start.y(), 0.3, std::string(name) == "box" ? 0.01 : 0.06);
+    const double weight = hands.scene.find(hands.id(name))->mass_kg * 9.81;
+    EXPECT_NEAR(hands.held().force_n.y() / weight, 1.0, 0.05);
+    EXPECT_EQ(hands.held().contact_impulse_n_s, 0.0);
+    hands.tick(hand, 0.0f);
+    EXPECT_FALSE(hands.held().holding);
+  }
+}
+
+TEST(HandControls, AnOpenHandThrowsAndAFarOneTakesNothing) {
+  Hands hands;
+  hands.tick(hands.middle("box") + Vector3d(0, 0.5, 0), 1.0f);
+  EXPECT_FALSE(hands.held().holding);
+  hands.tick(hands.middle("box"), 1.0f);  // closed before it came: nothing
+  EXPECT_FALSE(hands.held().holding);
+  hands.tick(hands.middle("box"), 0.0f);
+  Vector3d hand = hands.middle("box");
+  const Vector3d velocity(1.5, 1.5, 0);
+  for (int i = 0; i < 36; ++i) hands.tick(hand += std::min(1.0, i / 18.0) * velocity / 90.0, 1.0f);
+  EXPECT_TRUE(hands.held().holding);
+  hands.tick(hand += velocity / 90.0, 0.0f);
+  const Vector3d before = hands.middle("box");
+  hands.tick(hand, 0.0f);
+  EXPECT_LT(((hands.middle("box") - before) * 90.0 - velocity).norm(), 0.1 * velocity.norm());
+}
+
+TEST(HandControls, TwoHandsHoldOneObjectAndFeelTheTable) {
+  Hands hands;
+  const Vector3d middle = hands.middle("box");
+  Vector3d left = middle + Vector3d(-0.1, 0, 0), right = middle + Vector3d(0.1, 0, 0);
+  const auto move = [&](double up_m, int ticks) {
+    for (int i = 0; i < ticks; ++i) {
+      left.y() += up_m / ticks;
+      right.y() += up_m / ticks;
+      hands.tick(right, 1.0f, &left);
+    }
+  };
+  move(0.0, 1);
+  move(0.2, 45);
+  move(0.0, 45);
+  EXPECT_NEAR(hands.held(0).force_n.y() + hands.held(1).force_n.y(), 9.81, 0.1);  // 1 kg
+  // Knocked on the floor: each hand is told what the box got.
+  double largest = 0.0;
+  for (int i = 0; i < 30; ++i) {
+    move(-0.02, 1);
+    EXPECT_EQ(hands.held(0).contact_impulse_n_s, hands.held(1).contact_impulse_n_s);
+    EXPECT_EQ(hands.held(1).contact_impulse_n_s, hands.scene.world().contact_impulse_n_s(hands.id("box")));
+    largest = std::max(largest, hands.held(1).contact_impulse_n_s);
+  }
+  EXPECT_GT(largest, 0.5);  // 1 kg that came down at up to 1.8 m/s
+  EXPECT_LT(largest, 5.0);
+}
+
+TEST(HandControls, JumpingHandsPullNoHarderThanTheGripIs) {
+  Hands hands;
+  hands.tick(hands.middle("box"), 1.0f);
+  ASSERT_TRUE(hands.held().grabbed);
+  const World::Grip grip = hand_grip(1.0);
+  for (int i = 0; i < 50; ++i) {
+    hands.tick(Vector3d(i % 2 ? 999.0 : -999.0, 500.0, 0), 1.0f);
+    ASSERT_LE(hands.held().force_n.norm(), grip.max_force_n * 1.000001);
+    ASSERT_LE(hands.held().torque_n_m.norm(), grip.max_torque_n_m * 1.000001);
+  }
+  // At most force times time over mass: 196 N and gravity on 1 kg for 50 ticks.
+  EXPECT_LT((hands.middle("box")).norm(), 0.5 * 206.0 * std::pow(51.0 / 90.0, 2) + 1.0);
+  hands.controls.release(hands.scene, 1);
+  EXPECT_FALSE(hands.held().holding);
+}
+
+}  // namespace
+}  // namespace livegs
