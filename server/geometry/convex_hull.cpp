@@ -6,6 +6,7 @@
 #include <CGAL/convex_hull_3.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include "geometry/mesh_topology.h"
 
@@ -25,6 +26,28 @@ bool is_flat(const std::vector<Point>& cloud) {
   const auto c = std::find_if(b, end, [&](const Point& p) { return !CGAL::collinear(a, *b, p); });
   if (c == end) return true;
   return std::all_of(c, end, [&](const Point& p) { return CGAL::coplanar(a, *b, *c, p); });
+}
+
+// CGAL keeps facets in an order that follows addresses in memory: corners by their coordinates and triangles by their
+// corners give the same bits for the same cloud.
+void put_in_order(TriangleMesh& mesh) {
+  std::vector<uint32_t> order(mesh.vertices_m.size()), place(order.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    const auto &p = mesh.vertices_m[a], &q = mesh.vertices_m[b];
+    return std::lexicographical_compare(p.data(), p.data() + 3, q.data(), q.data() + 3);
+  });
+  std::vector<Eigen::Vector3d> vertices;
+  for (uint32_t i = 0; i < order.size(); ++i) {
+    place[order[i]] = i;
+    vertices.push_back(mesh.vertices_m[order[i]]);
+  }
+  mesh.vertices_m = std::move(vertices);
+  for (auto& triangle : mesh.triangles) {
+    for (uint32_t& corner : triangle) corner = place[corner];
+    std::rotate(triangle.begin(), std::min_element(triangle.begin(), triangle.end()), triangle.end());
+  }
+  std::sort(mesh.triangles.begin(), mesh.triangles.end());
 }
 
 }  // namespace
@@ -53,6 +76,7 @@ TriangleMesh convex_hull(std::span<const Eigen::Vector3d> points_m) {
     }
     if (k == 3) hull.triangles.push_back(triangle);
   }
+  put_in_order(hull);
   if (!mesh_topology(hull).closed || !(signed_volume_m3(hull) > 0.0)) return {};
   return hull;
 }
