@@ -23,8 +23,6 @@ TEST(SoftContact, SphereAndCubeInFreeSpaceKeepMomentum) {
       linear = std::max(linear, drift.linear);
       angular = std::max(angular, drift.angular);
     }
-    std::printf("sphere %g Hz: linear %.2e angular %.2e v %.3f energy %.3f of %.3f\n", rate, linear, angular,
-                world.elastic_body(1)->velocity_m_s().x(), world.energy().kinetic_j, before.kinetic_j);
     EXPECT_GT(world.elastic_body(1)->velocity_m_s().x(), 0.5) << "it must have been struck";
     EXPECT_LT(linear, 1e-4);
     EXPECT_LT(angular, 1e-3);
@@ -49,8 +47,6 @@ TEST(SoftContact, BoxAndCubeInFreeSpaceKeepMomentum) {
       linear = std::max(linear, drift.linear);
       angular = std::max(angular, drift.angular);
     }
-    std::printf("box solver %d: linear %.2e angular %.2e v %.3f\n", static_cast<int>(solver), linear, angular,
-                world.elastic_body(1)->velocity_m_s().x());
     EXPECT_GT(world.elastic_body(1)->velocity_m_s().x(), 0.5);
     // The baseline's averaging of overlapping clusters does not keep momentum by itself.
     const bool cells = solver == ElasticSolver::Cells;
@@ -77,9 +73,6 @@ TEST(SoftContact, TwoCubesInFreeSpaceKeepMomentum) {
       linear = std::max(linear, drift.linear);
       angular = std::max(angular, drift.angular);
     }
-    std::printf("cubes solver %d: linear %.2e angular %.2e v %.3f %.3f, energy %.3f of %.3f\n", static_cast<int>(solver),
-                linear, angular, world.elastic_body(1)->velocity_m_s().x(), world.elastic_body(2)->velocity_m_s().x(),
-                world.energy().kinetic_j, before.kinetic_j);
     EXPECT_GT(world.elastic_body(2)->velocity_m_s().x(), 0.5);
     EXPECT_LT(world.energy().kinetic_j, before.kinetic_j);
     if (solver != ElasticSolver::Cells) continue;
