@@ -50,6 +50,7 @@ void World::State::list_bodies() {
     }
     if (ElasticObject* elastic = object.elastic()) elastic_objects.push_back(elastic);
   }
+  for (RigidBody* body : rigid_bodies) body->touches_elastic = body->company_restless = false;
   loads.resize(rigid_bodies.size());
   moving_bodies.assign(rigid_bodies.size(), {});
   rigid_changes.assign(rigid_bodies.size(), {});

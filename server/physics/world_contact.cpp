@@ -27,6 +27,7 @@ Vector3d bounded(const Vector3d& v, double limit) {
 
 // The copies of rigid bodies for this substep; every elastic body's neighbours; and the groups that share any.
 std::vector<std::vector<ElasticObject*>> World::State::meet(double duration_s) {
+  if (elastic_objects.empty()) return {};
   const double gain_m_s = duration_s * settings.gravity_m_s2.norm();
   for (size_t i = 0; i < rigid_bodies.size(); ++i) {
     const RigidBody& body = *rigid_bodies[i];
@@ -96,6 +97,7 @@ std::vector<std::vector<ElasticObject*>> World::State::meet(double duration_s) {
 // What elastic bodies gave to rigid ones in this substep. What only balances the change that is expected of gravity and
 // rigid contacts acts over the substep like these; the rest acts at its start.
 void World::State::take_impulses(double duration_s) {
+  if (elastic_objects.empty()) return;
   for (size_t i = 0; i < rigid_bodies.size(); ++i) {
     const MovingBody& copy = moving_bodies[i];
     const double size = copy.contact_impulse_n_s;
@@ -143,6 +145,7 @@ bool World::State::wake_body(uint64_t contact_id, bool awake) {
 
 // Whoever lay on one that is awake now wakes too.
 void World::State::wake_company() {
+  if (elastic_objects.empty()) return;
   bool again = true;
   while (again) {
     again = false;
@@ -163,6 +166,10 @@ void World::State::wake_company() {
 void World::State::rest_company(double tick_s) {
   if (!settings.sleep) {
     for (ElasticObject* elastic : elastic_objects) elastic->met_now.clear();
+    return;
+  }
+  if (elastic_objects.empty()) {
+    update_sleep(rigid_bodies, tick_s, broad_phase);
     return;
   }
   std::vector<uint64_t> ids;

@@ -65,6 +65,10 @@ void World::State::step_elastic(double start_s, double duration_s) {
 }
 
 void World::State::step_rigid(double duration_s) {
+  if (elastic_objects.empty()) {
+    step_rigid_bodies(rigid_bodies, loads, colliders, settings.gravity_m_s2, duration_s, broad_phase);
+    return;
+  }
   for (size_t i = 0; i < rigid_bodies.size(); ++i) {
     // Without what elastic bodies gave.
     const RigidBody& body = *rigid_bodies[i];

@@ -22,12 +22,12 @@ namespace {
 class LiveSession : public ::testing::Test {
  protected:
   void start(double rate_hz = 90) { start(box_scene(rate_hz)); }
-  void start(Scene scene) {
+  void start(Scene built) {
     auto server = LiveServer::listen("127.0.0.1:0");
     ASSERT_TRUE(server) << server.error().message;
     server_ = std::move(*server);
     loop_ =
-        std::make_unique<SimulationLoop>(std::move(scene), server_->ticks(), [this](const Scene& scene) {
+        std::make_unique<SimulationLoop>(std::move(built), server_->ticks(), [this](const Scene& scene) {
           std::lock_guard lock(mutex_);
           simulated_[scene.world().tick()] = scene.world().drivers();
           newest_tick_ = scene.world().tick();
