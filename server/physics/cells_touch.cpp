@@ -9,6 +9,7 @@
 
 #include "physics/cells_body.h"
 #include "physics/moving_body.h"
+#include "physics/neighbour_side.h"
 
 namespace livegs {
 namespace {
@@ -28,28 +29,6 @@ constexpr double kElementReach = 1.5;
 constexpr double kFurthestSpot = 1.25;
 
 Vector3d corner_sign(int c) { return {c & 1 ? 1.0 : -1.0, c & 2 ? 1.0 : -1.0, c & 4 ? 1.0 : -1.0}; }
-
-// An elastic body that takes its step before or after this one: impulses change its velocities.
-class NeighbourSide final : public ContactSide {
- public:
-  NeighbourSide(ElasticBody& body, double response_s) : body_(body), response_s_(response_s) {}
-  Matrix3d response(const ContactSpot& spot) const override {
-    return response_s_ * body_.spot_mobility(spot) * Matrix3d::Identity();
-  }
-  Vector3d way_m(const ContactSpot& spot) const override {
-    return spot.base_m + response_s_ * body_.spot_velocity_m_s(spot);
-  }
-  void give(const ContactSpot& spot, const Vector3d& point, const Vector3d& impulse) override {
-    body_.push_spot(spot, point, impulse);
-  }
-  void count(const ContactSpot& spot, const Vector3d& point, const Vector3d& impulse) override {
-    body_.settle_spot(spot, point, impulse);
-  }
-
- private:
-  ElasticBody& body_;
-  double response_s_;
-};
 
 }  // namespace
 

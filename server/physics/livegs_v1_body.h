@@ -104,7 +104,6 @@ class LivegsV1Body final : public ElasticBody {
 
   // livegs_v1_touch.cpp
   class StepSide;
-  class OtherSide;
   void count_contact(const Vector3d& point_m, double impulse_n_s);
   bool meets_awake(const SubstepContext& context) const;
   void resolve_moving(double began_s, double h, const SubstepContext& context);

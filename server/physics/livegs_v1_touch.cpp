@@ -6,6 +6,7 @@
 
 #include "physics/livegs_v1_body.h"
 #include "physics/moving_body.h"
+#include "physics/neighbour_side.h"
 
 namespace livegs {
 namespace {
@@ -49,27 +50,6 @@ class LivegsV1Body::StepSide final : public ContactSide {
  private:
   LivegsV1Body& body_;
   double h_;
-};
-
-class LivegsV1Body::OtherSide final : public ContactSide {
- public:
-  OtherSide(ElasticBody& body, double response_s) : body_(body), response_s_(response_s) {}
-  Matrix3d response(const ContactSpot& spot) const override {
-    return response_s_ * body_.spot_mobility(spot) * Matrix3d::Identity();
-  }
-  Vector3d way_m(const ContactSpot& spot) const override {
-    return spot.base_m + response_s_ * body_.spot_velocity_m_s(spot);
-  }
-  void give(const ContactSpot& spot, const Vector3d& point, const Vector3d& impulse) override {
-    body_.push_spot(spot, point, impulse);
-  }
-  void count(const ContactSpot& spot, const Vector3d& point, const Vector3d& impulse) override {
-    body_.settle_spot(spot, point, impulse);
-  }
-
- private:
-  ElasticBody& body_;
-  double response_s_;
 };
 
 void LivegsV1Body::surface_elements(const AlignedBox3d& within, double ahead_s,
@@ -180,7 +160,7 @@ void LivegsV1Body::resolve_moving(double began_s, double h, const SubstepContext
       if (depth && depth->distance_m <= 0.0) add(depth->element, -depth->normal, depth->distance_m);
     }
   }
-  std::vector<OtherSide> sides;
+  std::vector<NeighbourSide> sides;
   sides.reserve(context.others.size());  // rows point at them
   for (const ElasticNeighbour& other : context.others) {
     const double response_s = other.stepped ? h : elapsed_s;
