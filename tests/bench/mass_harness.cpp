@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// How well masses are estimated, on objects whose masses are known: a row for each thing that may be known of
+// them.
+//   mass_harness OUTPUT_FOLDER
+// writes mass.csv (figures with the 95 % interval of a bootstrap) and mass_objects.csv (every object, metric,
+// from its kernels), and prints both shortly.
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "bench/time_of.h"
+#include "server/analysis/known_objects.h"
+
+using namespace livegs;
+
+namespace {
+
+struct Row {
+  const char* name;
+  Figure MassScores::*figure;
+  double factor;
+};
+constexpr Row kRows[] = {{"mape_percent", &MassScores::mape, 100},
+                         {"median_ape_percent", &MassScores::median_ape, 100},
+                         {"max_ape_percent", &MassScores::max_ape, 100},
+                         {"ade_kg", &MassScores::ade_kg, 1},
+                         {"alde", &MassScores::alde, 1},
+                         {"mnre", &MassScores::mnre, 1},
+                         {"within_25_percent_percent", &MassScores::within_25, 100},
+                         {"within_2x_percent", &MassScores::within_2x, 100},
+                         {"coverage_percent", &MassScores::coverage, 100}};
+
+void write_header(std::ofstream& out) {
+  out << "form,name_given,scale,objects";
+  for (const Row& row : kRows) out << ',' << row.name << ',' << row.name << "_low," << row.name << "_high";
+  out << '\n';
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: mass_harness OUTPUT_FOLDER\n");
+    return 2;
+  }
+  const std::filesystem::path folder = argv[1];
+  std::filesystem::create_directories(folder);
+  if (known_objects(KnownForm::Splats).empty()) {
+    std::fprintf(stderr, "shared/data/ycb is not beside this checkout\n");
+    return 1;
+  }
+  std::ofstream figures(folder / "mass.csv"), each(folder / "mass_objects.csv");
+  write_header(figures);
+  each << "id,name_given,name,mass_kg,low_kg,best_kg,high_kg,label,material,reason\n";
+  std::printf("%-6s %-9s %-7s %6s %6s %6s %6s %6s %6s %6s %6s %6s\n", "form", "name", "scale", "MAPE",
+              "median", "max", "ADE", "ALDE", "MnRE", "<25%", "<2x", "cover");
+  for (const KnownForm form : {KnownForm::Splats, KnownForm::Mesh}) {
+    const auto& objects = known_objects(form);
+    for (const bool metric : {true, false}) {
+      for (int name = 0; name < 4; ++name) {
+        const auto answers = estimate_known(objects, static_cast<NameGiven>(name), metric);
+        const MassScores scores = mass_scores(answers);
+        const char* form_name = form == KnownForm::Splats ? "splats" : "mesh";
+        const char* scale_name = metric ? "metric" : "guessed";
+        figures << form_name << ',' << kNameGiven[name] << ',' << scale_name << ',' << scores.count;
+        std::printf("%-6s %-9s %-7s", form_name, kNameGiven[name], scale_name);
+        for (const Row& row : kRows) {
+          const Figure& f = scores.*row.figure;
+          char cells[80];
+          std::snprintf(cells, sizeof cells, ",%.4g,%.4g,%.4g", row.factor * f.value, row.factor * f.low,
+                        row.factor * f.high);
+          figures << cells;
+          std::printf(" %6.3g", row.factor * f.value);
+        }
+        figures << '\n';
+        std::printf("\n");
+        if (form != KnownForm::Splats || !metric) continue;
+        for (size_t i = 0; i < answers.size(); ++i) {
+          ObjectFacts facts = objects[i].facts;
+          const std::string given[] = {objects[i].label, objects[i].noun, objects[i].id, ""};
+          facts.name = given[name];
+          const auto p = estimate_offline(facts);
+          char cells[160];
+          std::snprintf(cells, sizeof cells, "%.4g,%.4g,%.4g,%.4g", answers[i].true_kg, answers[i].low_kg,
+                        answers[i].best_kg, answers[i].high_kg);
+          std::string reason = p.mass_kg().reason();
+          std::replace(reason.begin(), reason.end(), ',', ';');
+          each << objects[i].id << ',' << kNameGiven[name] << ',' << facts.name << ',' << cells << ','
+               << p.label() << ',' << p.material() << ',' << reason << '\n';
+        }
+      }
+    }
+  }
+  // What an estimate costs once the facts are there.
+  const auto& objects = known_objects(KnownForm::Splats);
+  const auto times = bench::time_of(1, 20, [&] {
+    for (const KnownObject& object : objects) {
+      ObjectFacts facts = object.facts;
+      estimate_offline(facts);
+    }
+  });
+  std::printf("an estimate without a name: %.3f ms\n", times.median_ms / static_cast<double>(objects.size()));
+  return 0;
+}
