@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "analysis/gate.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "physics/material.h"
+
+// Prior and fusion (steps 8 and 9 of the gate), and the gate as a whole.
+
+namespace livegs {
+namespace {
+
+using v1::EstimatedValue;
+using v1::Physics;
+
+constexpr double kFarFromPrior = 8.0;
+// Below this the estimate is by looks alone, and says nothing of the material.
+constexpr double kTellingConfidence = 0.4;
+// A 90 % range reaches 1.645 standard deviations to each side. Models give ranges that are too narrow, so
+// none counts as better than 10 % in mass; a single number as good to a third.
+constexpr double kRangeDeviations = 3.29;
+constexpr double kLeastDeviation = 0.10, kLoneDeviation = 0.33;
+constexpr double kMostConfidence = 0.95;
+// Rubber and wood vary less from piece to piece than numbers for friction and bounce do from source to
+// source.
+constexpr double kLinearSpread = 0.15;
+
+bool locked(const EstimatedValue& value) {
+  return value.source() == EstimatedValue::SCENE || value.source() == EstimatedValue::PERSON;
+}
+
+void set(EstimatedValue& value, const Span3& span, std::string reason) {
+  value.set_low(std::min(span.low, span.best));
+  value.set_best(span.best);
+  value.set_high(std::max(span.high, span.best));
+  value.set_source(EstimatedValue::MODEL);
+  value.set_reason(std::move(reason));
+}
+
+std::string text(const char* format, double a, double b = 0, double c = 0, double d = 0) {
+  char line[240];
+  std::snprintf(line, sizeof line, format, a, b, c, d);
+  return line;
+}
+
+double deviation(const Span3& span) {
+  if (!(span.low > 0) || span.high <= span.low) return kLoneDeviation;
+  return std::max(kLeastDeviation, std::log(span.high / span.low) / kRangeDeviations);
+}
+
+// Two 90 % ranges as one: means weighed by inverse variance, in logarithms.
+Span3 fuse(const Span3& a, const Span3& b, ValueRange hard) {
+  const double sa = deviation(a), sb = deviation(b), wa = 1 / (sa * sa), wb = 1 / (sb * sb);
+  const double mean = (wa * std::log(a.best) + wb * std::log(b.best)) / (wa + wb);
+  // Where they disagree by more than their ranges say, the range covers that too.
+  const double apart = std::abs(std::log(a.best / b.best));
+  const double half =
+      0.5 * kRangeDeviations * std::sqrt(1 / (wa + wb)) + 0.25 * std::max(0.0, apart - sa - sb);
+  const auto kept = [&](double value) { return std::clamp(value, hard.low, hard.high); };
+  return {kept(std::exp(mean - half)), kept(std::exp(mean)), kept(std::exp(mean + half))};
+}
+
+Span3 span_of(const EstimatedValue& value) { return {value.low(), value.best(), value.high()}; }
+
+Span3 around(double best, ValueRange hard) {
+  const auto kept = [&](double value) { return std::clamp(value, hard.low, hard.high); };
+  return {kept(best * (1 - kLinearSpread)), kept(best), kept(best * (1 + kLinearSpread))};
+}
+
+std::string model_says(const Answer& answer) {
+  return answer.evidence.empty() ? "the model's judgement" : "the model saw: " + answer.evidence;
+}
+
+// Wall of the part that most of a shell's mass is in.
+std::optional<double> wall_of(const Answer& answer, const ObjectFacts& facts) {
+  for (const AnswerPart& part : answer.parts) {
+    if (!part.thickness_m) continue;
+    const double thinnest = facts.mesh.size_m.minCoeff();
+    return thinnest > 0 ? std::min(*part.thickness_m, 0.5 * thinnest) : *part.thickness_m;
+  }
+  return std::nullopt;
+}
+
+// What the answer comes to, put in place of all that is not locked. Whether E is held against the prior
+// depends on whether both speak of the same material.
+v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
+                             const v1::PhysicalParameters& offline, std::vector<std::string>& changes) {
+  v1::PhysicalParameters result = offline;
+  const MaterialRow& material = *answer.parts.front().material;
+  const MaterialRow* before = find_material_row(offline.material());
+  const bool same_class = before && before->material_class == material.material_class;
+  if (!answer.name.empty()) result.set_label(answer.name);
+  result.set_material(material.name);
+  result.set_confidence(std::min(answer.confidence, kMostConfidence));
+  if (answer.fill != Physics::FILL_UNKNOWN) {
+    result.set_fill(answer.fill);
+    result.set_fill_reason(model_says(answer));
+  }
+
+  EstimatedValue& mass = *result.mutable_mass_kg();
+  if (locked(mass)) {
+    changes.push_back("mass_g: left out, the mass is " +
+                      std::string(mass.source() == EstimatedValue::PERSON ? "a person's" : "the scene's"));
+  } else if (kMassRange_kg.holds(mass.best())) {
+    const Span3 both = fuse(answer.mass_kg, span_of(mass), kMassRange_kg);
+    set(mass, both,
+        text("%.4g g by the model and %.4g g by geometry and kind, weighed by their ranges; ",
+             answer.mass_kg.best * 1e3, mass.best() * 1e3) +
+            model_says(answer));
+    changes.push_back(text("mass_g: %.4g fused with %.4g to %.4g", answer.mass_kg.best * 1e3,
+                           offline.mass_kg().best() * 1e3, both.best * 1e3));
+  } else {
+    set(mass, answer.mass_kg, model_says(answer));
+  }
+
+  EstimatedValue& young = *result.mutable_youngs_modulus_pa();
+  if (!locked(young)) {
+    if (answer.youngs_modulus_pa && same_class && kYoungsRange_pa.holds(young.best())) {
+      const double prior = young.best();
+      set(young, fuse(*answer.youngs_modulus_pa, span_of(young), kYoungsRange_pa),
+          text("%.3g MPa by the model, weighed with the table's %.3g MPa; ",
+               answer.youngs_modulus_pa->best * 1e-6, prior * 1e-6) +
+              material.name);
+      changes.push_back(text("young_mpa: %.4g fused with %.4g to %.4g", answer.youngs_modulus_pa->best * 1e-6,
+                             prior * 1e-6, young.best() * 1e-6));
+    } else if (answer.youngs_modulus_pa) {
+      set(young, *answer.youngs_modulus_pa, "by the model; " + material.name);
+    } else if (!same_class) {
+      set(young, material.youngs_modulus_pa, material.name);
+    }
+  }
+  EstimatedValue& structure = *result.mutable_structure_coefficient();
+  if (!locked(structure) && answer.structure_coefficient) {
+    const Span3& told = *answer.structure_coefficient;
+    const Span3 spread = told.high > told.low
+                             ? told
+                             : Span3{std::max(kStructureRange.low, told.best / 1.5), told.best,
+                                     std::min(kStructureRange.high, told.best * 1.5)};
+    set(structure, spread,
+        told.best < 1 ? "the model's: thin or hollow things bend more easily than their material" : "bulk");
+  }
+  if (!locked(result.plasticity())) {
+    if (answer.plasticity)
+      set(*result.mutable_plasticity(), around(*answer.plasticity, kUnitRange), "by the model");
+    else if (!same_class)
+      set(*result.mutable_plasticity(), around(material.plasticity, kUnitRange), material.name);
+  }
+  if (!locked(result.friction()) && answer.friction) {
+    set(*result.mutable_friction(), around(*answer.friction, kFrictionRange), "by the model");
+  }
+  if (!locked(result.restitution()) && answer.restitution) {
+    set(*result.mutable_restitution(), around(*answer.restitution, kUnitRange), "by the model");
+  }
+  if (!same_class && !locked(result.poisson_ratio())) {
+    set(*result.mutable_poisson_ratio(), around(std::clamp(material.poisson_ratio, 0.0, 0.49), {0, 0.49}),
+        material.name);
+  }
+  if (!same_class && !locked(result.damping())) {
+    set(*result.mutable_damping(), around(material.loss_factor, {0, 2}),
+        "loss factor of " + material.material_class);
+  }
+  const bool shell = result.fill() == Physics::SHELL || result.fill() == Physics::OPEN_SHELL;
+  if (!locked(result.wall_thickness_m())) {
+    if (const auto wall = wall_of(answer, facts); wall && shell) {
+      set(*result.mutable_wall_thickness_m(), {*wall * 0.7, *wall, *wall * 1.4}, "by the model");
+    }
+  }
+
+  const Span3 e = span_of(result.youngs_modulus_pa()), s = span_of(result.structure_coefficient());
+  if (!locked(result.deformation_resistance())) {
+    EstimatedValue& resistance = *result.mutable_deformation_resistance();
+    set(resistance,
+        {deformation_resistance(s.low * e.low), deformation_resistance(s.best * e.best),
+         deformation_resistance(s.high * e.high)},
+        "from E* = s E by the paper's map");
+  }
+  result.set_behavior(answer.behavior);
+  result.set_behavior_reason(text("E* = s E = %.3g MPa; ", s.best * e.best * 1e-6) + model_says(answer));
+  result.set_fragile(answer.fragile);
+  if (answer.fragile && !locked(result.break_impulse_n_s())) {
+    // Falls of 0.2, 0.5 and 1.2 m, as the offline estimate has them.
+    const double kg = result.mass_kg().best();
+    set(*result.mutable_break_impulse_n_s(), {2.0 * kg, 3.1 * kg, 4.9 * kg}, "a fall of about half a metre");
+  }
+  return result;
+}
+
+// Why it is too far from what was known; empty when it is not.
+std::string far_from_prior(const Answer& answer, const v1::PhysicalParameters& offline) {
+  const EstimatedValue& mass = offline.mass_kg();
+  const auto far = [](double value, const EstimatedValue& prior) {
+    const bool within = value >= prior.low() && value <= prior.high();
+    return !within && std::abs(std::log(value / prior.best())) > std::log(kFarFromPrior);
+  };
+  if (!locked(mass) && mass.best() > 0 && far(answer.mass_kg.best, mass)) {
+    return text("mass_g.best: %.4g g is more than %g times away from the %.4g g that size and kind suggest",
+                answer.mass_kg.best * 1e3, kFarFromPrior, mass.best() * 1e3);
+  }
+  const EstimatedValue& young = offline.youngs_modulus_pa();
+  if (!locked(young) && answer.youngs_modulus_pa && offline.confidence() >= kTellingConfidence &&
+      young.best() > 0) {
+    // Held against each other as E* = s E: what one calls thin, the other calls soft.
+    const double told = answer.youngs_modulus_pa->best *
+                        (answer.structure_coefficient ? answer.structure_coefficient->best : 1.0);
+    EstimatedValue prior;
+    const EstimatedValue& s = offline.structure_coefficient();
+    prior.set_low(young.low() * s.low());
+    prior.set_best(young.best() * s.best());
+    prior.set_high(young.high() * s.high());
+    // Above E* = 200 MPa all things are rigid, and how much above does not matter.
+    const bool both_rigid = told > 200e6 && prior.best() > 200e6;
+    if (prior.best() > 0 && !both_rigid && far(told, prior)) {
+      return text(
+          "young_mpa.best: s E = %.3g MPa is more than %g times away from the %.3g MPa that its kind "
+          "suggests",
+          told * 1e-6, kFarFromPrior, prior.best() * 1e-6);
+    }
+  }
+  return "";
+}
+
+}  // namespace
+
+Judgement weigh_answer(const Answer& answer, const ObjectFacts& facts,
+                       const v1::PhysicalParameters& offline) {
+  Judgement judgement;
+  judgement.changes = answer.changes;
+  judgement.proposal = fused(answer, facts, offline, judgement.changes);
+  judgement.message = far_from_prior(answer, offline);
+  judgement.verdict = judgement.message.empty() ? Verdict::Accepted : Verdict::NeedsReview;
+  judgement.parameters = judgement.message.empty() ? judgement.proposal : offline;
+  return judgement;
+}
+
+Judgement judge_answer(std::string_view raw, const ObjectFacts& facts,
+                       const v1::PhysicalParameters& offline) {
+  auto answer = read_answer(raw);
+  if (answer) answer = examine_answer(std::move(*answer), facts, offline);
+  if (answer) return weigh_answer(*answer, facts, offline);
+  Judgement refused;
+  refused.parameters = offline;
+  refused.message = answer.error().message;
+  return refused;
+}
+
+}  // namespace livegs

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// Spoiled answers through the gate. 20,000 of them here; LIVEGS_GATE_MUTATIONS=1000000 runs a million.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "analysis/gate.h"
+#include "server/analysis/answer_fixtures.h"
+#include "server/analysis/answer_mutations.h"
+
+namespace livegs {
+namespace {
+
+using v1::EstimatedValue;
+
+void expect_within(const char* name, const EstimatedValue& value, ValueRange range) {
+  ASSERT_TRUE(std::isfinite(value.low()) && std::isfinite(value.best()) && std::isfinite(value.high()))
+      << name;
+  if (value.source() != EstimatedValue::MODEL) return;
+  ASSERT_LE(value.low(), value.best()) << name;
+  ASSERT_LE(value.best(), value.high()) << name;
+  ASSERT_GE(value.low(), range.low) << name;
+  ASSERT_LE(value.high(), range.high) << name;
+}
+
+void expect_within_ranges(const v1::PhysicalParameters& p) {
+  expect_within("mass_kg", p.mass_kg(), kMassRange_kg);
+  expect_within("youngs_modulus_pa", p.youngs_modulus_pa(), kYoungsRange_pa);
+  expect_within("structure_coefficient", p.structure_coefficient(), kStructureRange);
+  expect_within("deformation_resistance", p.deformation_resistance(), kUnitRange);
+  expect_within("plasticity", p.plasticity(), kUnitRange);
+  expect_within("poisson_ratio", p.poisson_ratio(), {0, 0.49});
+  expect_within("damping", p.damping(), {0, 2});
+  expect_within("friction", p.friction(), kFrictionRange);
+  expect_within("restitution", p.restitution(), kUnitRange);
+  expect_within("wall_thickness_m", p.wall_thickness_m(), kWallRange_m);
+  expect_within("break_impulse_n_s", p.break_impulse_n_s(), {0, 5 * kMassRange_kg.high});
+  ASSERT_TRUE(p.behavior() == v1::Physics::RIGID || p.behavior() == v1::Physics::ELASTIC);
+  ASSERT_TRUE(v1::Physics::Fill_IsValid(p.fill()));
+  ASSERT_NE(find_material_row(p.material()), nullptr);
+  ASSERT_LE(p.label().size(), 320u);
+}
+
+struct Case {
+  ObjectFacts facts;
+  nlohmann::json answer;
+  v1::PhysicalParameters before;
+};
+
+TEST(GateMutations, NoneCrashesLeavesTheRangesOrChangesALockedValue) {
+  std::vector<Case> cases;
+  cases.push_back({mug_facts(), mug_answer(), estimate_offline(mug_facts())});
+  cases.push_back({pillow_facts(), pillow_answer(), estimate_offline(pillow_facts())});
+  Case locked{mug_facts(), mug_answer(), estimate_offline(mug_facts())};
+  locked.before.mutable_mass_kg()->set_source(EstimatedValue::PERSON);
+  locked.before.mutable_friction()->set_source(EstimatedValue::SCENE);
+  cases.push_back(locked);
+  ObjectFacts unknown = pillow_facts();
+  unknown.name = "";
+  unknown.scale_known = false;
+  cases.push_back({unknown, pillow_answer(), estimate_offline(unknown)});
+
+  const char* asked = std::getenv("LIVEGS_GATE_MUTATIONS");
+  const long count = asked ? std::atol(asked) : 20000;
+  long verdicts[3] = {};
+  for (long i = 0; i < count; ++i) {
+    const Case& one = cases[static_cast<size_t>(i) % cases.size()];
+    const std::string text = AnswerMutator(static_cast<uint64_t>(i)).mutate(one.answer);
+    const Judgement judgement = judge_answer(text, one.facts, one.before);
+    ++verdicts[static_cast<int>(judgement.verdict)];
+    SCOPED_TRACE("seed " + std::to_string(i));
+    ASSERT_NO_FATAL_FAILURE(expect_within_ranges(judgement.parameters));
+    ASSERT_EQ(judgement.message.find('\n'), std::string::npos);
+    ASSERT_LE(judgement.message.size(), 600u);
+    if (judgement.verdict != Verdict::Refused) {
+      ASSERT_NO_FATAL_FAILURE(expect_within_ranges(judgement.proposal));
+    } else {
+      ASSERT_FALSE(judgement.message.empty());
+    }
+    if (judgement.verdict != Verdict::Accepted) {
+      ASSERT_EQ(judgement.parameters.SerializeAsString(), one.before.SerializeAsString());
+    }
+    if (one.before.mass_kg().source() == EstimatedValue::PERSON) {
+      ASSERT_EQ(judgement.parameters.mass_kg().SerializeAsString(), one.before.mass_kg().SerializeAsString());
+      ASSERT_EQ(judgement.parameters.friction().SerializeAsString(),
+                one.before.friction().SerializeAsString());
+    }
+  }
+  // All three doors were used.
+  EXPECT_GT(verdicts[0], count / 20);
+  EXPECT_GT(verdicts[1], count / 1000);
+  EXPECT_GT(verdicts[2], count / 20);
+  RecordProperty("accepted", std::to_string(verdicts[0]));
+  std::printf("%ld answers: %ld accepted, %ld for review, %ld refused\n", count, verdicts[0], verdicts[1],
+              verdicts[2]);
+}
+
+}  // namespace
+}  // namespace livegs
