@@ -12,7 +12,7 @@ namespace livegs {
 namespace {
 
 // Cells of a piece's distance field along its longest side: the time to prepare a body goes with the cube.
-constexpr double kPieceFieldCells = 16.0;
+constexpr ShapeDetail kPieceDetail{.field_cells = 16.0, .point_spacing = 1.0 / 8.0, .max_points = 96};
 constexpr size_t kOutsidePoints = 32;  // of a piece
 constexpr size_t kFacePoints = 12;     // of one cut face
 // A piece with less of the outside than this part of its share of the volume is no piece of a shell.
@@ -117,7 +117,7 @@ Result<std::shared_ptr<const BreakablePieces>> prepare_pieces(const TriangleMesh
       piece.mass = shell ? outside_mass(pieces[i]) : pieces[i].mass;
       piece.mass_share = shell ? piece.mass.area_m2 : piece.mass.volume_m3;
       piece.shape = std::make_shared<const RigidShape>(
-          mesh_shape(pieces[i].mesh, piece.mass.centre_of_mass_m, kPieceFieldCells));
+          mesh_shape(pieces[i].mesh, piece.mass.centre_of_mass_m, kPieceDetail));
       piece.surface = surface_points(pieces[i]);
     }
   });
@@ -195,6 +195,7 @@ RigidShape joined_shape(const BreakablePieces& pieces, std::span<const uint32_t>
       left -= count;
     }
   }
+  shape.contact_tree = PointTree(shape.contact_points_m);
   shape.contact_spacing_m = kContactPointSpacing * (shape.max_m - shape.min_m).maxCoeff();
   return shape;
 }

@@ -34,7 +34,11 @@ void points_near(const RigidBody& from, const RigidBody& to, const ContactSearch
     const DistanceField::Sample field = to.shape.sample(local);
     return SurfaceSample{field.distance_m, field.gradient};
   };
-  for (size_t i = 0; i < from.shape.contact_points_m.size(); ++i) {
+  std::vector<uint32_t> near;
+  from.shape.contact_tree.near(
+      [&](const Vector3d& point) { return to.shape.sample(into * point + shift).distance_m; },
+      reach + 2.0 * to.shape.sample_error_m(), near);
+  for (const uint32_t i : near) {
     const Vector3d local = into * from.shape.contact_points_m[i] + shift;
     if ((local.array() < low.array()).any() || (local.array() > high.array()).any()) continue;
     const Vector3d arm = out * local;  // from `to`

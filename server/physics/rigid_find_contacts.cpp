@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "physics/rigid_candidates.h"
 #include "physics/rigid_collider_features.h"
@@ -20,6 +21,11 @@ constexpr double kRestitutionDrop = 0.01;         // a fall of this part of the 
 // from there on, in place of the straight line).
 double marching_factor(const Collider& collider) {
   return std::holds_alternative<FieldShape>(collider.shape) ? 0.7 : 1.0;
+}
+
+double sample_error_m(const Collider& collider) {
+  const auto* shape = std::get_if<FieldShape>(&collider.shape);
+  return shape ? shape->field->cell_m() : 0.0;
 }
 
 double margin_m(const RigidBody& body) { return kContactMargin * body.shape.bounding_radius_m; }
@@ -40,15 +46,30 @@ ContactPair pair_of(const RigidBody& body, const RigidBody* other, double fricti
   return pair;
 }
 
-void point_candidates(const RigidBody& body, const Collider& collider, const ContactSearch& search,
+// `motion_m`: no point of the body moves farther in the substep.
+void point_candidates(const RigidBody& body, const Collider& collider, double motion_m, const ContactSearch& search,
                       std::vector<ContactCandidate>& candidates) {
   const Eigen::Matrix3d rotation = body.world_from_body.orientation.toRotationMatrix();
   // Only corners of a convex body can be the lowest over a plane.
   const bool plane = std::holds_alternative<PlaneShape>(collider.shape);
+  const bool corners = plane && body.shape.convex;
   const std::vector<Eigen::Vector3d>& points =
-      plane && body.shape.convex ? body.shape.convex->vertices_m : body.shape.contact_points_m;
+      corners ? body.shape.convex->vertices_m : body.shape.contact_points_m;
   const auto sample = [&](const Eigen::Vector3d& point) { return sample_surface(collider, point); };
-  for (size_t i = 0; i < points.size(); ++i) {
+  std::vector<uint32_t> near;
+  if (corners) {
+    near.resize(points.size());
+    std::iota(near.begin(), near.end(), 0u);
+  } else {
+    const double marching = marching_factor(collider);
+    body.shape.contact_tree.near(
+        [&](const Eigen::Vector3d& point) {
+          const double distance = sample(body.world_from_body.position_m + rotation * point).distance_m;
+          return distance > 0.0 ? marching * distance : distance;
+        },
+        std::max(search.margin_m, motion_m / marching) + 2.0 * sample_error_m(collider), near);
+  }
+  for (const uint32_t i : near) {
     const Eigen::Vector3d arm = rotation * points[i];
     const Eigen::Vector3d point = body.world_from_body.position_m + arm;
     const Eigen::Vector3d way = search.duration_s * body.point_velocity(arm);
@@ -101,7 +122,7 @@ void collider_candidates(const RigidBody& body, const Collider& collider, const 
     polyhedron_candidates(moving_polyhedron(body), wall, search, candidates);
     return;
   }
-  point_candidates(body, collider, search, candidates);
+  point_candidates(body, collider, motion, search, candidates);
   feature_candidates(body, collider, search, candidates);
 }
 

@@ -54,9 +54,9 @@ void keep_extremes(const std::vector<Eigen::Vector3d>& vertices, std::vector<Eig
 
 }  // namespace
 
-std::vector<Eigen::Vector3d> contact_points(const TriangleMesh& mesh, double spacing_m) {
+std::vector<Eigen::Vector3d> contact_points(const TriangleMesh& mesh, double spacing_m, size_t max_points) {
   std::vector<Eigen::Vector3d> kept;
-  const bool few = mesh.vertices_m.size() <= kMaxContactPoints * 3 / 4;
+  const bool few = mesh.vertices_m.size() <= max_points * 3 / 4;
   if (few) {
     kept = mesh.vertices_m;
   } else {
@@ -108,7 +108,7 @@ std::vector<Eigen::Vector3d> contact_points(const TriangleMesh& mesh, double spa
 }
 
 RigidShape mesh_shape(const TriangleMesh& object_mesh, const Eigen::Vector3d& centre_of_mass_m,
-                      double field_cells) {
+                      const ShapeDetail& detail) {
   RigidShape shape;
   shape.mesh = object_mesh;
   shape.min_m.setConstant(INFINITY);
@@ -123,16 +123,17 @@ RigidShape mesh_shape(const TriangleMesh& object_mesh, const Eigen::Vector3d& ce
   if (auto convex = convex_polyhedron(shape.mesh)) {
     shape.convex = std::make_shared<const ConvexPolyhedron>(std::move(*convex));
   } else {
-    const double cell = longest / field_cells;
+    const double cell = longest / detail.field_cells;
     shape.field = std::make_shared<const DistanceField>(shape.mesh, cell, 3.0 * cell);
   }
 
-  shape.contact_spacing_m = kContactPointSpacing * longest;
-  shape.contact_points_m = contact_points(shape.mesh, shape.contact_spacing_m);
-  while (shape.contact_points_m.size() > kMaxContactPoints) {
+  shape.contact_spacing_m = detail.point_spacing * longest;
+  shape.contact_points_m = contact_points(shape.mesh, shape.contact_spacing_m, detail.max_points);
+  while (shape.contact_points_m.size() > detail.max_points) {
     shape.contact_spacing_m *= 1.2;
-    shape.contact_points_m = contact_points(shape.mesh, shape.contact_spacing_m);
+    shape.contact_points_m = contact_points(shape.mesh, shape.contact_spacing_m, detail.max_points);
   }
+  shape.contact_tree = PointTree(shape.contact_points_m);
   return shape;
 }
 
@@ -143,6 +144,12 @@ RigidShape ball_shape(double radius_m) {
   shape.min_m.setConstant(-radius_m);
   shape.max_m.setConstant(radius_m);
   return shape;
+}
+
+double RigidShape::sample_error_m() const {
+  double error = field ? field->cell_m() : 0.0;
+  for (const Part& part : parts) error = std::max(error, part.shape->sample_error_m());
+  return error;
 }
 
 DistanceField::Sample RigidShape::sample(const Eigen::Vector3d& point_m) const {

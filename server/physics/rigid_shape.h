@@ -8,6 +8,7 @@
 #include "geometry/distance_field.h"
 #include "geometry/triangle_mesh.h"
 #include "physics/convex_polyhedron.h"
+#include "physics/point_tree.h"
 
 // What a rigid body is for contact: points against the surfaces of others, and a distance field against their
 // points. A ball is its radius alone.
@@ -27,6 +28,7 @@ struct RigidShape {
   double sphere_radius_m = 0.0;  // > 0: a ball, and nothing below is filled but the bounds
   TriangleMesh mesh;
   std::vector<Eigen::Vector3d> contact_points_m;
+  PointTree contact_tree;  // of contact_points_m
   double contact_spacing_m = 0.0;
   // Where the mesh is one: exact, and used in place of the field. Both are shared by copies.
   std::shared_ptr<const ConvexPolyhedron> convex;
@@ -41,6 +43,8 @@ struct RigidShape {
   bool is_ball() const { return sphere_radius_m > 0.0; }
   // Signed distance to the body's surface. Never more than the true distance away from it, so that it can be marched.
   DistanceField::Sample sample(const Eigen::Vector3d& point_m) const;
+  // How much farther from the surface than the true distance a sample may be: a cell of the field.
+  double sample_error_m() const;
 };
 
 struct RigidShape::Part {
@@ -48,15 +52,23 @@ struct RigidShape::Part {
   Eigen::Vector3d offset_m;
 };
 
-// Precondition: a closed mesh with a volume. `field_cells` along its longest side.
+// How finely a body's surface is felt. Of many small ones each needs less.
+struct ShapeDetail {
+  double field_cells = kBodyFieldCells;        // along the longest side of its bounding box
+  double point_spacing = kContactPointSpacing;  // in parts of that side
+  size_t max_points = kMaxContactPoints;
+};
+
+// Precondition: a closed mesh with a volume.
 RigidShape mesh_shape(const TriangleMesh& object_mesh, const Eigen::Vector3d& centre_of_mass_m,
-                      double field_cells = kBodyFieldCells);
+                      const ShapeDetail& detail = {});
 RigidShape ball_shape(double radius_m);
 
-// Points of the surface. Few vertices (up to three quarters of kMaxContactPoints) are all kept: a round thing rolls on
+// Points of the surface. Few vertices (up to three quarters of `max_points`) are all kept: a round thing rolls on
 // them, and every facet that is left out costs it speed. Of more, those at least `spacing_m` apart, the most exposed
 // (farthest from the origin) first; the extremes along 26 directions always stay. Long edges and large triangles are
 // filled, `spacing_m` apart.
-std::vector<Eigen::Vector3d> contact_points(const TriangleMesh& mesh, double spacing_m);
+std::vector<Eigen::Vector3d> contact_points(const TriangleMesh& mesh, double spacing_m,
+                                            size_t max_points = kMaxContactPoints);
 
 }  // namespace livegs

@@ -208,6 +208,7 @@ void solve_island(RigidIsland& island, double duration_s) {
 void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const RigidLoad> loads,
                        std::span<const Collider> colliders, const Eigen::Vector3d& gravity_m_s2, double duration_s,
                        RigidBroadPhase& broad_phase) {
+  if (std::all_of(bodies.begin(), bodies.end(), [](const RigidBody* body) { return body->asleep; })) return;
   if (wake_groups(bodies)) broad_phase.forget();
   std::vector<char> accelerated(bodies.size(), 0);
   const auto accelerate_awake = [&] {
@@ -219,7 +220,7 @@ void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const Rigid
     }
     return any;
   };
-  if (!accelerate_awake()) return;
+  accelerate_awake();
   broad_phase.update(bodies, gravity_m_s2.norm(), duration_s);
 
   std::vector<RigidBody*> active;  // awake, or first of a pair with an awake one

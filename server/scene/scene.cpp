@@ -168,7 +168,7 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
     for (FragileTask& task : scene.cutting_) scene.take_cut(task);
     scene.cutting_.clear();
   }
-  const auto by_name = [&](const std::string& name) { return scene.find(std::string_view(name)); };
+  const auto by_name = [&](const std::string& object) { return scene.find(std::string_view(object)); };
   if (auto added = add_joints(file, by_name, *scene.world_); !added) return added.error();
   for (int i = 0; i < scene.file_.events_size(); ++i) {
     if (scene.file_.events(i).action_case() != v1::Event::kGrab) continue;
