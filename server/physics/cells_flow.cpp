@@ -30,6 +30,8 @@ CellsBody::CellShape CellsBody::shape_of(size_t index) const {
 
 void CellsBody::flow() {
   if (*std::max_element(plasticities_.begin(), plasticities_.end()) <= 0.0) return;
+  YieldSurface surface;  // of the last cell: most bodies are of one material
+  double surface_plasticity = NAN, surface_poisson_ratio = NAN;
   for (size_t i = 0; i < lattice_.cells.size(); ++i) {
     if (batches_.places[i].kind == CellPlace::Kind::Held) continue;
     const LatticeCell& cell = lattice_.cells[i];
@@ -39,7 +41,11 @@ void CellsBody::flow() {
     const CellShape shape = shape_of(i);
     const IsotropicMaterial material = cell_materials_.of(cell);
     const Matrix3d before = plastic_parts_.empty() ? Matrix3d::Identity() : plastic_parts_[i];
-    const YieldSurface surface = yield_surface(plasticity, material.poisson_ratio);
+    if (plasticity != surface_plasticity || material.poisson_ratio != surface_poisson_ratio) {
+      surface = yield_surface(plasticity, material.poisson_ratio);
+      surface_plasticity = plasticity;
+      surface_poisson_ratio = material.poisson_ratio;
+    }
     const PlasticFlow flowed = flow_plastically(surface, shape.f * before.inverse(), before);
 
     // A mode of amplitude q strains the faces of the cell by 4 q / a, and those of a thin sheet in it by less.
