@@ -12,7 +12,7 @@
 #include <string>
 
 #include "geometry/shape_mesh.h"
-#include "server/physics/elastic_bodies.h"
+#include "server/physics/quarter_shell.h"
 #include "study/bullet_body.h"
 
 using namespace livegs;
@@ -128,6 +128,9 @@ int main(int argc, char** argv) {
   bar.initial_deformation.diagonal() = Vector3d(1.02, 1, 1);
   report("bar cells", bar, false);
   report("bar bullet", bar, false, By::Bullet);
+  // A curved sheet thinner than its cells, plain and thin ones (thin_cell.h).
+  report("quarter shell plain", describe_quarter(5.0, 0.3, false), false);
+  report("quarter shell thin", describe_quarter(5.0, 0.3, true), false);
   // LIVE-GS: at most about 15^3 particles an object; the body chooses its own cells and substeps.
   for (const double youngs_modulus_pa : {1e4, 1e5, 1e6}) {
     ElasticBodyDescription object = describe(particle_grid(Vector3d::Constant(0.3), 0.02), youngs_modulus_pa, 0.3);

@@ -173,7 +173,7 @@ TEST(ThinCell, BendingASheetCostsWhatAPlateSaysWhereverItLies) {
 }
 
 // Goal in every lattice: 0.8 to 1.2. Bars are what was measured, rounded outwards; the frequency goes with the root. The
-// plain cell is too stiff by 3 to 40 where the sheet is oblique. A lattice turned about one edge of the strip is the
+// plain cell is too stiff where the sheet is oblique. A lattice turned about one edge of the strip is the
 // worst: rows of cells that the sheet barely enters are hinges across its whole width.
 TEST(ThinCell, AFlatStripBendsLikeABeamInALatticeTurnedAnyWay) {
   for (const double cells_t : {3.0, 5.0, 10.0}) {

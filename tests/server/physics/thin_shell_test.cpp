@@ -4,8 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <cstdio>
 
-#include "server/physics/elastic_bodies.h"
-#include "server/physics/thin_bodies.h"
+#include "server/physics/quarter_shell.h"
 
 namespace livegs::test {
 namespace {
@@ -14,22 +13,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector2d;
 
 constexpr double kT = kStripThickness_m, kRho = kStripDensity_kg_m3;
-const Strip kQuarter{0.1 * M_PI / 2, 0.05, 0.1};
-constexpr double kModulus_pa = 2e4;  // cells of 3 thicknesses can do it in 16 substeps
-
-ElasticBodyDescription describe_quarter(double cells_t, double poisson_ratio, bool thin) {
-  ParticleSet set;
-  set.spacing_m = kT;
-  for (const StripPoint& point : strip_points(kQuarter)) {
-    set.positions_m.push_back(point.at_m);
-    set.volumes_m3.push_back(point.volume_m3);
-    set.on_surface.push_back(true);
-  }
-  ElasticBodyDescription description = describe(std::move(set), kModulus_pa, poisson_ratio, cells_t * kT, kRho);
-  description.material.loss_factor = 1.0;
-  description.cells.thin = thin;
-  return description;
-}
+constexpr double kModulus_pa = kQuarterModulus_pa;
 
 // The ends of the quarter, 5 mm each.
 struct Ends {
