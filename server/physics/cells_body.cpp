@@ -163,22 +163,25 @@ void CellsBody::set_gains(double h) {
 void CellsBody::make_surface(const ParticleSet& particles) {
   struct Point {
     EmbeddedPoint at;
-    Vector3d normal;
+    const std::vector<Vector3d>* normals;
   };
   std::vector<Point> points;
-  for (const SurfacePoint& point : surface_points(particles)) {
-    points.push_back({lattice_.embed(point.rest_m), extent_.object_from_lattice.conjugate() * point.normal});
-  }
+  const std::vector<SurfacePoint> sampled = surface_points(particles);
+  for (const SurfacePoint& point : sampled) points.push_back({lattice_.embed(point.rest_m), &point.normals});
   std::stable_sort(points.begin(), points.end(), [](const Point& a, const Point& b) { return a.at.cell < b.at.cell; });
   for (uint32_t i = 0; i < points.size(); ++i) {
     surface_.push_back(sample_at(points[i].at));
     surface_local_.push_back(points[i].at.local.cast<float>());
-    surface_normals_.push_back(points[i].normal.cast<float>());
+    face_begins_.push_back(static_cast<uint32_t>(face_normals_.size()));
+    for (const Vector3d& normal : *points[i].normals) {
+      face_normals_.push_back((extent_.object_from_lattice.conjugate() * normal).cast<float>());
+    }
     if (i == 0 || points[i].at.cell != points[i - 1].at.cell) {
       surface_cells_.push_back({lattice_.cells[points[i].at.cell].nodes, i, i});
     }
     surface_cells_.back().end = i + 1;
   }
+  face_begins_.push_back(static_cast<uint32_t>(face_normals_.size()));
 }
 
 void CellsBody::start_motion(const ElasticBodyDescription& description) {
@@ -362,7 +365,8 @@ ElasticAccuracy CellsBody::accuracy() const {
   accuracy.nodes = nodes_.count();
   accuracy.cells = lattice_.cells.size();
   accuracy.particles = particle_points_.size();
-  accuracy.bytes = nodes_.bytes() + batches_.bytes() + surface_.capacity() * (sizeof(NodeSample) + 2 * sizeof(Eigen::Vector3f)) +
+  accuracy.bytes = nodes_.bytes() + batches_.bytes() + surface_.capacity() * (sizeof(NodeSample) + sizeof(Eigen::Vector3f)) +
+                   face_normals_.capacity() * sizeof(Eigen::Vector3f) +
                    surface_cells_.capacity() * sizeof(SurfaceCell) +
                    gains_[0].bytes() + gains_[1].bytes();
   return accuracy;

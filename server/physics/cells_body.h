@@ -40,7 +40,11 @@ class CellsBody final : public ElasticBody {
   // Preconditions: a description that make_elastic_body has checked.
   CellsBody(const ElasticBodyDescription& description, double rate_hz, int substeps, bool may_sleep);
 
-  void substep(const SubstepContext& context) override;
+  int begin_substep(const SubstepContext& context) override;
+  void begin_step(const SubstepPart& part, const SubstepContext& context) override;
+  void list_contacts(const SubstepPart& part, const SubstepContext& context, std::vector<TouchRow>& rows) override;
+  void end_step(const SubstepPart& part, const SubstepContext& context) override;
+  void end_substep(const SubstepContext& context) override;
   void end_frame(double frame_s) override;
 
   bool release_region(const std::string& name) override;
@@ -58,14 +62,10 @@ class CellsBody final : public ElasticBody {
   ContactTally take_contacts() override { return std::exchange(contact_tally_, {}); }
   double reach_m() const override { return reach_m_; }
   void expect_contact() override { become_elastic(); }
-  void surface_elements(const Eigen::AlignedBox3d& within, double ahead_s,
-                        std::vector<SurfaceElement>& elements) const override;
+  void surface_elements(const Eigen::AlignedBox3d& within, std::vector<SurfaceElement>& elements) const override;
   double element_reach_m() const override;
-  ContactSpot spot_at(uint32_t element, const Vector3d& point_m, double ahead_s) const override;
-  double spot_mobility(const ContactSpot& spot) const override;
-  Vector3d spot_velocity_m_s(const ContactSpot& spot) const override;
-  void push_spot(const ContactSpot& spot, const Vector3d& point_m, const Vector3d& impulse_n_s) override;
-  void settle_spot(const ContactSpot& spot, const Vector3d& point_m, const Vector3d& impulse_n_s) override;
+  ContactSpot spot_at(uint32_t element, const Vector3d& point_m) const override;
+  ContactSide& contact_side(double step_s) override;
   void wait_for_company(bool wait) override { rest_clock_.wait(wait); }
   bool rested() const override { return rest_clock_.rested(); }
   void sleep() override;
@@ -129,32 +129,29 @@ class CellsBody final : public ElasticBody {
   void move_regions(double time_s, double h);
   void hold_particles(double time_s);
 
-  void step(double began_s, double h, const SubstepContext& context);
-  void predict(double h, bool second_order, const SubstepContext& context);
-  void advance(double h, bool second_order);
-  void measure(const NodeSums& sums, double h, bool second_order);
+  double step_of(double h) const { return second_order_ ? 2.0 * h / 3.0 : h; }  // h_e
+  void predict(double h, const SubstepContext& context);
+  void advance(double h);
+  void measure(const NodeSums& sums, double h);
 
   void gather_point_loads(const SubstepContext& context);
   void find_candidates(const SubstepContext& context);
   void resolve_colliders(double step_s, const SubstepContext& context);
 
   // cells_touch.cpp
-  class StepSide;
-  template <class NodeAt>
-  void list_elements(const Eigen::AlignedBox3d& within, const NodeAt& node_at, std::vector<SurfaceElement>& elements) const;
-  template <class NodeAt>
-  ContactSpot find_spot(uint32_t element, const Vector3d& point_m, const NodeAt& node_at) const;
+  class Side;
+  Vector3d node_now(uint32_t node) const;  // world; in the middle of a step where it has come to
+  void push_spot(const ContactSpot& spot, const Vector3d& point_m, const Vector3d& impulse_n_s);
+  void settle_spot(const ContactSpot& spot, const Vector3d& point_m, const Vector3d& impulse_n_s);
   template <class Visit>
   void visit_cells_near(const MovingBody& body, double margin_m, const Visit& visit) const;
   void count_contact(const Vector3d& point_m, double impulse_n_s);
   bool meets_awake(const SubstepContext& context) const;
   double own_speed_m_s() const;  // no node is faster, but for few
   void find_touchable(const SubstepContext& context);
-  void touch_rigid(ContactSide& side, const SubstepContext& context);
-  void be_touched(MovingBody& body, ContactSide& side);
-  void touch_elastic(const ElasticNeighbour& other, ContactSide& side, ContactSide& other_side, double ahead_s,
-                     double response_s, double h);
-  void resolve_moving(double began_s, double h, double step_s, const SubstepContext& context);
+  void touch_rigid(ContactSide& side, const SubstepContext& context, std::vector<TouchRow>& rows);
+  void be_touched(MovingBody& body, ContactSide& side, std::vector<TouchRow>& rows);
+  void touch_elastic(const ElasticNeighbour& other, ContactSide& side, double h, std::vector<TouchRow>& rows);
   void take_contact(uint32_t sample, const Vector3d& point_m, const Vector3d& pull_kg_m, double step_s);
 
   struct CellShape {
@@ -236,18 +233,20 @@ class CellsBody final : public ElasticBody {
   double candidate_margin_m_ = 0.0;  // how far any node may still go before they are found anew
   size_t candidate_colliders_ = 0;
   std::vector<Touch> touches_;  // of this substep
-  std::vector<Eigen::Vector3f> surface_local_, surface_normals_;  // of surface_: in its cell, and outwards, lattice axes
+  std::vector<Eigen::Vector3f> surface_local_;  // of surface_: in its cell
+  std::vector<uint32_t> face_begins_;           // of surface_, and the end: its faces
+  std::vector<Eigen::Vector3f> face_normals_;   // outwards, lattice axes
   std::vector<Candidate> touchable_;  // with rigid bodies
   std::vector<uint64_t> touch_ids_;   // of those, as they were found
   double touch_margin_m_ = 0.0;
-  std::vector<TouchRow> rows_;
-  std::vector<uint64_t> row_ids_;     // whom it meets, one a row
   std::vector<SpotTouch> spot_touches_;  // of this step, with what moves
 
   double reach_m_ = 0.0;        // radius about the centre that holds every node
   double deviation_m_s_ = 0.0;  // root mean square of velocities relative to the body as a whole
   double spin_rad_s_ = 0.0;     // of the body as a whole
   double strain_squared_ = 0.0; // of the worst cell
+  std::unique_ptr<ContactSide> side_;
+  bool second_order_ = false, in_step_ = false;  // of the step that is being taken
   bool first_step_ = true, strained_ = false, tangled_ = false, untangling_ = false, touching_ = false, backward_ = false;
   bool supported_ = false, forced_ = false;  // for the sleep test: held up or in no gravity; pushed
   Quaterniond orientation_;  // world from object, of the body as a whole

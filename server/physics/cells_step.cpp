@@ -39,24 +39,22 @@ Vector3d vector_of(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
 
-void CellsBody::substep(const SubstepContext& context) {
-  bool forced = false;
-  for (const PointForce& force : context.forces) forced = forced || force.force_n.squaredNorm() > 0.0;
-  forced_ = forced_ || forced;
+int CellsBody::begin_substep(const SubstepContext& context) {
+  forced_ = false;
+  for (const PointForce& force : context.forces) forced_ = forced_ || force.force_n.squaredNorm() > 0.0;
   if (asleep()) {
-    const bool touched = forced || meets_awake(context);
-    if (!touched) return;
+    const bool touched = forced_ || meets_awake(context);
+    if (!touched) return 0;
     wake();
   }
-  if (rigid_ && rigid_substep(context)) return;
+  if (rigid_ && rigid_substep(context)) return 0;
   // A longer substep than the scene's is taken in several, never stretched: the stiffness was chosen for this one.
   const double longer = std::ceil(context.duration_s * rate_hz_ * scene_substeps_ - 1e-6);
-  const int count = choice_.substeps / scene_substeps_ * static_cast<int>(std::clamp(longer, 1.0, kLongest));
-  const double h = context.duration_s / count;
-  if (std::abs(h - gains_step_s_) > 1e-9 * h) set_gains(h);
   gather_point_loads(context);
-  for (int i = 0; i < count; ++i) step(i * h, h, context);
-  forced_ = forced;
+  return choice_.substeps / scene_substeps_ * static_cast<int>(std::clamp(longer, 1.0, kLongest));
+}
+
+void CellsBody::end_substep(const SubstepContext& context) {
   supported_ = touching_ || held_ || context.gravity_m_s2.squaredNorm() == 0.0;
 }
 
@@ -68,17 +66,17 @@ void CellsBody::gather_point_loads(const SubstepContext& context) {
   }
 }
 
-void CellsBody::step(double began_s, double h, const SubstepContext& context) {
-  const double time_s = context.start_s + began_s + h;
+void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& context) {
+  const double h = part.duration_s, time_s = context.start_s + part.began_s + h;
+  if (std::abs(h - gains_step_s_) > 1e-9 * h) set_gains(h);
   const double smallest_m = (extent_.max_m - extent_.min_m).minCoeff();
   const bool quiet = touching_ && deviation_m_s_ < kQuiet * std::sqrt(context.gravity_m_s2.norm() * smallest_m);
-  const bool second_order = options_.second_order && !first_step_ && !strained_ && !quiet;
-  const double step_s = second_order ? 2.0 * h / 3.0 : h;
+  second_order_ = options_.second_order && !first_step_ && !strained_ && !quiet;
   // Where a sweep from zero multipliers comes to rest depends on its order a little. A body that lands alternates, or
   // one order would drive it sideways; a quiet one keeps one, or it would never be still, and so does a free one, or
   // cells with next to nothing in them would ring.
   backward_ = touching_ && !quiet && !backward_;
-  predict(h, second_order, context);
+  predict(h, context);
   if (moved_) move_regions(time_s, h);
 
   SweepArrays sweep;
@@ -89,9 +87,9 @@ void CellsBody::step(double began_s, double h, const SubstepContext& context) {
   sweep.thin = batches_.thin.data();
   sweep.plastic = plastic_.empty() ? nullptr : plastic_.data();
   sweep.thin_plastic = plastic_parts_.empty() ? nullptr : thin_plastic_.data();
-  sweep.gains = gains_[second_order].cut.data();
-  sweep.thin_gains = gains_[second_order].thin.data();
-  sweep.full_gains = gains_[second_order].full;
+  sweep.gains = gains_[second_order_].cut.data();
+  sweep.thin_gains = gains_[second_order_].thin.data();
+  sweep.full_gains = gains_[second_order_].full;
   sweep.inverse_four_widths = static_cast<float>(0.25 / lattice_.cell_width_m);
   sweep.backward = backward_;
   sweep.paired = batches_.paired;
@@ -104,16 +102,21 @@ void CellsBody::step(double began_s, double h, const SubstepContext& context) {
   contact_impulse_.setZero();
   contact_moment_.setZero();
   touches_.clear();
+  spot_touches_.clear();
   touching_ = false;
-  resolve_moving(began_s, h, step_s, context);
-  resolve_colliders(step_s, context);
-  advance(h, second_order);
-  first_step_ = false;
+  in_step_ = true;
 }
 
-void CellsBody::predict(double h, bool second_order, const SubstepContext& context) {
-  const double step_s = second_order ? 2.0 * h / 3.0 : h;
-  const double memory = second_order ? 1.0 / 3.0 : 0.0;
+void CellsBody::end_step(const SubstepPart& part, const SubstepContext& context) {
+  resolve_colliders(step_of(part.duration_s), context);
+  advance(part.duration_s);
+  first_step_ = false;
+  in_step_ = false;
+}
+
+void CellsBody::predict(double h, const SubstepContext& context) {
+  const double step_s = step_of(h);
+  const double memory = second_order_ ? 1.0 / 3.0 : 0.0;
   Vector3d force = mass_kg_ * context.gravity_m_s2, torque = Vector3d::Zero();
   for (const Load& load : point_loads_) {
     force += load.force_n;
@@ -158,13 +161,12 @@ void CellsBody::predict(double h, bool second_order, const SubstepContext& conte
   }
 }
 
-void CellsBody::advance(double h, bool second_order) {
-  const double step_s = second_order ? 2.0 * h / 3.0 : h;
+void CellsBody::advance(double h) {
   NodeSums sums;
-  advance_nodes(nodes_.arrays(), static_cast<float>(step_s), sums);
+  advance_nodes(nodes_.arrays(), static_cast<float>(step_of(h)), sums);
   nodes_.swap();
   const Vector3d momentum_of_step = motion_.momentum;
-  measure(sums, h, second_order);
+  measure(sums, h);
   momentum_before_ = momentum_of_step;
   angular_before_ = vector_of(sums.angular_before) - motion_.centre_m.cross(momentum_before_);
   for (const Touch& touch : touches_) {
@@ -190,7 +192,7 @@ void CellsBody::advance(double h, bool second_order) {
 // about a fixed point, whatever way the centre c takes to its new velocity: its share about the centre is
 // (p - c) x J with c before the step, less e x P for the way e that c is ahead of h P / m. BDF2 spreads that way over
 // several steps, e' = (e - h J / m) / 3.
-void CellsBody::measure(const NodeSums& sums, double h, bool second_order) {
+void CellsBody::measure(const NodeSums& sums, double h) {
   const Vector3d centre_before = motion_.centre_m;
   motion_.mass_kg = mass_kg_;
   motion_.centre_m = vector_of(sums.mass_position) / mass_kg_;
@@ -207,7 +209,7 @@ void CellsBody::measure(const NodeSums& sums, double h, bool second_order) {
   if (free()) {
     ledger_momentum_ += contact_impulse_;
     contact_lag_m_ -= h / mass_kg_ * (contact_impulse_ + late_impulse_);
-    contact_lag_m_ *= second_order ? 1.0 / 3.0 : 0.0;
+    contact_lag_m_ *= second_order_ ? 1.0 / 3.0 : 0.0;
     late_impulse_.setZero();
     ledger_angular_ += contact_moment_ - centre_before.cross(contact_impulse_) - contact_lag_m_.cross(ledger_momentum_);
     owed_velocity_ = (ledger_momentum_ - motion_.momentum) / mass_kg_;

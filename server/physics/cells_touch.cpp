@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Contact of a `cells` body with what moves: rigid bodies, balls and other elastic bodies. After the sweep, both ways:
 // surface points of this body against the other's surface, and contact points of a rigid body against this body's own
-// surface, so that a corner, a rod or a small ball between two of its points is not missed. (Of two elastic bodies each
-// brings its own points when it takes its step.)
+// surface, so that a corner, a rod or a small ball between two of its points is not missed. Of two elastic bodies each
+// brings its own points.
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "physics/cells_body.h"
 #include "physics/moving_body.h"
-#include "physics/neighbour_side.h"
 
 namespace livegs {
 namespace {
@@ -32,39 +31,52 @@ Vector3d corner_sign(int c) { return {c & 1 ? 1.0 : -1.0, c & 2 ? 1.0 : -1.0, c 
 
 }  // namespace
 
-// This body in the middle of its step.
-class CellsBody::StepSide final : public ContactSide {
+// In the middle of a step, or as a sleeper that is pushed.
+class CellsBody::Side final : public ContactSide {
  public:
-  StepSide(CellsBody& body, double step_s) : body_(body), step_s_(step_s) {}
+  explicit Side(CellsBody& body) : body_(body) {}
+  double step_s = 0.0;  // h_e in the middle of a step
+
   Matrix3d response(const ContactSpot& spot) const override {
-    return step_s_ * body_.mobility(spot.sample) * Matrix3d::Identity();
+    return step_s * body_.mobility(spot.sample) * Matrix3d::Identity();
   }
   Vector3d way_m(const ContactSpot& spot) const override {
+    if (!body_.in_step_) return step_s * body_.velocity_of(spot.sample);
     return body_.nodes_.corrected_m(spot.sample) - body_.nodes_.position_m(spot.sample);
   }
   void give(const ContactSpot& spot, const Vector3d& point, const Vector3d& impulse) override {
-    body_.pull(spot.sample, step_s_ * impulse);
+    if (!body_.in_step_) return body_.push_spot(spot, point, impulse);
+    body_.pull(spot.sample, step_s * impulse);
     body_.contact_impulse_ += impulse;
     body_.contact_moment_ += (point - body_.origin_m_).cross(impulse);
   }
   void count(const ContactSpot& spot, const Vector3d& point, const Vector3d& impulse) override {
-    body_.spot_touches_.push_back({spot.sample, impulse});
     body_.count_contact(point, impulse.norm());
+    if (!body_.in_step_) return body_.settle_spot(spot, point, impulse);
+    body_.spot_touches_.push_back({spot.sample, impulse});
+    body_.touching_ = true;
   }
 
  private:
   CellsBody& body_;
-  double step_s_;
 };
 
-template <class NodeAt>
-void CellsBody::list_elements(const AlignedBox3d& within, const NodeAt& node_at,
-                              std::vector<SurfaceElement>& elements) const {
+ContactSide& CellsBody::contact_side(double step_s) {
+  if (!side_) side_ = std::make_unique<Side>(*this);
+  static_cast<Side&>(*side_).step_s = in_step_ ? step_of(step_s) : step_s;
+  return *side_;
+}
+
+Vector3d CellsBody::node_now(uint32_t node) const {
+  return origin_m_ + (in_step_ ? nodes_.corrected_m(node) : nodes_.position_m(node));
+}
+
+void CellsBody::surface_elements(const AlignedBox3d& within, std::vector<SurfaceElement>& elements) const {
   for (const SurfaceCell& cell : surface_cells_) {
     std::array<Vector3d, 8> corners;
     AlignedBox3d box;
     for (int c = 0; c < 8; ++c) {
-      corners[c] = node_at(cell.nodes[c]);
+      corners[c] = node_now(cell.nodes[c]);
       box.extend(corners[c]);
     }
     const Vector3d room = 0.5 * box.sizes();
@@ -78,30 +90,25 @@ void CellsBody::list_elements(const AlignedBox3d& within, const NodeAt& node_at,
       Vector3d position = Vector3d::Zero();
       for (int c = 0; c < 8; ++c) position += surface_[i].weights[c] * corners[c];
       if (!within.contains(position)) continue;
-      const Vector3d normal = cofactors * surface_normals_[i].cast<double>();
-      const double length = normal.norm();
-      if (length > 0.0) elements.push_back({position, normal / length, 0.0, i});
+      for (uint32_t k = face_begins_[i]; k < face_begins_[i + 1]; ++k) {
+        const Vector3d normal = cofactors * face_normals_[k].cast<double>();
+        const double length = normal.norm();
+        if (length > 0.0) elements.push_back({position, normal / length, 0.0, i});
+      }
     }
   }
-}
-
-void CellsBody::surface_elements(const AlignedBox3d& within, double ahead_s,
-                                 std::vector<SurfaceElement>& elements) const {
-  list_elements(within, [&](uint32_t node) { return Vector3d(origin_m_ + nodes_.position_m(node) + ahead_s * node_velocity(node)); },
-                elements);
 }
 
 double CellsBody::element_reach_m() const { return kElementReach * extent_.box_edge_m; }
 
 // The element's place in its cell, and from there by the inverse of the cell's deformation.
-template <class NodeAt>
-ContactSpot CellsBody::find_spot(uint32_t element, const Vector3d& point_m, const NodeAt& node_at) const {
+ContactSpot CellsBody::spot_at(uint32_t element, const Vector3d& point_m) const {
   ContactSpot spot;
   spot.sample = surface_[element];
   Vector3d position = Vector3d::Zero();
   Matrix3d f = Matrix3d::Zero();  // by local coordinates
   for (int c = 0; c < 8; ++c) {
-    const Vector3d corner = node_at(spot.sample.nodes[c]);
+    const Vector3d corner = node_now(spot.sample.nodes[c]);
     position += spot.sample.weights[c] * corner;
     f += 0.125 * corner * corner_sign(c).transpose();
   }
@@ -114,15 +121,6 @@ ContactSpot CellsBody::find_spot(uint32_t element, const Vector3d& point_m, cons
   for (int c = 0; c < 8; ++c) spot.sample.weights[c] = static_cast<float>(weights[c]);
   return spot;
 }
-
-ContactSpot CellsBody::spot_at(uint32_t element, const Vector3d& point_m, double ahead_s) const {
-  return find_spot(element, point_m, [&](uint32_t node) {
-    return Vector3d(origin_m_ + nodes_.position_m(node) + ahead_s * node_velocity(node));
-  });
-}
-
-double CellsBody::spot_mobility(const ContactSpot& spot) const { return mobility(spot.sample); }
-Vector3d CellsBody::spot_velocity_m_s(const ContactSpot& spot) const { return velocity_of(spot.sample); }
 
 void CellsBody::push_spot(const ContactSpot& spot, const Vector3d& point_m, const Vector3d& impulse_n_s) {
   if (asleep()) wake();
@@ -141,7 +139,6 @@ void CellsBody::push_spot(const ContactSpot& spot, const Vector3d& point_m, cons
 
 // The ledger has the impulse where it acts, the nodes where the spot is.
 void CellsBody::settle_spot(const ContactSpot& spot, const Vector3d& point_m, const Vector3d& impulse_n_s) {
-  count_contact(point_m, impulse_n_s.norm());
   if (!free()) return;
   const Vector3d beside = point_m - origin_m_ - nodes_.position_m(spot.sample);
   owed_spin_ += solve_inertia(motion_.inertia, beside.cross(impulse_n_s));
@@ -199,7 +196,7 @@ double CellsBody::own_speed_m_s() const {
 }
 
 // This body's points against rigid bodies.
-void CellsBody::touch_rigid(ContactSide& side, const SubstepContext& context) {
+void CellsBody::touch_rigid(ContactSide& side, const SubstepContext& context, std::vector<TouchRow>& rows) {
   struct Frame {
     Matrix3d from_world_before, from_world;
     Vector3d before_m, at_m;
@@ -229,14 +226,14 @@ void CellsBody::touch_rigid(ContactSide& side, const SubstepContext& context) {
       row.normal = frame.from_world.transpose() * found.gradient;
       row.gap_m = found.distance_m;
       row.friction = mixed_friction(material_.friction, body.friction);
-      rows_.push_back(row);
-      row_ids_.push_back(body.contact_id);
+      row.met_id = body.contact_id;
+      rows.push_back(row);
     }
   }
 }
 
 // A rigid body's points against this body's surface; of a ball the one that would be deepest.
-void CellsBody::be_touched(MovingBody& body, ContactSide& side) {
+void CellsBody::be_touched(MovingBody& body, ContactSide& side, std::vector<TouchRow>& rows) {
   const Pose at = body.at_end();
   const double reach = element_reach_m(), radius = body.shape->sphere_radius_m;
   const double around = 1.1 * reach_m_ + reach + radius;
@@ -252,9 +249,8 @@ void CellsBody::be_touched(MovingBody& body, ContactSide& side) {
   for (const Vector3d& point : body.shape->contact_points_m) offer(at.position_m + turn * point);
   if (points.empty()) return;
   const Vector3d room = Vector3d::Constant(reach + radius);
-  const auto node_at = [&](uint32_t node) { return Vector3d(origin_m_ + nodes_.corrected_m(node)); };
   std::vector<SurfaceElement> elements;
-  list_elements(AlignedBox3d(box.min() - room, box.max() + room), node_at, elements);
+  surface_elements(AlignedBox3d(box.min() - room, box.max() + room), elements);
   if (elements.empty()) return;
   const ElementGrid grid(elements, reach + radius);
   for (const Vector3d& point : points) {
@@ -265,87 +261,66 @@ void CellsBody::be_touched(MovingBody& body, ContactSide& side) {
     row.a = &side;
     row.b = &body;
     row.point_m = point - radius * depth->normal;
-    row.spot_a = find_spot(depth->element, point - depth->distance_m * depth->normal, node_at);
+    row.spot_a = spot_at(depth->element, point - depth->distance_m * depth->normal);
     row.spot_b = body.spot_at(row.point_m);
     row.normal = -depth->normal;
     row.gap_m = depth->distance_m - radius;
     row.friction = mixed_friction(material_.friction, body.friction);
-    rows_.push_back(row);
-    row_ids_.push_back(body.contact_id);
+    row.met_id = body.contact_id;
+    rows.push_back(row);
   }
 }
 
-// This body's points against another elastic body, which stands where it is when it has taken this substep and goes on
-// at its present velocity when it has not.
-void CellsBody::touch_elastic(const ElasticNeighbour& other, ContactSide& side, ContactSide& other_side, double ahead_s,
-                              double response_s, double h) {
+// This body's points against another elastic body.
+void CellsBody::touch_elastic(const ElasticNeighbour& other, ContactSide& side, double h, std::vector<TouchRow>& rows) {
   const double reach = other.body->element_reach_m();
   const Vector3d centre = origin_m_ + motion_.centre_m;
   const Vector3d around = Vector3d::Constant(1.1 * reach_m_ + h * motion_.velocity_m_s().norm() + reach);
   std::vector<SurfaceElement> elements;
-  other.body->surface_elements(AlignedBox3d(centre - around, centre + around), ahead_s, elements);
+  other.body->surface_elements(AlignedBox3d(centre - around, centre + around), elements);
   if (elements.empty()) return;
   const Vector3d way = h * (motion_.velocity_m_s() - other.body->velocity_m_s());
   AlignedBox3d box;
   for (const SurfaceElement& element : elements) box.extend(element.position_m);
   const Vector3d room = Vector3d::Constant(reach) + way.cwiseAbs();
   std::vector<SurfaceElement> points;
-  list_elements(AlignedBox3d(box.min() - room, box.max() + room),
-                [&](uint32_t node) { return Vector3d(origin_m_ + nodes_.corrected_m(node)); }, points);
+  surface_elements(AlignedBox3d(box.min() - room, box.max() + room), points);
   if (points.empty()) return;
   const ElementGrid grid(elements, reach);
   const double friction = mixed_friction(material_.friction, other.body->material().friction);
-  for (const SurfaceElement& point : points) {
-    const auto depth = grid.depth_after_way(point.position_m, way);
+  for (size_t k = 0, end = 0; k < points.size(); k = end) {
+    for (end = k; end < points.size() && points[end].index == points[k].index; ++end) {}  // one point's faces
+    const SurfaceElement& point = points[k];
+    const auto depth = grid.depth_after_way(point.position_m, way, {&point, end - k});
     if (!depth || depth->distance_m > kRowMargin * extent_.box_edge_m) continue;
     TouchRow row;
     row.a = &side;
-    row.b = &other_side;
+    row.b = &other.body->contact_side(h);
     row.spot_a.sample = surface_[point.index];
     row.point_m = point.position_m;
-    row.spot_b = other.body->spot_at(depth->element, point.position_m - depth->distance_m * depth->normal, ahead_s);
-    row.spot_b.base_m = (h - response_s) * other.body->spot_velocity_m_s(row.spot_b);
+    row.spot_b = other.body->spot_at(depth->element, point.position_m - depth->distance_m * depth->normal);
     row.normal = depth->normal;
     row.gap_m = depth->distance_m;
     row.friction = friction;
-    rows_.push_back(row);
-    row_ids_.push_back(other.contact_id);
+    row.met_id = other.contact_id;
+    rows.push_back(row);
   }
 }
 
-// In a step of `h` that begins `began_s` after the substep did.
-void CellsBody::resolve_moving(double began_s, double h, double step_s, const SubstepContext& context) {
-  spot_touches_.clear();
+void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& context, std::vector<TouchRow>& rows) {
   if (context.bodies.empty() && context.others.empty()) return;
-  rows_.clear();
-  row_ids_.clear();
-  const double elapsed_s = began_s + h;
-  StepSide side(*this, step_s);
+  ContactSide& side = contact_side(part.duration_s);
   double fastest = 0.0;
   bool same = touch_ids_.size() == context.bodies.size();
   for (size_t k = 0; k < context.bodies.size(); ++k) {
-    context.bodies[k]->begin_step(began_s, h, context.duration_s);
     fastest = std::max(fastest, context.bodies[k]->fastest_m_s());
     same = same && touch_ids_[k] == context.bodies[k]->contact_id;
   }
-  touch_margin_m_ -= 1.5 * h * (own_speed_m_s() + fastest);
+  touch_margin_m_ -= 1.5 * part.duration_s * (own_speed_m_s() + fastest);
   if (touch_margin_m_ <= 0.0 || !same) find_touchable(context);
-  touch_rigid(side, context);
-  for (MovingBody* body : context.bodies) be_touched(*body, side);
-  std::vector<NeighbourSide> neighbours;
-  neighbours.reserve(context.others.size());  // rows point at them
-  for (const ElasticNeighbour& other : context.others) {
-    const double response_s = other.stepped ? h : elapsed_s;
-    neighbours.emplace_back(*other.body, response_s);
-    touch_elastic(other, side, neighbours.back(), other.stepped ? elapsed_s - context.duration_s : elapsed_s,
-                  response_s, h);
-  }
-  if (rows_.empty()) return;
-  if (solve_rows(rows_, h, backward_)) touching_ = true;
-  if (!context.met) return;
-  for (size_t k = 0; k < rows_.size(); ++k) {
-    if (rows_[k].normal_impulse_n_s > 0.0) context.met->push_back(row_ids_[k]);
-  }
+  touch_rigid(side, context, rows);
+  for (MovingBody* body : context.bodies) be_touched(*body, side, rows);
+  for (const ElasticNeighbour& other : context.others) touch_elastic(other, side, part.duration_s, rows);
 }
 
 }  // namespace livegs

@@ -51,27 +51,23 @@ double solve(TouchRow& row) {
 
 }  // namespace
 
-bool solve_rows(std::vector<TouchRow>& rows, double step_s, bool backward) {
+void solve_rows(std::vector<TouchRow>& rows, double step_s) {
   for (TouchRow& row : rows) prepare(row, step_s);
   for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
     double changed = 0.0, total = 0.0;
     for (size_t n = 0; n < rows.size(); ++n) {
-      TouchRow& row = rows[backward ? rows.size() - 1 - n : n];
+      TouchRow& row = rows[sweep % 2 ? rows.size() - 1 - n : n];
       changed += solve(row);
       total += row.normal_impulse_n_s;
     }
     if (changed <= kSettled * total) break;
-    backward = !backward;
   }
-  bool pushed = false;
   for (TouchRow& row : rows) {
     if (row.normal_impulse_n_s <= 0.0) continue;
-    pushed = true;
     const Vector3d impulse = row.normal_impulse_n_s * row.normal + row.friction_impulse_n_s;
     row.a->count(row.spot_a, row.point_m, impulse);
     row.b->count(row.spot_b, row.point_m, -impulse);
   }
-  return pushed;
 }
 
 }  // namespace livegs

@@ -7,9 +7,9 @@
 
 #include "physics/cell_nodes.h"
 
-// Contact between an elastic body in the middle of its step and something else that moves: rows with accumulated
-// impulses, solved together by projected Gauss-Seidel (Erleben 2007, Velocity-based shock propagation, section 2),
-// so that the points under a heavy or a light body share its weight. In double; one thread.
+// Contact between elastic bodies in the middle of their steps and what else moves: rows with accumulated impulses,
+// solved together by projected Gauss-Seidel (Erleben 2007, Velocity-based shock propagation, section 2), so that the
+// points under a heavy or a light body share its weight. In double; one thread.
 
 namespace livegs {
 
@@ -42,6 +42,7 @@ struct TouchRow {
   Eigen::Vector3d normal;      // unit, world, from b towards a
   double gap_m = 0.0;          // at the end of the step if nothing acts; negative when overlapping
   double friction = 0.0;
+  uint64_t met_id = 0;         // whom the body meets that listed it
 
   // Set by solve_rows.
   Eigen::Vector3d way_before_m;           // of a relative to b
@@ -56,7 +57,6 @@ inline constexpr double kContactPushSpeed_m_s = 0.5;
 
 // Takes every row's gap to zero or more at the end of the step of `step_s`; friction keeps the points together since
 // the start of the step, within Coulomb's cone. There is no restitution: how a soft body bounces is up to its material.
-// Returns whether any row pushed.
-bool solve_rows(std::vector<TouchRow>& rows, double step_s, bool backward);
+void solve_rows(std::vector<TouchRow>& rows, double step_s);
 
 }  // namespace livegs

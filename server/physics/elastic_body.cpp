@@ -6,6 +6,7 @@
 
 #include "physics/cells_body.h"
 #include "physics/livegs_v1_body.h"
+#include "physics/step_elastic_bodies.h"
 
 namespace livegs {
 namespace {
@@ -134,12 +135,9 @@ Result<std::unique_ptr<ElasticBody>> make_elastic_body(const ElasticBodyDescript
   return std::unique_ptr<ElasticBody>(std::make_unique<CellsBody>(description, rate_hz, substeps, may_sleep));
 }
 
-void ElasticBody::surface_elements(const Eigen::AlignedBox3d&, double, std::vector<SurfaceElement>&) const {}
-ContactSpot ElasticBody::spot_at(uint32_t, const Vector3d&, double) const { return {}; }
-double ElasticBody::spot_mobility(const ContactSpot&) const { return 0.0; }
-Vector3d ElasticBody::spot_velocity_m_s(const ContactSpot&) const { return Vector3d::Zero(); }
-void ElasticBody::push_spot(const ContactSpot&, const Vector3d&, const Vector3d&) {}
-void ElasticBody::settle_spot(const ContactSpot&, const Vector3d&, const Vector3d&) {}
-void ElasticBody::wait_for_company(bool) {}
+void ElasticBody::substep(const SubstepContext& context) {
+  SteppedBody alone{this, context};
+  step_elastic_bodies({&alone, 1});
+}
 
 }  // namespace livegs

@@ -61,11 +61,10 @@ class ElasticBody;
 struct ElasticNeighbour {
   ElasticBody* body;
   uint64_t contact_id;  // as MovingBody
-  bool stepped;  // it has taken this substep already
 };
 
 // What acts on a body in one substep. Moving bodies and neighbours get, at once, the opposite of every impulse that this
-// body gets from them; nobody else may use them meanwhile.
+// body gets from them; nobody else may use them meanwhile. Neighbours take their steps together with it.
 struct SubstepContext {
   double start_s = 0.0;  // time of simulation when the substep begins
   double duration_s = 0.0;
@@ -75,6 +74,12 @@ struct SubstepContext {
   std::span<const ElasticNeighbour> others;  // elastic ones, of the same solver
   std::span<const PointForce> forces;
   std::vector<uint64_t>* met = nullptr;      // gets the ids of those it pushed, once or oftener
+};
+
+// One of the equal steps that a substep is taken in.
+struct SubstepPart {
+  double began_s = 0.0;  // since the substep began
+  double duration_s = 0.0;
 };
 
 struct ParticleState {
@@ -124,32 +129,35 @@ class ElasticBody {
  public:
   virtual ~ElasticBody() = default;
 
-  virtual void substep(const SubstepContext& context) = 0;
+  void substep(const SubstepContext& context);  // of a body without neighbours
+  // The same in parts, for bodies that take it together (step_elastic_bodies.h): begin_substep tells how many steps the
+  // body needs, 0 when there is no more to do (it sleeps, or has flown on as a rigid body). Each step of as many or more
+  // is begin_step (all but contact), list_contacts with what moves, end_step (colliders, and what they all did).
+  virtual int begin_substep(const SubstepContext& context) = 0;
+  virtual void begin_step(const SubstepPart& part, const SubstepContext& context) = 0;
+  virtual void list_contacts(const SubstepPart& part, const SubstepContext& context, std::vector<TouchRow>& rows) = 0;
+  virtual void end_step(const SubstepPart& part, const SubstepContext& context) = 0;
+  virtual void end_substep(const SubstepContext& context) = 0;
   virtual void end_frame(double frame_s) = 0;  // plasticity and the sleep test happen here
 
-  virtual ContactTally take_contacts() { return {}; }
+  virtual ContactTally take_contacts() = 0;
 
-  // For bodies that touch. Defaults: a solver that meets nothing that moves.
-  virtual double reach_m() const { return 0.0; }  // about the centre; nothing of it is farther away
+  // For bodies that touch.
+  virtual double reach_m() const = 0;  // about the centre; nothing of it is farther away
   virtual void expect_contact() {}                // something is near: its surface must be where it is drawn
-  // Elements of the surface within a box as they will be `ahead_s` from now at the present velocities.
-  virtual void surface_elements(const Eigen::AlignedBox3d& within, double ahead_s,
-                                std::vector<SurfaceElement>& elements) const;
-  virtual double element_reach_m() const { return 0.0; }  // see ElementGrid
-  // The material point at `point_m`, near an element.
-  virtual ContactSpot spot_at(uint32_t element, const Eigen::Vector3d& point_m, double ahead_s) const;
-  virtual double spot_mobility(const ContactSpot& spot) const;  // 1/kg
-  virtual Eigen::Vector3d spot_velocity_m_s(const ContactSpot& spot) const;
-  // An impulse between two substeps; a sleeper wakes.
-  virtual void push_spot(const ContactSpot& spot, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s);
-  // Once all impulses of a step at a spot are given: their sum.
-  virtual void settle_spot(const ContactSpot& spot, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s);
+  // Elements of the surface within a box: in the middle of a step where it has come to, between steps where it stands.
+  virtual void surface_elements(const Eigen::AlignedBox3d& within, std::vector<SurfaceElement>& elements) const = 0;
+  virtual double element_reach_m() const = 0;  // see ElementGrid
+  // The material point at `point_m`, near an element, at the same moment.
+  virtual ContactSpot spot_at(uint32_t element, const Eigen::Vector3d& point_m) const = 0;
+  // Takes impulses in a step of `step_s`: in the middle of its own, or as a sleeper, which wakes. Valid for that step.
+  virtual ContactSide& contact_side(double step_s) = 0;
 
   // Sleep in company: with `wait` the body does not fall asleep by itself when it has been still for long enough, but
   // says so, until it is told to.
-  virtual void wait_for_company(bool wait);
-  virtual bool rested() const { return asleep(); }
-  virtual void sleep() {}
+  virtual void wait_for_company(bool wait) = 0;
+  virtual bool rested() const = 0;
+  virtual void sleep() = 0;
 
   // Lets go of a fixed or moved region for good; its other properties stay. False when there is none of that name.
   virtual bool release_region(const std::string& name) = 0;

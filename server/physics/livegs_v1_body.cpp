@@ -38,7 +38,7 @@ LivegsV1Body::LivegsV1Body(const ElasticBodyDescription& description, double rat
   std::vector<bool> outer(count, false);
   for (const SurfacePoint& point : surface_) outer[point.particle] = true;
   for (uint32_t i = 0; i < count; ++i) {
-    if (!outer[i]) contact_points_.push_back({i, rest_m_[i], 0.0, Vector3d::Zero()});
+    if (!outer[i]) contact_points_.push_back({i, rest_m_[i], 0.0, {}});
   }
   for (const double v : volumes_m3_) volume_m3_ += v;
   spacing_m_ = description.particles.spacing_m > 0.0 ? description.particles.spacing_m

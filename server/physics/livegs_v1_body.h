@@ -29,19 +29,19 @@ class LivegsV1Body final : public ElasticBody {
   // Preconditions: a description that make_elastic_body has checked.
   LivegsV1Body(const ElasticBodyDescription& description, double rate_hz, int substeps, bool may_sleep, bool steady);
 
-  void substep(const SubstepContext& context) override;
+  int begin_substep(const SubstepContext& context) override;
+  void begin_step(const SubstepPart& part, const SubstepContext& context) override;
+  void list_contacts(const SubstepPart& part, const SubstepContext& context, std::vector<TouchRow>& rows) override;
+  void end_step(const SubstepPart& part, const SubstepContext& context) override;
+  void end_substep(const SubstepContext& context) override;
   void end_frame(double frame_s) override;
   ContactTally take_contacts() override { return std::exchange(contact_tally_, {}); }
 
   double reach_m() const override { return reach_m_; }
-  void surface_elements(const Eigen::AlignedBox3d& within, double ahead_s,
-                        std::vector<SurfaceElement>& elements) const override;
+  void surface_elements(const Eigen::AlignedBox3d& within, std::vector<SurfaceElement>& elements) const override;
   double element_reach_m() const override;
-  ContactSpot spot_at(uint32_t element, const Eigen::Vector3d& point_m, double ahead_s) const override;
-  double spot_mobility(const ContactSpot& spot) const override;
-  Eigen::Vector3d spot_velocity_m_s(const ContactSpot& spot) const override;
-  void push_spot(const ContactSpot& spot, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) override;
-  void settle_spot(const ContactSpot& spot, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) override;
+  ContactSpot spot_at(uint32_t element, const Eigen::Vector3d& point_m) const override;
+  ContactSide& contact_side(double step_s) override;
   void wait_for_company(bool wait) override { rest_clock_.wait(wait); }
   bool rested() const override { return rest_clock_.rested(); }
   void sleep() override;
@@ -98,15 +98,15 @@ class LivegsV1Body final : public ElasticBody {
 
   // livegs_v1_step.cpp
   int steps_of(const SubstepContext& context);
-  void step(const SubstepContext& context, double start_s, double h);
   void drive(const SubstepContext& context, double end_s, double h);
   void resolve_contacts(const SubstepContext& context, double h);
 
   // livegs_v1_touch.cpp
-  class StepSide;
+  class Side;
+  double mobility(uint32_t particle) const { return held(particle) ? 0.0 : 1.0 / masses_kg_[particle]; }
+  void push_particle(uint32_t particle, const Vector3d& impulse_n_s);
   void count_contact(const Vector3d& point_m, double impulse_n_s);
   bool meets_awake(const SubstepContext& context) const;
-  void resolve_moving(double began_s, double h, const SubstepContext& context);
 
   double blend(double h) const;
   double apparent_modulus_pa(double h) const;
@@ -143,6 +143,8 @@ class LivegsV1Body final : public ElasticBody {
   double reach_m_ = 0.0;
   std::vector<const Collider*> reachable_;
   ContactTally contact_tally_;
+  std::unique_ptr<ContactSide> side_;
+  bool in_step_ = false;
   bool touching_ = false, forced_ = false, supported_ = false;
   bool warned_of_step_ = false;
   Eigen::Quaterniond orientation_;

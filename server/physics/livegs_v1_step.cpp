@@ -39,21 +39,20 @@ std::optional<Meeting> first_meeting(const Collider& collider, const Vector3d& s
 
 }  // namespace
 
-void LivegsV1Body::substep(const SubstepContext& context) {
+int LivegsV1Body::begin_substep(const SubstepContext& context) {
   const double end_s = context.start_s + context.duration_s;
-  bool forced = driven(context.start_s, end_s);
-  for (const PointForce& force : context.forces) forced = forced || force.force_n.squaredNorm() > 0.0;
+  forced_ = driven(context.start_s, end_s);
+  for (const PointForce& force : context.forces) forced_ = forced_ || force.force_n.squaredNorm() > 0.0;
   if (asleep()) {
-    const bool touched = forced || meets_awake(context);
-    if (!touched) return;
+    const bool touched = forced_ || meets_awake(context);
+    if (!touched) return 0;
     wake();
   }
   touching_ = false;
-  const int steps = steps_of(context);
-  for (int i = 0; i < steps; ++i) {
-    step(context, context.start_s + context.duration_s * i / steps, context.duration_s / steps);
-  }
-  forced_ = forced;
+  return steps_of(context);
+}
+
+void LivegsV1Body::end_substep(const SubstepContext& context) {
   supported_ = touching_ || held_ || context.gravity_m_s2.squaredNorm() == 0.0;
 }
 
@@ -73,16 +72,21 @@ int LivegsV1Body::steps_of(const SubstepContext& context) {
   return refused ? 0 : static_cast<int>(steps);
 }
 
-void LivegsV1Body::step(const SubstepContext& context, double start_s, double h) {
-  drive(context, start_s + h, h);
-  match_shapes(blend(h));
-  resolve_moving(start_s - context.start_s, h, context);
+void LivegsV1Body::begin_step(const SubstepPart& part, const SubstepContext& context) {
+  drive(context, context.start_s + part.began_s + part.duration_s, part.duration_s);
+  match_shapes(blend(part.duration_s));
+  in_step_ = true;
+}
+
+void LivegsV1Body::end_step(const SubstepPart& part, const SubstepContext& context) {
+  const double h = part.duration_s;
   resolve_contacts(context, h);
   for (size_t i = 0; i < positions_m_.size(); ++i) velocities_m_s_[i] = (predicted_m_[i] - positions_m_[i]) / h;
   std::swap(positions_m_, predicted_m_);
   motion_ = mass_motion(positions_m_, velocities_m_s_, masses_kg_);
   reach_m_ = 0.0;
   for (const Vector3d& x : positions_m_) reach_m_ = std::max(reach_m_, (x - motion_.centre_m).norm());
+  in_step_ = false;
 }
 
 // Damping takes from the deviation of old velocities from the body's motion as a whole, which is none for a body that

@@ -6,7 +6,6 @@
 
 #include "physics/livegs_v1_body.h"
 #include "physics/moving_body.h"
-#include "physics/neighbour_side.h"
 
 namespace livegs {
 namespace {
@@ -30,55 +29,54 @@ uint32_t particle_of(const ContactSpot& spot) { return spot.sample.nodes[0]; }
 
 }  // namespace
 
-// This body in the middle of its step of `h`.
-class LivegsV1Body::StepSide final : public ContactSide {
+// In the middle of a step, or as a sleeper that is pushed.
+class LivegsV1Body::Side final : public ContactSide {
  public:
-  StepSide(LivegsV1Body& body, double h) : body_(body), h_(h) {}
+  explicit Side(LivegsV1Body& body) : body_(body) {}
+  double step_s = 0.0;
+
   Matrix3d response(const ContactSpot& spot) const override {
-    return h_ * body_.spot_mobility(spot) * Matrix3d::Identity();
+    return step_s * body_.mobility(particle_of(spot)) * Matrix3d::Identity();
   }
   Vector3d way_m(const ContactSpot& spot) const override {
+    if (!body_.in_step_) return step_s * body_.velocities_m_s_[particle_of(spot)];
     return body_.predicted_m_[particle_of(spot)] - body_.positions_m_[particle_of(spot)];
   }
   void give(const ContactSpot& spot, const Vector3d&, const Vector3d& impulse) override {
-    body_.predicted_m_[particle_of(spot)] += h_ * body_.spot_mobility(spot) * impulse;
+    if (!body_.in_step_) return body_.push_particle(particle_of(spot), impulse);
+    body_.predicted_m_[particle_of(spot)] += step_s * body_.mobility(particle_of(spot)) * impulse;
   }
   void count(const ContactSpot&, const Vector3d& point, const Vector3d& impulse) override {
     body_.count_contact(point, impulse.norm());
+    body_.touching_ = true;
   }
 
  private:
   LivegsV1Body& body_;
-  double h_;
 };
 
-void LivegsV1Body::surface_elements(const AlignedBox3d& within, double ahead_s,
-                                    std::vector<SurfaceElement>& elements) const {
+ContactSide& LivegsV1Body::contact_side(double step_s) {
+  if (!side_) side_ = std::make_unique<Side>(*this);
+  static_cast<Side&>(*side_).step_s = step_s;
+  return *side_;
+}
+
+void LivegsV1Body::surface_elements(const AlignedBox3d& within, std::vector<SurfaceElement>& elements) const {
   for (const SurfacePoint& point : surface_) {
-    const Vector3d at = origin_m_ + positions_m_[point.particle] + ahead_s * velocities_m_s_[point.particle];
+    const Vector3d at = origin_m_ + (in_step_ ? predicted_m_ : positions_m_)[point.particle];
     if (within.contains(at)) elements.push_back({at, Vector3d::Zero(), std::max(point.radius_m, 0.5 * spacing_m_), point.particle});
   }
 }
 
 double LivegsV1Body::element_reach_m() const { return kElementReach * spacing_m_; }
-ContactSpot LivegsV1Body::spot_at(uint32_t element, const Vector3d&, double) const { return spot_of(element); }
+ContactSpot LivegsV1Body::spot_at(uint32_t element, const Vector3d&) const { return spot_of(element); }
 
-double LivegsV1Body::spot_mobility(const ContactSpot& spot) const {
-  return held(particle_of(spot)) ? 0.0 : 1.0 / masses_kg_[particle_of(spot)];
-}
-
-Vector3d LivegsV1Body::spot_velocity_m_s(const ContactSpot& spot) const { return velocities_m_s_[particle_of(spot)]; }
-
-void LivegsV1Body::push_spot(const ContactSpot& spot, const Vector3d&, const Vector3d& impulse_n_s) {
+void LivegsV1Body::push_particle(uint32_t particle, const Vector3d& impulse_n_s) {
   if (asleep()) wake();
-  if (held(particle_of(spot))) return;
-  velocities_m_s_[particle_of(spot)] += spot_mobility(spot) * impulse_n_s;
+  if (held(particle)) return;
+  velocities_m_s_[particle] += mobility(particle) * impulse_n_s;
   motion_.momentum += impulse_n_s;
-  motion_.angular_momentum += (positions_m_[particle_of(spot)] - motion_.centre_m).cross(impulse_n_s);
-}
-
-void LivegsV1Body::settle_spot(const ContactSpot&, const Vector3d& point_m, const Vector3d& impulse_n_s) {
-  count_contact(point_m, impulse_n_s.norm());
+  motion_.angular_momentum += (positions_m_[particle] - motion_.centre_m).cross(impulse_n_s);
 }
 
 void LivegsV1Body::count_contact(const Vector3d& point_m, double impulse_n_s) {
@@ -107,13 +105,11 @@ bool LivegsV1Body::meets_awake(const SubstepContext& context) const {
   return false;
 }
 
-// In a step of `h` that begins `began_s` after the substep did.
-void LivegsV1Body::resolve_moving(double began_s, double h, const SubstepContext& context) {
+void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& context, std::vector<TouchRow>& rows) {
   if (context.bodies.empty() && context.others.empty()) return;
-  std::vector<TouchRow> rows;
-  std::vector<uint64_t> met;
-  StepSide side(*this, h);
-  const double elapsed_s = began_s + h, margin = kRowMargin * spacing_m_;
+  const double h = part.duration_s;
+  ContactSide& side = contact_side(h);
+  const double margin = kRowMargin * spacing_m_;
   const Vector3d centre = origin_m_ + motion_.centre_m, way = h * motion_.velocity_m_s();
   const double around = 1.1 * (reach_m_ + spacing_m_) + way.norm();
   AlignedBox3d box;
@@ -121,7 +117,6 @@ void LivegsV1Body::resolve_moving(double began_s, double h, const SubstepContext
 
   std::vector<SurfaceElement> own;
   for (MovingBody* body : context.bodies) {
-    body->begin_step(began_s, h, context.duration_s);
     const Pose from_before = body->before.inverse(), at = body->at_end(), from_at = at.inverse();
     if (body->shape->sample(from_at * centre).distance_m > around + h * body->fastest_m_s()) continue;
     const double friction = mixed_friction(material_.friction, body->friction);
@@ -136,8 +131,8 @@ void LivegsV1Body::resolve_moving(double began_s, double h, const SubstepContext
       row.normal = normal;
       row.gap_m = gap;
       row.friction = friction;
+      row.met_id = body->contact_id;
       rows.push_back(row);
-      met.push_back(body->contact_id);
     };
     for (const SurfacePoint& point : contact_points_) {
       const DistanceField::Sample found =
@@ -160,15 +155,10 @@ void LivegsV1Body::resolve_moving(double began_s, double h, const SubstepContext
       if (depth && depth->distance_m <= 0.0) add(depth->element, -depth->normal, depth->distance_m);
     }
   }
-  std::vector<NeighbourSide> sides;
-  sides.reserve(context.others.size());  // rows point at them
   for (const ElasticNeighbour& other : context.others) {
-    const double response_s = other.stepped ? h : elapsed_s;
-    sides.emplace_back(*other.body, response_s);
     std::vector<SurfaceElement> elements;
     const Vector3d room = Vector3d::Constant(other.body->element_reach_m());
-    other.body->surface_elements(AlignedBox3d(box.min() - room, box.max() + room),
-                                 other.stepped ? elapsed_s - context.duration_s : elapsed_s, elements);
+    other.body->surface_elements(AlignedBox3d(box.min() - room, box.max() + room), elements);
     if (elements.empty()) continue;
     const ElementGrid grid(elements, other.body->element_reach_m());
     const double friction = mixed_friction(material_.friction, other.body->material().friction);
@@ -178,23 +168,16 @@ void LivegsV1Body::resolve_moving(double began_s, double h, const SubstepContext
       if (!depth || depth->distance_m - point.radius_m > margin) continue;
       TouchRow row;
       row.a = &side;
-      row.b = &sides.back();
+      row.b = &other.body->contact_side(h);
       row.spot_a = spot_of(point.particle);
       row.spot_b = spot_of(depth->element);
-      row.spot_b.base_m = (h - response_s) * other.body->spot_velocity_m_s(row.spot_b);
       row.point_m = at;
       row.normal = depth->normal;
       row.gap_m = depth->distance_m - point.radius_m;
       row.friction = friction;
+      row.met_id = other.contact_id;
       rows.push_back(row);
-      met.push_back(other.contact_id);
     }
-  }
-  if (rows.empty()) return;
-  if (solve_rows(rows, h, false)) touching_ = true;
-  if (!context.met) return;
-  for (size_t k = 0; k < rows.size(); ++k) {
-    if (rows[k].normal_impulse_n_s > 0.0) context.met->push_back(met[k]);
   }
 }
 

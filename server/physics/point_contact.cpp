@@ -83,7 +83,7 @@ std::vector<SurfacePoint> surface_points(const ParticleSet& particles) {
   for (size_t i = 0; i < count; ++i) {
     const Vector3d& p = particles.positions_m[i];
     if (on_surface(i)) {
-      points.push_back({static_cast<uint32_t>(i), p, 0.0, away_from_material(p)});
+      points.push_back({static_cast<uint32_t>(i), p, 0.0, {away_from_material(p)}});
       continue;
     }
     std::array<std::array<bool, 2>, 3> open{};  // whether nothing lies on each side
@@ -106,8 +106,12 @@ std::vector<SurfacePoint> surface_points(const ParticleSet& particles) {
           for (int d = 0; d < 3; ++d) {
             outermost = outermost && (side[d] ? open[d][side[d] > 0] : !open[d][0] && !open[d][1]);
           }
-          const Vector3d out(x, y, z);
-          if (outermost) points.push_back({static_cast<uint32_t>(i), p + 0.5 * edge * out, 0.5 * edge, out.normalized()});
+          if (!outermost) continue;
+          SurfacePoint& point = points.emplace_back(
+              SurfacePoint{static_cast<uint32_t>(i), p + 0.5 * edge * Vector3d(x, y, z), 0.5 * edge, {}});
+          for (int d = 0; d < 3; ++d) {
+            if (side[d]) point.normals.push_back(side[d] * Vector3d::Unit(d));
+          }
         }
       }
     }

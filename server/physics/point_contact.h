@@ -18,7 +18,8 @@ struct SurfacePoint {
   uint32_t particle;
   Eigen::Vector3d rest_m;  // object frame
   double radius_m;         // from the particle, when it is taken for a ball around its centre
-  Eigen::Vector3d normal;  // outwards, unit, object frame
+  // Outwards, unit, object frame: of each face that meets there, at an edge or a corner of voxels two or three.
+  std::vector<Eigen::Vector3d> normals;
 };
 // Mesh vertices stand on the surface. Voxels count where they are at the edge of the body and no vertex is near, since
 // a coarse mesh has few vertices and a cloud of points none: by the middle of their outer face, edge or corner, two to

@@ -13,8 +13,18 @@ using Eigen::Vector3i;
 
 constexpr int kMostCells = 32;       // along an axis
 constexpr int kMostNear = 48;        // elements that speak for one place
-constexpr double kSameSide = 0.5;    // of the nearest one's normal: the other faces of an edge stay out
+constexpr int kMostFaces = 3;        // that meet at one place
+constexpr double kSameSide = 0.5;    // cosine between normals of one face
+constexpr double kFlat = 1e-3;       // of the reach: how hollow an edge may be and still count as convex
+constexpr double kFacing = -0.3;     // cosine between normals of points that look at each other
 constexpr int kMostProbes = 64;
+
+bool faces(std::span<const SurfaceElement> own, const Vector3d& normal) {
+  for (const SurfaceElement& face : own) {
+    if (face.normal.dot(normal) < kFacing) return true;
+  }
+  return false;
+}
 
 }  // namespace
 
@@ -42,7 +52,7 @@ ElementGrid::ElementGrid(const std::vector<SurfaceElement>& elements, double rea
   for (uint32_t i = 0; i < elements.size(); ++i) sorted_[next[cell_of(elements[i].position_m)]++] = i;
 }
 
-std::optional<SurfaceDepth> ElementGrid::depth(const Vector3d& point_m) const {
+std::optional<SurfaceDepth> ElementGrid::depth(const Vector3d& point_m, std::span<const SurfaceElement> own) const {
   if (elements_.empty()) return std::nullopt;
   const Vector3d low = (point_m - low_m_).array() - reach_m_, high = (point_m - low_m_).array() + reach_m_;
   const Eigen::Array3i first = (low / cell_m_).array().floor().max(-1.0).min(1e6).cast<int>().max(0);
@@ -76,41 +86,62 @@ std::optional<SurfaceDepth> ElementGrid::depth(const Vector3d& point_m) const {
     }
   }
   if (nearest < 0) return std::nullopt;
-  const SurfaceElement& own = elements_[near[nearest]];
-  if (own.normal.squaredNorm() < 0.5) {  // balls: the nearest one alone
-    const Vector3d away = point_m - own.position_m;
+  const SurfaceElement& first_lead = elements_[near[nearest]];
+  if (first_lead.normal.squaredNorm() < 0.5) {  // balls: the nearest one alone
+    const Vector3d away = point_m - first_lead.position_m;
     const double distance = away.norm();
-    return SurfaceDepth{distance - own.radius_m, distance > 0.0 ? Vector3d(away / distance) : Vector3d::UnitY(),
-                        own.index};
+    return SurfaceDepth{distance - first_lead.radius_m, distance > 0.0 ? Vector3d(away / distance) : Vector3d::UnitY(),
+                        first_lead.index};
   }
-  double weights = 0.0, distance = 0.0;
-  Vector3d normal = Vector3d::Zero();
-  for (int k = 0; k < count; ++k) {
-    const SurfaceElement& element = elements_[near[k]];
-    if (element.normal.dot(own.normal) < kSameSide) continue;
-    const double part = 1.0 - squares[k] / (reach_m_ * reach_m_), weight = part * part;
-    weights += weight;
-    distance += weight * element.normal.dot(point_m - element.position_m);
-    normal += weight * element.normal;
+  // Faces, the nearest first. Those beyond an edge that is hollow do not count.
+  std::optional<SurfaceDepth> deepest, facing;
+  std::array<bool, kMostNear> taken{};
+  int leader = nearest;
+  for (int face = 0; face < kMostFaces && leader >= 0; ++face) {
+    const SurfaceElement& lead = elements_[near[leader]];
+    double weights = 0.0, distance = 0.0;
+    Vector3d normal = Vector3d::Zero();
+    for (int k = 0; k < count; ++k) {
+      const SurfaceElement& element = elements_[near[k]];
+      if (element.normal.dot(lead.normal) < kSameSide) continue;
+      taken[k] = true;
+      const double part = 1.0 - squares[k] / (reach_m_ * reach_m_), weight = part * part;
+      weights += weight;
+      distance += weight * element.normal.dot(point_m - element.position_m);
+      normal += weight * element.normal;
+    }
+    const Vector3d across = lead.position_m - first_lead.position_m;
+    const bool convex = across.dot(first_lead.normal) <= kFlat * reach_m_ && across.dot(lead.normal) >= -kFlat * reach_m_;
+    if (convex) {
+      const double length = normal.norm();
+      SurfaceDepth found{distance / weights, normal / length, lead.index};
+      if (!(length > 0.0)) found = {lead.normal.dot(point_m - lead.position_m), lead.normal, lead.index};
+      if (!deepest || found.distance_m > deepest->distance_m) deepest = found;
+      if (faces(own, found.normal) && (!facing || found.distance_m > facing->distance_m)) facing = found;
+    }
+    leader = -1;
+    for (int k = 0; k < count; ++k) {
+      if (!taken[k] && (leader < 0 || squares[k] < squares[leader])) leader = k;
+    }
   }
-  const double length = normal.norm();
-  if (!(length > 0.0)) return SurfaceDepth{own.normal.dot(point_m - own.position_m), own.normal, own.index};
-  return SurfaceDepth{distance / weights, normal / length, own.index};
+  if (own.empty() || deepest->distance_m > 0.0) return deepest;
+  return facing;
 }
 
-std::optional<SurfaceDepth> ElementGrid::depth_after_way(const Vector3d& end_m, const Vector3d& way_m) const {
+std::optional<SurfaceDepth> ElementGrid::depth_after_way(const Vector3d& end_m, const Vector3d& way_m,
+                                                         std::span<const SurfaceElement> own) const {
   const double length = way_m.norm();
   if (length > 0.5 * reach_m_) {
     const int probes = static_cast<int>(std::min<double>(kMostProbes, std::ceil(length / (0.5 * reach_m_))));
     for (int k = 0; k < probes; ++k) {
       const Vector3d rest = (1.0 - static_cast<double>(k) / probes) * way_m;
-      auto found = depth(end_m - rest);
+      auto found = depth(end_m - rest, own);
       if (!found || found->distance_m > 0.0 || found->normal.dot(way_m) >= 0.0) continue;
       found->distance_m += found->normal.dot(rest);
       return found;
     }
   }
-  return depth(end_m);
+  return depth(end_m, own);
 }
 
 }  // namespace livegs

@@ -5,12 +5,14 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 // The surface of a deformed body as points with normals, to ask how deep something is inside it: the signed distance
 // is the weighted mean of the distances to the tangent planes of nearby points (implicit moving least squares, Kolluri
-// 2008). Exact on flat faces however coarse; on a surface of curvature k it is off by up to k s²/8, s the spacing of the
-// points, and within s of a convex edge by up to 0.2 s.
+// 2008). Points of faces that meet in an edge are kept apart: within a convex edge the distance is the largest of the
+// faces' (their intersection). Exact on flat faces and edges however coarse; on a surface of curvature k it is off by up
+// to k s²/8, s the spacing of the points.
 
 namespace livegs {
 
@@ -34,11 +36,13 @@ class ElementGrid {
   // `reach_m`: how far from an element it speaks for the surface; 1.5 spacings leave no gap. Keeps a view of `elements`.
   ElementGrid(const std::vector<SurfaceElement>& elements, double reach_m);
 
-  // Nothing where no element is within reach.
-  std::optional<SurfaceDepth> depth(const Eigen::Vector3d& point_m) const;
+  // Nothing where no element is within reach. `own` are the faces of the asking point, if it lies on a surface: inside
+  // an edge the face it is measured from is one that they look at, and there is nothing where they look at none.
+  std::optional<SurfaceDepth> depth(const Eigen::Vector3d& point_m, std::span<const SurfaceElement> own = {}) const;
   // The same for a point that comes along `way_m`: followed in steps of half the reach, so that it meets the side it
   // came from; the distance is that of its end.
-  std::optional<SurfaceDepth> depth_after_way(const Eigen::Vector3d& end_m, const Eigen::Vector3d& way_m) const;
+  std::optional<SurfaceDepth> depth_after_way(const Eigen::Vector3d& end_m, const Eigen::Vector3d& way_m,
+                                              std::span<const SurfaceElement> own = {}) const;
 
  private:
   const std::vector<SurfaceElement>& elements_;

@@ -26,7 +26,7 @@ Vector3d bounded(const Vector3d& v, double limit) {
 }  // namespace
 
 // The copies of rigid bodies for this substep; every elastic body's neighbours; and the groups that share any.
-std::vector<std::vector<ElasticObject*>> World::State::meet(double duration_s) {
+std::vector<std::vector<World::State::SteppedTogether>> World::State::meet(double duration_s) {
   if (elastic_objects.empty()) return {};
   const double gain_m_s = duration_s * settings.gravity_m_s2.norm();
   for (size_t i = 0; i < rigid_bodies.size(); ++i) {
@@ -50,7 +50,7 @@ std::vector<std::vector<ElasticObject*>> World::State::meet(double duration_s) {
   }
 
   const size_t count = elastic_objects.size();
-  DisjointSets sets(count + rigid_bodies.size());
+  DisjointSets sets(count + rigid_bodies.size()), together(count);
   for (size_t i = 0; i < count; ++i) {
     elastic_objects[i]->near_bodies.clear();
     elastic_objects[i]->near_elastic.clear();
@@ -67,9 +67,9 @@ std::vector<std::vector<ElasticObject*>> World::State::meet(double duration_s) {
       MovingBody& other = moving_bodies[k];
       if (asleep && other.asleep) continue;
       const double reach = own_reach + duration_s * other.fastest_m_s();
-      const double together = reach + other.shape->bounding_radius_m;
+      const double apart = reach + other.shape->bounding_radius_m;
       const Vector3d between = centre - other.start.position_m;
-      if (between.squaredNorm() > together * together) continue;
+      if (between.squaredNorm() > apart * apart) continue;
       if (other.shape->sample(other.start.orientation.conjugate() * between).distance_m > reach) continue;
       elastic.near_bodies.push_back(&other);
       sets.join(static_cast<uint32_t>(i), static_cast<uint32_t>(count + k));
@@ -83,13 +83,18 @@ std::vector<std::vector<ElasticObject*>> World::State::meet(double duration_s) {
       if ((other.body->centre_m() - centre).squaredNorm() > reach * reach) continue;
       elastic.body->expect_contact();
       other.body->expect_contact();
-      elastic.near_elastic.push_back({other.body.get(), elastic_contact_id(other.object_id), false});
-      other.near_elastic.push_back({elastic.body.get(), elastic_contact_id(elastic.object_id), true});
+      elastic.near_elastic.push_back({other.body.get(), elastic_contact_id(other.object_id)});
+      other.near_elastic.push_back({elastic.body.get(), elastic_contact_id(elastic.object_id)});
+      together.join(static_cast<uint32_t>(i), static_cast<uint32_t>(k));
       sets.join(static_cast<uint32_t>(i), static_cast<uint32_t>(k));
     }
   }
-  std::vector<std::vector<ElasticObject*>> groups(count);
-  for (uint32_t i = 0; i < count; ++i) groups[sets.root(i)].push_back(elastic_objects[i]);
+  std::vector<SteppedTogether> stepped(count);
+  for (uint32_t i = 0; i < count; ++i) stepped[together.root(i)].push_back(elastic_objects[i]);
+  std::vector<std::vector<SteppedTogether>> groups(count);
+  for (uint32_t i = 0; i < count; ++i) {
+    if (!stepped[i].empty()) groups[sets.root(i)].push_back(std::move(stepped[i]));
+  }
   std::erase_if(groups, [](const auto& group) { return group.empty(); });
   return groups;
 }

@@ -165,7 +165,9 @@ struct World::State {
   void step_elastic(double start_s, double duration_s);
   void step_rigid(double duration_s);
   // world_contact.cpp
-  std::vector<std::vector<ElasticObject*>> meet(double duration_s);
+  // Elastic bodies that may touch each other step together; groups of those that share a rigid body, one after another.
+  using SteppedTogether = std::vector<ElasticObject*>;
+  std::vector<std::vector<SteppedTogether>> meet(double duration_s);
   void take_impulses(double duration_s);
   void wake_company();
   bool wake_body(uint64_t contact_id, bool awake);

@@ -4,6 +4,7 @@
 
 #include "core/clock.h"
 #include "core/parallel_for.h"
+#include "physics/step_elastic_bodies.h"
 #include "physics/world_state.h"
 
 namespace livegs {
@@ -42,22 +43,26 @@ void World::State::gather_loads(double duration_s) {
   gather_springs(duration_s);
 }
 
-// Bodies that may touch are stepped after each other on one thread, ascending; groups of them on different threads.
+// What shares a rigid body is stepped on one thread, ascending; groups that share none on different threads.
 void World::State::step_elastic(double start_s, double duration_s) {
-  const std::vector<std::vector<ElasticObject*>> groups = meet(duration_s);
+  const auto groups = meet(duration_s);
   parallel_for(groups.size(), 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      for (ElasticObject* elastic : groups[i]) {
-        SubstepContext context;
-        context.start_s = start_s;
-        context.duration_s = duration_s;
-        context.gravity_m_s2 = settings.gravity_m_s2;
-        context.colliders = colliders;
-        context.bodies = elastic->near_bodies;
-        context.others = elastic->near_elastic;
-        context.forces = elastic->forces;
-        context.met = &elastic->met_now;
-        elastic->body->substep(context);  // a sleeper that is pushed or touched wakes by itself
+      for (const SteppedTogether& together : groups[i]) {
+        std::vector<SteppedBody> stepped;
+        for (ElasticObject* elastic : together) {
+          SubstepContext context;
+          context.start_s = start_s;
+          context.duration_s = duration_s;
+          context.gravity_m_s2 = settings.gravity_m_s2;
+          context.colliders = colliders;
+          context.bodies = elastic->near_bodies;
+          context.others = elastic->near_elastic;
+          context.forces = elastic->forces;
+          context.met = &elastic->met_now;
+          stepped.push_back({elastic->body.get(), context});
+        }
+        step_elastic_bodies(stepped);  // a sleeper that is pushed or touched wakes by itself
       }
     }
   });
