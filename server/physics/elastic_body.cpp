@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 
 #include "physics/cells_body.h"
 #include "physics/livegs_v1_body.h"
@@ -134,6 +135,13 @@ Result<std::unique_ptr<ElasticBody>> make_elastic_body(const ElasticBodyDescript
   }
   return std::unique_ptr<ElasticBody>(std::make_unique<CellsBody>(description, rate_hz, substeps, may_sleep));
 }
+
+void ElasticBody::surface_elements(const Eigen::AlignedBox3d&, std::vector<SurfaceElement>&) const {}
+ContactSpot ElasticBody::spot_at(uint32_t, const Vector3d&) const { return {}; }
+ContactSide& ElasticBody::contact_side(double) {
+  std::abort();
+}
+void ElasticBody::wait_for_company(bool) {}
 
 void ElasticBody::substep(const SubstepContext& context) {
   SteppedBody alone{this, context};

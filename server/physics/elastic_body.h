@@ -140,24 +140,24 @@ class ElasticBody {
   virtual void end_substep(const SubstepContext& context) = 0;
   virtual void end_frame(double frame_s) = 0;  // plasticity and the sleep test happen here
 
-  virtual ContactTally take_contacts() = 0;
+  virtual ContactTally take_contacts() { return {}; }
 
-  // For bodies that touch.
-  virtual double reach_m() const = 0;  // about the centre; nothing of it is farther away
+  // For bodies that touch. Defaults: a solver that meets nothing that moves.
+  virtual double reach_m() const { return 0.0; }  // about the centre; nothing of it is farther away
   virtual void expect_contact() {}                // something is near: its surface must be where it is drawn
   // Elements of the surface within a box: in the middle of a step where it has come to, between steps where it stands.
-  virtual void surface_elements(const Eigen::AlignedBox3d& within, std::vector<SurfaceElement>& elements) const = 0;
-  virtual double element_reach_m() const = 0;  // see ElementGrid
+  virtual void surface_elements(const Eigen::AlignedBox3d& within, std::vector<SurfaceElement>& elements) const;
+  virtual double element_reach_m() const { return 0.0; }  // see ElementGrid
   // The material point at `point_m`, near an element, at the same moment.
-  virtual ContactSpot spot_at(uint32_t element, const Eigen::Vector3d& point_m) const = 0;
+  virtual ContactSpot spot_at(uint32_t element, const Eigen::Vector3d& point_m) const;
   // Takes impulses in a step of `step_s`: in the middle of its own, or as a sleeper, which wakes. Valid for that step.
-  virtual ContactSide& contact_side(double step_s) = 0;
+  virtual ContactSide& contact_side(double step_s);  // is not asked of a body without elements
 
   // Sleep in company: with `wait` the body does not fall asleep by itself when it has been still for long enough, but
   // says so, until it is told to.
-  virtual void wait_for_company(bool wait) = 0;
-  virtual bool rested() const = 0;
-  virtual void sleep() = 0;
+  virtual void wait_for_company(bool wait);
+  virtual bool rested() const { return asleep(); }
+  virtual void sleep() {}
 
   // Lets go of a fixed or moved region for good; its other properties stay. False when there is none of that name.
   virtual bool release_region(const std::string& name) = 0;

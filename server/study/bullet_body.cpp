@@ -57,7 +57,11 @@ class BulletBody final : public ElasticBody {
   BulletBody(const ElasticBodyDescription& description, TetrahedralBox box, double rate_hz, int substeps);
   ~BulletBody() override { world_.removeSoftBody(&soft_); }
 
-  void substep(const SubstepContext& context) override;
+  int begin_substep(const SubstepContext&) override { return 1; }
+  void begin_step(const SubstepPart&, const SubstepContext&) override {}
+  void list_contacts(const SubstepPart&, const SubstepContext&, std::vector<TouchRow>&) override {}
+  void end_step(const SubstepPart& part, const SubstepContext& context) override;
+  void end_substep(const SubstepContext&) override {}
   void end_frame(double) override {}
 
   bool release_region(const std::string&) override { return false; }
@@ -193,7 +197,7 @@ BulletBody::BulletBody(const ElasticBodyDescription& description, TetrahedralBox
   soft_.updateBounds();
 }
 
-void BulletBody::substep(const SubstepContext& context) {
+void BulletBody::end_step(const SubstepPart&, const SubstepContext& context) {
   gravity_.m_gravity = to_bullet(context.gravity_m_s2);
   forces_.newtons.assign(masses_kg_.size(), Vector3d::Zero());
   for (const PointForce& force : context.forces) {
