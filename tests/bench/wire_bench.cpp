@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Time and bytes to encode and decode driver frames. Prints CSV: `wire_bench > results/<machine>/wire.csv`.
 // Objects move as a twisted ball does. Ten runs warm up, 200 count. One thread: the codec uses no other.
+#include <cmath>
 #include <cstdio>
 
 #include "bench/time_of.h"
 #include "common/skin/rest_bodies.h"
 #include "wire/frame_codec.h"
+#include "wire/frame_stream.h"
 
 using namespace livegs;
 using namespace livegs::testing;
@@ -33,6 +35,31 @@ DriverFrame frame_of(DriverKind kind, size_t objects, size_t drivers, uint64_t s
   return frame;
 }
 
+// Frames of objects in violent motion: elastic ones swing and quiver, rigid ones fall and tumble.
+std::vector<DriverFrame> motion_of(DriverKind kind, size_t objects, size_t drivers, size_t frames) {
+  std::vector<DriverFrame> motion;
+  const DriverFrame rest = frame_of(kind, objects, drivers, 1);
+  for (size_t f = 0; f < frames; ++f) {
+    const double t = static_cast<double>(f) / 90.0;
+    DriverFrame frame = rest;
+    frame.tick = f + 1;
+    for (ObjectDrivers& object : frame.objects) {
+      const double phase = object.object_id;
+      for (Eigen::Vector3f& at : object.positions_m) {
+        const double swing =
+            0.1 * std::sin(12.0 * t + 8.0 * at.y() + phase) + 0.02 * std::sin(60.0 * t + 20.0 * at.x());
+        at += Eigen::Vector3d(swing, 0.4 * swing, 0.2 * std::cos(15.0 * t)).cast<float>();
+      }
+      const Eigen::Quaterniond turn(Eigen::AngleAxisd(7.0 * t, Eigen::Vector3d(1, phase, 2).normalized()));
+      for (Pose& pose : object.poses)
+        pose = {pose.position_m - Eigen::Vector3d(0, 4.9 * t * t, t), turn * pose.orientation};
+      for (Eigen::Quaternionf& rotation : object.rotations) rotation = turn.cast<float>() * rotation;
+    }
+    motion.push_back(std::move(frame));
+  }
+  return motion;
+}
+
 }  // namespace
 
 int main() {
@@ -52,14 +79,34 @@ int main() {
     const DriverFrame frame = frame_of(one.driver_kind, one.objects, one.drivers, 1);
     const std::vector<std::byte> bytes = encode_frame(frame);
     const double all = static_cast<double>(one.objects * one.drivers);
-    const auto report = [&](const char* stage, const bench::Times& times) {
+    const auto report_bytes = [&](const char* stage, const bench::Times& times, size_t size) {
       std::printf("%s,%zu,%zu,%s,%.4f,%.4f,%.1f,%zu,%.2f,%.2f\n", one.kind, one.objects,
                   one.objects * one.drivers, stage, times.median_ms, times.p99_ms,
-                  times.median_ms * 1e6 / all, bytes.size(), static_cast<double>(bytes.size()) / all,
-                  static_cast<double>(bytes.size()) * 8.0 * 90.0 * 1e-6);
+                  times.median_ms * 1e6 / all, size, static_cast<double>(size) / all,
+                  static_cast<double>(size) * 8.0 * 90.0 * 1e-6);
+    };
+    const auto report = [&](const char* stage, const bench::Times& times) {
+      report_bytes(stage, times, bytes.size());
     };
     report("encode", bench::time_of(10, 200, [&] { (void)encode_frame(frame); }));
     report("decode", bench::time_of(10, 200, [&] { (void)decode_frame(bytes); }));
+
+    // The same drivers as a stream: each frame against the one before.
+    const std::vector<DriverFrame> motion = motion_of(one.driver_kind, one.objects, one.drivers, 211);
+    StreamBaselinePtr baseline;
+    std::vector<std::vector<std::byte>> frames;
+    const bench::Times encode = bench::time_of(10, 200, [&] {
+      EncodedStreamFrame encoded = encode_stream_frame(motion[frames.size()], baseline);
+      baseline = encoded.next;
+      frames.push_back(std::move(encoded.bytes));
+    });
+    StreamReader reader;
+    size_t next = 0, streamed = 0;
+    const bench::Times decode = bench::time_of(10, 200, [&] { (void)reader.read(frames[next++]); });
+    for (size_t i = 10; i < frames.size(); ++i) streamed += frames[i].size();
+    const size_t mean = streamed / (frames.size() - 10);
+    report_bytes("stream encode", encode, mean);
+    report_bytes("stream decode", decode, mean);
   }
   return 0;
 }

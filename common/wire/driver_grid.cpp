@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "wire/driver_grid.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/assert.h"
+
+namespace livegs {
+namespace {
+
+// A component that was left out stays so while no other is larger by more than this part: ties do not flip to
+// and fro.
+constexpr double kKeepLeftOut = 1.05;
+// A body that has shrunk to less than this part of what its step was chosen for gets a finer one.
+constexpr double kShrunk = 0.35;
+// Integers stay below 2^30, so that their second differences fit into 32 bits.
+constexpr double kLargestStepCount = 1073741824.0;
+
+// Adding this to a double leaves its integer part, rounded to nearest, in the low bits.
+constexpr double kRoundingBias = 6755399441055744.0;  // 1.5 * 2^52
+
+int32_t rounded(double value) {
+  return static_cast<int32_t>(static_cast<uint32_t>(std::bit_cast<uint64_t>(value + kRoundingBias)));
+}
+
+// The exponent of the least power of two that is not below `value`.
+int exponent_above(double value) {
+  int exponent;
+  const double mantissa = std::frexp(value, &exponent);
+  return mantissa == 0.5 ? exponent - 1 : exponent;
+}
+
+int coarse_enough(int exponent, double farthest_m) {
+  if (!(farthest_m > 0.0)) return exponent;
+  return std::max(exponent, exponent_above(farthest_m / kLargestStepCount));
+}
+
+int lattice_exponent(const ObjectDrivers& drivers, const DriverGrid* before, const GridPrecision& precision) {
+  Eigen::Array3f low = Eigen::Array3f::Constant(std::numeric_limits<float>::infinity()), high = -low;
+  for (const Eigen::Vector3f& p : drivers.positions_m) {
+    low = low.min(p.array());
+    high = high.max(p.array());
+  }
+  const double side = static_cast<double>((high - low).maxCoeff());
+  const double farthest =
+      std::max(std::abs(static_cast<double>(low.minCoeff())), std::abs(static_cast<double>(high.maxCoeff())));
+  LIVEGS_ASSERT(std::isfinite(side));
+  const double steps = static_cast<double>((1 << precision.position_bits) - 1);
+  const int fitting =
+      coarse_enough(side > 0.0 ? std::max(precision.finest_exponent, exponent_above(side / steps))
+                               : precision.finest_exponent,
+                    farthest);
+  if (!before) return fitting;
+  const int kept = before->exponent;
+  if (kept < fitting) return fitting;
+  const bool shrunk = kept > precision.finest_exponent && side < kShrunk * steps * std::ldexp(1.0, kept);
+  return shrunk ? fitting : kept;
+}
+
+int pose_exponent(const ObjectDrivers& drivers, const DriverGrid* before, const GridPrecision& precision) {
+  double farthest = 0.0;
+  for (const Pose& pose : drivers.poses) farthest = std::max(farthest, pose.position_m.cwiseAbs().maxCoeff());
+  const int fitting = coarse_enough(precision.pose_exponent, farthest);
+  return before ? std::max(before->exponent, fitting) : fitting;
+}
+
+// Smallest three of (x, y, z, w), with the sign that makes the one left out positive; zero is exact.
+void pack(const Eigen::Vector4d& v, int left_out, double scale, int32_t* a, int32_t* b, int32_t* c) {
+  const double signed_scale = v[left_out] < 0.0 ? -scale : scale;
+  int32_t* to[3] = {a, b, c};
+  int next = 0;
+  for (int i = 0; i < 4; ++i) {
+    if (i != left_out) *to[next++] = rounded(v[i] * signed_scale);
+  }
+}
+
+double rotation_scale(DriverKind kind) {
+  const int bits = kind == DriverKind::Rigid ? kStreamPoseBits : kStreamParticleBits;
+  return std::numbers::sqrt2 * static_cast<double>((1 << (bits - 1)) - 1);
+}
+
+template <class Coefficients>
+void put_rotations(DriverGrid& grid, const DriverGrid* before, const Coefficients& coefficients) {
+  const size_t n = grid.count;
+  int32_t* const a = grid.values.data() + 3 * n;
+  int32_t* const left = a + 3 * n;
+  const double scale = rotation_scale(grid.kind);
+  for (size_t i = 0; i < n; ++i) {
+    const Eigen::Vector4d v = coefficients(i);
+    Eigen::Index largest = 3;
+    for (int k = 0; k < 3; ++k) {
+      if (std::abs(v[k]) > std::abs(v[largest])) largest = k;
+    }
+    if (before) {
+      const int32_t was = before->values[6 * n + i] & 3;
+      if (std::abs(v[largest]) <= kKeepLeftOut * std::abs(v[was])) largest = was;
+    }
+    left[i] = static_cast<int32_t>(largest);
+    pack(v, static_cast<int>(largest), scale, a + i, a + n + i, a + 2 * n + i);
+  }
+}
+
+Eigen::Quaterniond rotation_at(const DriverGrid& grid, size_t i, double scale) {
+  const size_t n = grid.count;
+  const int32_t* const a = grid.values.data() + 3 * n + i;
+  const int left_out = grid.values[6 * n + i] & 3;
+  Eigen::Vector4d v = Eigen::Vector4d::Zero();
+  int next = 0;
+  for (int k = 0; k < 4; ++k) {
+    if (k != left_out) v[k] = a[n * static_cast<size_t>(next++)] / scale;
+  }
+  v[left_out] = std::sqrt(std::max(0.0, 1.0 - v.squaredNorm()));
+  return Eigen::Quaterniond(v).normalized();
+}
+
+}  // namespace
+
+DriverGrid to_grid(const ObjectDrivers& drivers, const DriverGrid* before, const GridPrecision& precision) {
+  DriverGrid grid;
+  grid.object_id = drivers.object_id;
+  grid.kind = drivers.kind;
+  grid.revision = drivers.revision;
+  grid.asleep = drivers.asleep;
+  const bool rigid = drivers.kind == DriverKind::Rigid;
+  grid.count = static_cast<uint32_t>(rigid ? drivers.poses.size() : drivers.positions_m.size());
+  const size_t n = grid.count;
+  if (before &&
+      (before->kind != grid.kind || before->count != grid.count || before->revision != grid.revision))
+    before = nullptr;
+  grid.values.resize(grid.channels() * n);
+  if (n == 0) return grid;
+  grid.exponent =
+      rigid ? pose_exponent(drivers, before, precision) : lattice_exponent(drivers, before, precision);
+  const double steps_per_m = std::ldexp(1.0, -grid.exponent);
+  int32_t* const x = grid.values.data();
+  for (size_t i = 0; i < n; ++i) {
+    const Eigen::Vector3d at =
+        rigid ? drivers.poses[i].position_m : Eigen::Vector3d(drivers.positions_m[i].cast<double>());
+    for (size_t d = 0; d < 3; ++d) x[d * n + i] = rounded(at[static_cast<Eigen::Index>(d)] * steps_per_m);
+  }
+  if (rigid) {
+    put_rotations(grid, before, [&](size_t i) { return drivers.poses[i].orientation.normalized().coeffs(); });
+  } else if (drivers.kind == DriverKind::Particles) {
+    LIVEGS_ASSERT(drivers.rotations.size() == n);
+    put_rotations(grid, before, [&](size_t i) {
+      return Eigen::Vector4d(drivers.rotations[i].cast<double>().normalized().coeffs());
+    });
+  }
+  return grid;
+}
+
+ObjectDrivers from_grid(const DriverGrid& grid) {
+  ObjectDrivers drivers;
+  drivers.object_id = grid.object_id;
+  drivers.kind = grid.kind;
+  drivers.revision = grid.revision;
+  drivers.asleep = grid.asleep;
+  const size_t n = grid.count;
+  const double step_m = std::ldexp(1.0, grid.exponent), scale = rotation_scale(grid.kind);
+  const int32_t* const x = grid.values.data();
+  if (grid.kind == DriverKind::Rigid) {
+    drivers.poses.resize(n);
+    for (size_t i = 0; i < n; ++i) {
+      drivers.poses[i] = {step_m * Eigen::Vector3d(x[i], x[n + i], x[2 * n + i]),
+                          rotation_at(grid, i, scale)};
+    }
+    return drivers;
+  }
+  drivers.positions_m.resize(n);
+  for (size_t i = 0; i < n; ++i) {
+    drivers.positions_m[i] = (step_m * Eigen::Vector3d(x[i], x[n + i], x[2 * n + i])).cast<float>();
+  }
+  if (grid.kind == DriverKind::Particles) {
+    drivers.rotations.resize(n);
+    for (size_t i = 0; i < n; ++i) drivers.rotations[i] = rotation_at(grid, i, scale).cast<float>();
+  }
+  return drivers;
+}
+
+}  // namespace livegs
