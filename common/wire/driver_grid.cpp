@@ -137,10 +137,16 @@ DriverGrid to_grid(const ObjectDrivers& drivers, const DriverGrid* before, const
       rigid ? pose_exponent(drivers, before, precision) : lattice_exponent(drivers, before, precision);
   const double steps_per_m = std::ldexp(1.0, -grid.exponent);
   int32_t* const x = grid.values.data();
-  for (size_t i = 0; i < n; ++i) {
-    const Eigen::Vector3d at =
-        rigid ? drivers.poses[i].position_m : Eigen::Vector3d(drivers.positions_m[i].cast<double>());
-    for (size_t d = 0; d < 3; ++d) x[d * n + i] = rounded(at[static_cast<Eigen::Index>(d)] * steps_per_m);
+  if (rigid) {
+    for (size_t i = 0; i < n; ++i) {
+      for (size_t d = 0; d < 3; ++d)
+        x[d * n + i] = rounded(drivers.poses[i].position_m[static_cast<Eigen::Index>(d)] * steps_per_m);
+    }
+  } else {
+    const float* const at = drivers.positions_m[0].data();
+    for (size_t d = 0; d < 3; ++d) {
+      for (size_t i = 0; i < n; ++i) x[d * n + i] = rounded(static_cast<double>(at[3 * i + d]) * steps_per_m);
+    }
   }
   if (rigid) {
     put_rotations(grid, before, [&](size_t i) { return drivers.poses[i].orientation.normalized().coeffs(); });
@@ -171,8 +177,9 @@ ObjectDrivers from_grid(const DriverGrid& grid) {
     return drivers;
   }
   drivers.positions_m.resize(n);
-  for (size_t i = 0; i < n; ++i) {
-    drivers.positions_m[i] = (step_m * Eigen::Vector3d(x[i], x[n + i], x[2 * n + i])).cast<float>();
+  float* const at = n > 0 ? drivers.positions_m[0].data() : nullptr;
+  for (size_t d = 0; d < 3; ++d) {
+    for (size_t i = 0; i < n; ++i) at[3 * i + d] = static_cast<float>(step_m * x[d * n + i]);
   }
   if (grid.kind == DriverKind::Particles) {
     drivers.rotations.resize(n);
