@@ -76,9 +76,11 @@ function(livegs_add_bench name)
 endfunction()
 
 # livegs_embed_text(TARGET FILE CONSTANT)
-#   FILE.h, generated into the build tree, holds the file's text as the constant CONSTANT.
+#   FILE.h, generated into the build tree, holds the file's text as the constant CONSTANT. Of a path, the header has the
+#   last name alone.
 function(livegs_embed_text target file constant)
-  set(header ${CMAKE_CURRENT_BINARY_DIR}/embedded/${file}.h)
+  cmake_path(GET file FILENAME name)
+  set(header ${CMAKE_CURRENT_BINARY_DIR}/embedded/${name}.h)
   add_custom_command(OUTPUT ${header}
     COMMAND ${CMAKE_COMMAND} -DINPUT=${CMAKE_CURRENT_SOURCE_DIR}/${file} -DOUTPUT=${header} -DNAME=${constant}
             -P ${CMAKE_SOURCE_DIR}/deploy/cmake/embed_text.cmake

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "analysis/prompt_set.h"
+
+#include "analysis/knowledge.h"
+#include "analysis/prompt_text.h"
+#include "analysis/tool_box.h"
+#include "answer.schema.json.h"
+#include "answer_in_text.md.h"
+#include "answer_turn.md.h"
+#include "core/content_hash.h"
+#include "core/file.h"
+#include "examples.json.h"
+#include "repair.md.h"
+#include "search.md.h"
+#include "system.md.h"
+#include "tools.json.h"
+#include "tools_turn.md.h"
+#include "user.md.h"
+#include "version.txt.h"
+
+namespace livegs {
+namespace {
+
+constexpr std::uint64_t kMaxPromptBytes = 1 << 20;
+constexpr std::size_t kLongestProblem = 600;  // characters of a validator's message
+constexpr std::size_t kVersionDigits = 12;
+
+struct BuiltIn {
+  const char* name;
+  const char* text;
+  const char* slot;  // has to stand in it; null: none
+};
+constexpr BuiltIn kBuiltIn[] = {{"system.md", kSystemPrompt, nullptr},
+                                {"user.md", kUserPrompt, "{{name}}"},
+                                {"examples.json", kExamplesPrompt, nullptr},
+                                {"tools_turn.md", kToolsTurnPrompt, nullptr},
+                                {"tools.json", kToolsPrompt, nullptr},
+                                {"answer_turn.md", kAnswerTurnPrompt, nullptr},
+                                {"answer_in_text.md", kAnswerInTextPrompt, "{{schema}}"},
+                                {"repair.md", kRepairPrompt, "{{problem}}"},
+                                {"search.md", kSearchPrompt, "{{name}}"},
+                                {"answer.schema.json", kAnswerSchemaPrompt, "{{material_ids}}"},
+                                {"version.txt", kVersionPrompt, nullptr}};
+
+Result<OrderedJson> parse_file(const std::string& name, const std::string& text) {
+  OrderedJson value = OrderedJson::parse(text, nullptr, false);
+  if (value.is_discarded()) return invalid_data("prompts/" + name + ": not JSON");
+  return value;
+}
+
+// The one enumeration that stands for the names of the material table.
+void put_materials(OrderedJson& schema) {
+  if (schema.is_array() && schema.size() == 1 && schema[0] == "{{material_ids}}") {
+    schema.clear();
+    for (const MaterialRow& row : material_table()) schema.push_back(row.name);
+    return;
+  }
+  if (schema.is_structured()) {
+    for (OrderedJson& inner : schema) put_materials(inner);
+  }
+}
+
+}  // namespace
+
+Result<PromptSet> PromptSet::load(const std::filesystem::path& folder) {
+  PromptSet set;
+  std::string everything;
+  for (const BuiltIn& file : kBuiltIn) {
+    std::string text = file.text;
+    if (!folder.empty() && std::filesystem::exists(folder / file.name)) {
+      auto read = read_text_file(folder / file.name, kMaxPromptBytes);
+      if (!read) return read.error();
+      text = std::move(*read);
+    }
+    if (file.slot && text.find(file.slot) == std::string::npos) {
+      return invalid_data((folder / file.name).string() + ": has no " + file.slot);
+    }
+    everything += std::string(file.name) + "\n" + std::to_string(text.size()) + "\n" + text;
+    set.texts_[file.name] = std::move(text);
+  }
+  if (!folder.empty() && !std::filesystem::is_directory(folder)) {
+    return not_found(folder.string() + ": no such folder of prompts");
+  }
+  auto schema = parse_file("answer.schema.json", set.text("answer.schema.json"));
+  if (!schema) return schema.error();
+  put_materials(*schema);
+  set.schema_ = std::move(*schema);
+  auto plain = parse_json(dump_json(set.schema_));
+  if (!plain || !member(*plain, "required") || !member(*plain, "required")->is_array()) {
+    return invalid_data("prompts/answer.schema.json: has no required properties");
+  }
+  set.schema_to_check_ = std::move(*plain);
+  for (const OrderedJson& field : set.schema_["required"]) {
+    if (field.is_string()) set.fields_.push_back(field.get<std::string>());
+  }
+  auto examples = parse_file("examples.json", set.text("examples.json"));
+  if (!examples) return examples.error();
+  for (const OrderedJson& example : *examples) {
+    if (!example.is_object() || !example.contains("facts") || !example["facts"].is_string() ||
+        !example.contains("answer")) {
+      return invalid_data("prompts/examples.json: an example needs \"facts\", a text, and \"answer\"");
+    }
+  }
+  set.examples_ = std::move(*examples);
+  auto descriptions = parse_json(set.text("tools.json"));
+  if (!descriptions) return invalid_data("prompts/tools.json: " + descriptions.error().message);
+  set.tools_ = OrderedJson::array();
+  for (const ToolDescriptor& tool : ToolBox::descriptors()) {
+    const std::string purpose = text_member(*descriptions, tool.name.c_str());
+    if (purpose.empty())
+      return invalid_data("prompts/tools.json: does not tell what " + tool.name + " is for");
+    set.tools_.push_back({{"type", "function"},
+                          {"function",
+                           {{"name", tool.name},
+                            {"description", purpose},
+                            {"parameters", OrderedJson::parse(tool.parameters)}}}});
+    everything += tool.name + tool.parameters;
+  }
+  for (const MaterialRow& row : material_table()) everything += row.name + "\n";
+  std::string number = plain_text(set.text("version.txt"), 20);
+  while (!number.empty() && number.back() == '\n') number.pop_back();
+  set.version_ = number + "-" + content_hash(std::as_bytes(std::span(everything))).substr(0, kVersionDigits);
+  return set;
+}
+
+std::string PromptSet::system(int example_count) const {
+  std::string system = text("system.md");
+  for (int i = 0; i < std::min(example_count, this->example_count()); ++i) {
+    const OrderedJson& example = examples_[static_cast<std::size_t>(i)];
+    system += "\n" + example["facts"].get<std::string>() + "\n" + dump_json(example["answer"]) + "\n";
+  }
+  return system;
+}
+
+std::string PromptSet::user(std::map<std::string, std::string> slots) const {
+  const std::string& form = text("user.md");
+  std::string others;
+  for (auto& [slot, value] : slots) {
+    value = slot == "name" && !value.empty() ? quoted_text(value) : plain_text(value);
+    if (form.find("{{" + slot + "}}") == std::string::npos && !value.empty()) {
+      others += quoted_text(slot) + ": " + value + "\n";
+    }
+  }
+  slots["others"] = others;
+  return fill_slots(form, slots);
+}
+
+std::string PromptSet::tools_turn() const {
+  std::string fields;
+  for (const std::string& field : fields_) fields += (fields.empty() ? "" : ", ") + field;
+  return fill_slots(text("tools_turn.md"), {{"fields", fields}});
+}
+
+std::string PromptSet::answer_turn(bool schema_in_words) const {
+  if (!schema_in_words) return text("answer_turn.md");
+  return fill_slots(text("answer_in_text.md"), {{"schema", dump_json(schema_)}});
+}
+
+std::string PromptSet::repair(std::string_view problem) const {
+  return fill_slots(text("repair.md"), {{"problem", quoted_text(problem, kLongestProblem)}});
+}
+
+std::string PromptSet::search(const std::map<std::string, std::string>& slots) const {
+  std::map<std::string, std::string> clean;
+  for (const auto& [slot, value] : slots) {
+    if (!value.empty()) clean[slot] = slot == "name" ? quoted_text(value) : plain_text(value, 200);
+  }
+  return fill_slots(text("search.md"), clean);
+}
+
+}  // namespace livegs

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+
+namespace livegs {
+
+// A name or a text of an object as a model may see it: in double quotes, at most `longest` characters,
+// without control characters, quotes or angle brackets, so that it can neither end its line nor imitate what
+// stands around it.
+std::string quoted_text(std::string_view text, std::size_t longest = 80);
+
+// Facts: control characters but newlines left out, runs of dashes that could end the data broken up, cut at
+// `longest` bytes.
+std::string plain_text(std::string_view text, std::size_t longest = 4000);
+
+// `{{slot}}` by its value, in one pass: values are not looked at again. A line with a slot that is absent or
+// empty is left out.
+std::string fill_slots(std::string_view text, const std::map<std::string, std::string>& slots);
+
+}  // namespace livegs
