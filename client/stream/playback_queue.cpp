@@ -4,18 +4,32 @@
 #include <algorithm>
 
 namespace livegs {
+namespace {
+
+// About what the frame takes in memory.
+size_t bytes_of(const ReceivedFrame& frame) {
+  size_t bytes = sizeof(ReceivedFrame);
+  if (!frame.drivers) return bytes;
+  for (const ObjectDrivers& object : frame.drivers->objects) {
+    bytes += sizeof(ObjectDrivers) + object.poses.size() * sizeof(Pose) +
+             object.positions_m.size() * sizeof(Eigen::Vector3f) + object.rotations.size() * sizeof(Eigen::Quaternionf);
+  }
+  return bytes;
+}
+
+}  // namespace
 
 void PlaybackQueue::add(StreamItem item) {
   {
     std::lock_guard lock(mutex_);
     if (closed_) return;
-    if (const auto* frame = std::get_if<ReceivedFrame>(&item)) bytes_ += frame->encoded.size();
+    if (const auto* frame = std::get_if<ReceivedFrame>(&item)) bytes_ += bytes_of(*frame);
     items_.push_back(std::move(item));
     while (bytes_ > most_bytes_) {
       const auto oldest = std::find_if(items_.begin(), items_.end(), [](const StreamItem& one) {
         return std::holds_alternative<ReceivedFrame>(one);
       });
-      bytes_ -= std::get<ReceivedFrame>(*oldest).encoded.size();
+      bytes_ -= bytes_of(std::get<ReceivedFrame>(*oldest));
       items_.erase(oldest);
       ++dropped_;
     }
@@ -37,7 +51,7 @@ std::optional<StreamItem> PlaybackQueue::take() {
   if (items_.empty()) return std::nullopt;
   StreamItem item = std::move(items_.front());
   items_.pop_front();
-  if (const auto* frame = std::get_if<ReceivedFrame>(&item)) bytes_ -= frame->encoded.size();
+  if (const auto* frame = std::get_if<ReceivedFrame>(&item)) bytes_ -= bytes_of(*frame);
   return item;
 }
 

@@ -23,8 +23,7 @@ struct ObjectRemoved {
 };
 using StreamItem = std::variant<ReceivedFrame, ObjectAdded, ObjectChanged, ObjectRemoved>;
 
-// Between the stream's reader and a drawer that may be slower: everything in the order it came, frames still
-// encoded. Bounded: when more than `most_bytes` of frames wait, the oldest are dropped and counted, events
+// Between the stream's reader and a drawer that may be slower: everything in the order it came. Bounded: when more than `most_bytes` of frames wait, the oldest are dropped and counted, events
 // never. Any thread.
 class PlaybackQueue {
  public:

@@ -4,11 +4,13 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "livegs/v1/session.pb.h"
+#include "skin/driver_frame.h"
 #include "skin/rest_body.h"
 
 namespace livegs {
@@ -49,11 +51,11 @@ struct HeldByHand {
   float contact_impulse_n_s = 0.0f; // that contacts gave the object in this tick, for haptics
 };
 
-// A driver frame as it came, still encoded: it takes a fifth of the memory, and who draws later decodes it
-// then.
+// A driver frame as it came.
 struct ReceivedFrame {
   uint64_t tick = 0;
-  std::string encoded;
+  std::shared_ptr<const DriverFrame> drivers;  // never null
+  size_t bytes = 0;                            // that it took on the wire
   int64_t received_ns =
       0;  // this machine's clock, like all below but stepped_ns and sent_ns, which are the server's
   int64_t stepped_ns = 0;

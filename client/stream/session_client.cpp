@@ -11,6 +11,7 @@
 #include <deque>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 #include "core/assert.h"
 #include "core/clock.h"
@@ -19,6 +20,7 @@
 #include "stream/input_message.h"
 #include "stream/object_description.h"
 #include "wire/frame_codec.h"
+#include "wire/frame_stream.h"
 
 namespace livegs {
 namespace {
@@ -100,6 +102,7 @@ struct SessionClient::Connection {
   std::thread reader, writer;
   std::atomic<bool> ended{false};
   std::atomic<bool> drained{false};
+  StreamReader frames;  // the reader's thread only
 
   std::mutex mutex;  // guards everything below
   std::condition_variable changed;
@@ -107,6 +110,7 @@ struct SessionClient::Connection {
   bool samples_new = false;
   uint64_t acknowledged_tick = 0;
   bool acknowledgement_new = false;
+  bool key_frame_wanted = false;
   bool stopping = false;
   bool stopped = false;
   Result<void> outcome;
@@ -237,6 +241,7 @@ void SessionClient::Connection::write() {
       if (stopping) break;
       samples_new = acknowledgement_new = false;
       message.set_acknowledged_tick(acknowledged_tick);
+      message.set_key_frame_wanted(std::exchange(key_frame_wanted, false));
       for (const InputSample& sample : samples) write_input(sample, *message.add_inputs());
     }
     message.set_sent_ns(now_ns());
@@ -307,11 +312,19 @@ Result<void> SessionClient::Connection::take(v1::ServerMessage& message, int64_t
         {hand.hand(), hand.object_id(), vector_of(hand.point_m()), vector_of(hand.force_n()), hand.grabbed(),
          hand.contact_impulse_n_s()});
   }
-  frame.encoded = std::move(*message.mutable_frame());
   const uint64_t tick = frame.tick;
-  sink->on_frame(std::move(frame));
+  const bool waits = frames.needs_key_frame();
+  auto drivers = frames.read(std::as_bytes(std::span(message.frame())));
+  if (drivers) {
+    frame.bytes = message.frame().size();
+    frame.drivers = std::make_shared<const DriverFrame>(std::move(*drivers));
+    sink->on_frame(std::move(frame));
+  } else {
+    log_debug("frame %llu: %s", static_cast<unsigned long long>(tick), drivers.error().message.c_str());
+  }
   {
     std::lock_guard lock(mutex);
+    key_frame_wanted = key_frame_wanted || (!drivers && !waits);
     acknowledged_tick = tick;
     acknowledgement_new = true;
   }

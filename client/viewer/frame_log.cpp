@@ -42,7 +42,7 @@ void ReceivedLog::add(const ReceivedFrame& frame) {
   std::fprintf(file_.get(), "%llu,%lld,%lld,%lld,%.3f,%zu,%.3f,%llu,%zu\n",
                static_cast<unsigned long long>(frame.tick), static_cast<long long>(frame.stepped_ns),
                static_cast<long long>(frame.sent_ns), static_cast<long long>(frame.received_ns), age_ms,
-               frame.encoded.size(), frame.step_ms, static_cast<unsigned long long>(frame.input_sequence),
+               frame.bytes, frame.step_ms, static_cast<unsigned long long>(frame.input_sequence),
                frame.hands.size());
   if (age_ms_.empty()) {
     first_tick_ = frame.tick;
@@ -51,7 +51,7 @@ void ReceivedLog::add(const ReceivedFrame& frame) {
   last_tick_ = frame.tick;
   last_ns_ = frame.received_ns;
   age_ms_.push_back(age_ms);
-  bytes_.push_back(static_cast<double>(frame.encoded.size()));
+  bytes_.push_back(static_cast<double>(frame.bytes));
   step_ms_.push_back(frame.step_ms);
 }
 

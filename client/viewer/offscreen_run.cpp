@@ -13,6 +13,7 @@
 #include "viewer/object_line.h"
 #include "viewer/player.h"
 #include "viewer/recorder.h"
+#include "wire/frame_codec.h"
 #include "xr/offscreen_display.h"
 
 namespace livegs {
@@ -99,7 +100,7 @@ Result<void> write_pictures(const Player& player, const std::filesystem::path& f
   }
   if (player.last_picture()) {
     if (auto written = write_png(folder / "last.png", *player.last_picture()); !written) return written;
-    return write_file_atomically(folder / "last_frame.bin", std::as_bytes(std::span(player.last_frame())));
+    return write_file_atomically(folder / "last_frame.bin", encode_frame(*player.last_frame()));
   }
   return {};
 }

@@ -2,7 +2,6 @@
 #include "viewer/player.h"
 
 #include "core/clock.h"
-#include "wire/frame_codec.h"
 
 namespace livegs {
 
@@ -41,16 +40,13 @@ Result<void> Player::take(const ObjectChanged& changed) {
 }
 
 Result<void> Player::take(const ReceivedFrame& frame) {
-  auto drivers = decode_frame(std::as_bytes(std::span(frame.encoded)));
-  if (!drivers)
-    return Error{drivers.error().code,
-                 "frame " + std::to_string(frame.tick) + ": " + drivers.error().message};
+  const DriverFrame& drivers = *frame.drivers;
   if (!first_simulated_ns_) {
-    first_simulated_ns_ = drivers->simulated_ns;
-    if (auto posed = view_.pose(*drivers); !posed) return posed;
+    first_simulated_ns_ = drivers.simulated_ns;
+    if (auto posed = view_.pose(drivers); !posed) return posed;
     if (auto prepared = on_first_frame_(view_); !prepared) return prepared;
   }
-  history_.add(std::move(*drivers));
+  history_.add(drivers);
   last_ = frame;
   return draw_until_newest();
 }
@@ -79,7 +75,7 @@ Result<void> Player::draw(const DriverFrame& frame) {
   if (auto submitted = display_.submit(*planned_, images); !submitted) return submitted;
   log_.add({planned_->index, seconds_from_ns(frame.simulated_ns), last_.tick, last_.received_ns,
             milliseconds_from_ns(last_.received_ns - last_.stepped_ns),
-            milliseconds_from_ns(now_ns() - last_.received_ns), skin_ms, raster_ms, last_.encoded.size(),
+            milliseconds_from_ns(now_ns() - last_.received_ns), skin_ms, raster_ms, last_.bytes,
             last_.step_ms});
   planned_.reset();
   return {};

@@ -36,7 +36,7 @@ class Player {
   // The first and the last picture. The last is of `last_frame`, not interpolated.
   const std::optional<Image>& first_picture() const { return first_picture_; }
   const std::optional<Image>& last_picture() const { return last_picture_; }
-  const std::string& last_frame() const { return last_.encoded; }
+  const DriverFrame* last_frame() const { return last_.drivers.get(); }  // null before the first
   DrawnLog::Summary summary() const { return log_.summary(); }
 
  private:

@@ -6,7 +6,6 @@
 
 #include "core/clock.h"
 #include "core/log.h"
-#include "wire/frame_codec.h"
 
 namespace livegs {
 namespace {
@@ -49,9 +48,7 @@ void Recorder::play_script(const ReceivedFrame& frame) {
   const auto locate = [&](const std::string& name) -> std::optional<ObjectExtent> {
     const auto target = targets_.find(name);
     if (target == targets_.end()) return std::nullopt;
-    const auto drivers = decode_frame(std::as_bytes(std::span(frame.encoded)));
-    if (!drivers) return std::nullopt;
-    const auto middle = middle_of(*drivers, target->second.object_id);
+    const auto middle = middle_of(*frame.drivers, target->second.object_id);
     if (!middle) return std::nullopt;
     return ObjectExtent{*middle, target->second.size_m};
   };

@@ -14,7 +14,7 @@
 namespace livegs {
 
 // The version both ends compare when a client joins. Raised by any change of the byte layout or of RestBody.
-inline constexpr uint32_t kProtocolVersion = 3;
+inline constexpr uint32_t kProtocolVersion = 4;
 
 // No frame is larger; a decoder refuses more.
 inline constexpr size_t kMaxFrameBytes = 64u << 20;

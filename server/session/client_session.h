@@ -50,7 +50,7 @@ class ClientSession {
     std::lock_guard lock(mutex_);
     return window_.add_event(event);
   }
-  void offer(std::shared_ptr<const EncodedTick> tick) {
+  void offer(std::shared_ptr<const PublishedTick> tick) {
     std::lock_guard lock(mutex_);
     window_.offer(std::move(tick));
   }

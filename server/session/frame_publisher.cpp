@@ -8,8 +8,6 @@
 #include "core/clock.h"
 #include "scene/fragile_object.h"
 #include "session/describe_object.h"
-#include "session/frame_tail.h"
-#include "wire/frame_codec.h"
 
 namespace livegs {
 namespace {
@@ -86,10 +84,6 @@ std::vector<SessionTable::Object> FramePublisher::encoded_ahead() {
 }
 
 void FramePublisher::deliver(const SteppedTick& tick) {
-  const int64_t begun_ns = now_ns();
-  const std::vector<std::byte> frame = encode_frame(tick.drivers);
-  const double encode_ms = milliseconds_from_ns(now_ns() - begun_ns);
-
   std::vector<SessionTable::Object> added;
   for (const SceneObject& object : tick.added) {
     added.push_back(describe(object));
@@ -104,31 +98,21 @@ void FramePublisher::deliver(const SteppedTick& tick) {
       changed.push_back(describe(object));
     }
   }
-  auto encoded = std::make_shared<EncodedTick>();
-  encoded->tick = tick.drivers.tick;
-  encoded->stepped_ns = tick.stepped_ns;
-  encoded->step_ms = tick.step_ms;
-  encoded->frame_bytes = frame.size();
-  encoded->tail = std::make_shared<const FrameTail>(make_frame_tail(frame));
-  encoded->hands = tick.hands;
+  auto published = std::make_shared<PublishedTick>(tick.drivers, record_);
+  published->stepped_ns = tick.stepped_ns;
+  published->step_ms = tick.step_ms;
+  published->hands = tick.hands;
   {
     std::lock_guard lock(mutex_);
-    frame_bytes_.add(static_cast<double>(frame.size()));
-    encode_ms_.add(encode_ms);
+    ++frames_;
   }
-  table_.deliver(std::move(encoded), added, changed, tick.removed);
+  table_.deliver(std::move(published), added, changed, tick.removed);
 }
 
 PublisherSummary FramePublisher::summary() const {
+  const EncodingRecord::Summary encoded = record_->summary();
   std::lock_guard lock(mutex_);
-  PublisherSummary summary;
-  summary.frames = frame_bytes_.count();
-  summary.skipped = skipped_;
-  summary.frame_bytes_p50 = frame_bytes_.percentile(0.50);
-  summary.frame_bytes_p99 = frame_bytes_.percentile(0.99);
-  summary.encode_ms_p50 = encode_ms_.percentile(0.50);
-  summary.encode_ms_p99 = encode_ms_.percentile(0.99);
-  return summary;
+  return {frames_, skipped_, encoded.frame_bytes_p50, encoded.frame_bytes_p99, encoded.encode_ms_p50, encoded.encode_ms_p99};
 }
 
 }  // namespace livegs

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "session/asset_store.h"
-#include "session/duration_histogram.h"
+#include "session/published_tick.h"
 #include "session/session_table.h"
 
 namespace livegs {
@@ -21,8 +21,7 @@ struct PublisherSummary {
   double encode_ms_p50 = 0, encode_ms_p99 = 0;
 };
 
-// Between the simulation and the sessions, on a thread of its own: encodes each tick once and hands it to
-// every session, so that neither encoding nor a hundred socket writes lengthen a tick. When it falls behind,
+// Between the simulation and the sessions, on a thread of its own: hands each tick to every session, so that neither encoding nor a hundred socket writes lengthen a tick. When it falls behind,
 // the newest tick wins. It also sweeps out sessions that went silent.
 class FramePublisher final : public TickSink {
  public:
@@ -47,14 +46,14 @@ class FramePublisher final : public TickSink {
     std::future<void> done;
   };
   std::vector<Encoding> encodings_;  // the publisher's thread only
+  std::shared_ptr<EncodingRecord> record_ = std::make_shared<EncodingRecord>();
 
   mutable std::mutex mutex_;  // guards everything below but the thread
   std::condition_variable changed_;
   std::optional<SteppedTick> waiting_;
   bool stopping_ = false;
   uint64_t skipped_ = 0;
-  DurationHistogram frame_bytes_;
-  DurationHistogram encode_ms_;
+  uint64_t frames_ = 0;
 
   std::thread thread_;
 };

@@ -3,7 +3,7 @@
 
 namespace livegs {
 
-void SendWindow::offer(std::shared_ptr<const EncodedTick> tick) {
+void SendWindow::offer(std::shared_ptr<const PublishedTick> tick) {
   if (waiting_) ++replaced_;
   waiting_ = std::move(tick);
 }
@@ -21,7 +21,7 @@ void SendWindow::acknowledge(uint64_t tick) {
 std::optional<SendWindow::Outgoing> SendWindow::take() {
   Outgoing outgoing;
   if (waiting_ && in_flight_.size() < kMaxFramesInFlight) {
-    in_flight_.push_back(waiting_->tick);
+    in_flight_.push_back(waiting_->tick());
     outgoing.tick = std::move(waiting_);
     waiting_.reset();
     ++sent_;

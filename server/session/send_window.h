@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "livegs/v1/session.pb.h"
-#include "session/encoded_tick.h"
+#include "session/published_tick.h"
 
 namespace livegs {
 
@@ -25,14 +25,14 @@ class SendWindow {
   // A client that lets so many events wait is not reading.
   static constexpr size_t kMaxWaitingEvents = 1024;
 
-  void offer(std::shared_ptr<const EncodedTick> tick);
+  void offer(std::shared_ptr<const PublishedTick> tick);
   // False when there are too many, and the client has to go.
   bool add_event(const v1::SessionEvent& event);
   // Everything up to `tick` has arrived. Numbers that were never sent change nothing.
   void acknowledge(uint64_t tick);
 
   struct Outgoing {
-    std::shared_ptr<const EncodedTick> tick;  // nullptr: events only
+    std::shared_ptr<const PublishedTick> tick;  // nullptr: events only
     std::vector<v1::SessionEvent> events;
   };
   // What to write now, if there is anything that may be; it counts as sent.
@@ -43,7 +43,7 @@ class SendWindow {
   uint64_t replaced() const { return replaced_; }
 
  private:
-  std::shared_ptr<const EncodedTick> waiting_;
+  std::shared_ptr<const PublishedTick> waiting_;
   std::vector<v1::SessionEvent> events_;
   std::deque<uint64_t> in_flight_;
   uint64_t sent_ = 0;

@@ -79,13 +79,13 @@ void SessionTable::remove(const ClientSession& session) {
   if (inputs != nullptr) inputs->forget(session.number);
 }
 
-void SessionTable::deliver(std::shared_ptr<const EncodedTick> tick, std::span<const Object> added,
+void SessionTable::deliver(std::shared_ptr<const PublishedTick> tick, std::span<const Object> added,
                            std::span<const Object> changed, std::span<const uint32_t> removed) {
   std::vector<std::shared_ptr<ClientSession>> sessions;
   std::vector<std::shared_ptr<ClientSession>> not_reading;
   {
     std::lock_guard lock(mutex_);
-    tick_ = tick->tick;
+    tick_ = tick->tick();
     std::vector<v1::SessionEvent> events;
     for (const Object& object : added) {
       objects_.push_back(object);

@@ -41,7 +41,7 @@ class SessionTable {
   void remove(const ClientSession& session);
 
   // A new tick for everybody, with what came, changed and went in it.
-  void deliver(std::shared_ptr<const EncodedTick> tick, std::span<const Object> added,
+  void deliver(std::shared_ptr<const PublishedTick> tick, std::span<const Object> added,
                std::span<const Object> changed, std::span<const uint32_t> removed);
   // Drops sessions that went silent or never opened a stream.
   void sweep(int64_t now_ns);

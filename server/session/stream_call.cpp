@@ -25,8 +25,8 @@ v1::ServerMessage header_of(const SendWindow::Outgoing& outgoing, SessionNumber 
   header.set_echoed_ns(echoed_ns);
   for (const v1::SessionEvent& event : outgoing.events) *header.add_events() = event;
   if (!outgoing.tick) return header;
-  const EncodedTick& tick = *outgoing.tick;
-  header.set_tick(tick.tick);
+  const PublishedTick& tick = *outgoing.tick;
+  header.set_tick(tick.tick());
   header.set_stepped_ns(tick.stepped_ns);
   header.set_step_ms(tick.step_ms);
   const auto own = std::lower_bound(
@@ -102,6 +102,10 @@ std::optional<grpc::Status> StreamCall::take_message() {
   session->heard_ns = now_ns();
   echoed_ns_ = message.sent_ns();
   session->acknowledge(message.acknowledged_tick());
+  if (message.key_frame_wanted()) {
+    std::lock_guard lock(mutex_);
+    baseline_ = nullptr;
+  }
   table_.hear(*session, *samples);
   return std::nullopt;
 }
@@ -123,7 +127,11 @@ void StreamCall::write_next(const std::lock_guard<std::mutex>& lock) {
   std::string header;
   header_of(*outgoing, session_->number, echoed_ns_).SerializeToString(&header);
   std::vector<grpc::Slice> slices{grpc::Slice(header)};
-  if (outgoing->tick) slices.push_back(outgoing->tick->tail->slice);  // counted, not copied
+  if (outgoing->tick) {
+    const EncodedFrame frame = outgoing->tick->against(baseline_);
+    baseline_ = frame.next;
+    slices.push_back(frame.tail->slice);  // counted, not copied
+  }
   outgoing_ = grpc::ByteBuffer(slices.data(), slices.size());
   writing_ = true;
   StartWrite(&outgoing_);

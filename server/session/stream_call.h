@@ -53,6 +53,7 @@ class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
 
   std::mutex mutex_;                        // guards everything below
   std::shared_ptr<ClientSession> session_;  // set by the first message
+  StreamBaselinePtr baseline_;              // of what was written; null: the next frame is a key frame
   grpc::ByteBuffer outgoing_;               // of the write that is under way: it outlives OnWriteDone
   bool writing_ = false;
   std::optional<grpc::Status> finish_when_flushed_;

@@ -27,7 +27,7 @@ class Receiver final : public StreamSink {
     last_tick = frame.tick;
     ended_ns = frame.received_ns;
     ages_ms.push_back(milliseconds_from_ns(frame.received_ns - frame.stepped_ns));
-    bytes.push_back(static_cast<double>(frame.encoded.size()));
+    bytes.push_back(static_cast<double>(frame.bytes));
     steps_ms.push_back(frame.step_ms);
   }
   void on_object_added(StreamedObject) override {}

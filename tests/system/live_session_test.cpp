@@ -2,6 +2,8 @@
 // Server and client in one process over loopback, so that both ends of the same tick can be compared.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include <fstream>
 #include <map>
 
@@ -171,9 +173,9 @@ TEST_F(LiveSession, FramesComeInOrderAndTheirDriversAreTheServersWithinAStep) {
   for (size_t i = 0; i < own.objects.size(); ++i) {
     ASSERT_EQ(own.objects[i].positions_m.size(), streamed->objects[i].positions_m.size());
     for (size_t n = 0; n < own.objects[i].positions_m.size(); ++n) {
-      // Half a step of 16 bits over a box of less than half a metre.
+      // Half a step of the stream, 2^-15 m, and of the file's 16 bits over a box of less than half a metre.
       EXPECT_LT((own.objects[i].positions_m[n] - streamed->objects[i].positions_m[n]).cwiseAbs().maxCoeff(),
-                0.5f / 65535);
+                std::exp2(-16.0f) + 0.25f / 65535);
     }
   }
 }

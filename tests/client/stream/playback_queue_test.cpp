@@ -8,15 +8,18 @@
 namespace livegs {
 namespace {
 
-ReceivedFrame frame(uint64_t tick, size_t bytes) {
+// `size` thousand bytes of drivers, and a little more.
+ReceivedFrame frame(uint64_t tick, size_t size) {
   ReceivedFrame made;
   made.tick = tick;
-  made.encoded = std::string(bytes, 'x');
+  DriverFrame drivers;
+  drivers.objects.emplace_back().positions_m.resize(size * 1000 / sizeof(Eigen::Vector3f));
+  made.drivers = std::make_shared<const DriverFrame>(std::move(drivers));
   return made;
 }
 
 TEST(PlaybackQueue, KeepsTheOrderOfFramesAndEvents) {
-  PlaybackQueue queue(1000);
+  PlaybackQueue queue(1000'000);
   queue.add(frame(1, 10));
   queue.add(ObjectRemoved{7});
   queue.add(frame(2, 10));
@@ -28,7 +31,7 @@ TEST(PlaybackQueue, KeepsTheOrderOfFramesAndEvents) {
 }
 
 TEST(PlaybackQueue, DropsTheOldestFramesButNoEvent) {
-  PlaybackQueue queue(100);
+  PlaybackQueue queue(100'000);
   queue.add(ObjectRemoved{1});
   for (uint64_t tick = 1; tick <= 50; ++tick) {
     queue.add(frame(tick, 30));
@@ -50,7 +53,7 @@ TEST(PlaybackQueue, DropsTheOldestFramesButNoEvent) {
 }
 
 TEST(PlaybackQueue, WakesWhoWaits) {
-  PlaybackQueue queue(1000);
+  PlaybackQueue queue(1000'000);
   std::vector<uint64_t> taken;
   std::thread reader([&] {
     while (const auto item = queue.take()) taken.push_back(std::get<ReceivedFrame>(*item).tick);

@@ -12,6 +12,7 @@
 #include "server/session/box_scene.h"
 #include "server/session/raw_client.h"
 #include "session/live_server.h"
+#include "wire/frame_stream.h"
 #include "wire/rest_body_codec.h"
 
 namespace livegs {
@@ -138,12 +139,13 @@ TEST_F(LiveServerTest, FramesArriveAndDecodeToWhatWasPublished) {
   RawClient client(server_->port());
   ASSERT_TRUE(client.join().ok());
   client.open();
+  StreamReader reader;
   for (uint64_t number = 1; number <= 10; ++number) {
     publish(number);
     const v1::ServerMessage message = client.read();
     ASSERT_EQ(message.tick(), number);
     EXPECT_DOUBLE_EQ(message.step_ms(), 1.5);
-    const auto frame = decode_frame(std::as_bytes(std::span(message.frame())));
+    const auto frame = reader.read(std::as_bytes(std::span(message.frame())));
     ASSERT_TRUE(frame) << frame.error().message;
     EXPECT_EQ(frame->tick, number);
     EXPECT_EQ(frame->objects.size(), 3u);
@@ -151,6 +153,41 @@ TEST_F(LiveServerTest, FramesArriveAndDecodeToWhatWasPublished) {
   }
   EXPECT_TRUE(client.finish().ok());
   EXPECT_TRUE(inputs_.wait_forgotten(1));
+}
+
+// What did not move since the last frame to this client is not sent again; one that asks gets a frame that needs none
+// before it.
+TEST_F(LiveServerTest, FramesHoldWhatMovedUnlessAKeyFrameIsWanted) {
+  open();
+  RawClient client(server_->port());
+  ASSERT_TRUE(client.join().ok());
+  client.open();
+  size_t first = 0;
+  for (uint64_t number = 1; number <= 3; ++number) {
+    publish(number);
+    const v1::ServerMessage message = client.read();
+    if (number == 1) {
+      first = message.frame().size();
+    } else {
+      EXPECT_LE(message.frame().size(), 16u);  // nothing moves in these ticks
+      EXPECT_LT(16u, first);
+    }
+    ASSERT_TRUE(client.acknowledge(number));
+  }
+  v1::ClientMessage wish;
+  wish.set_acknowledged_tick(3);
+  wish.set_key_frame_wanted(true);
+  ASSERT_TRUE(client.send(wish));
+  // The wish travels beside the ticks: it is heard within a few.
+  bool key = false;
+  for (uint64_t number = 4; number <= 200 && !key; ++number) {
+    publish(number);
+    const v1::ServerMessage message = client.read();
+    key = StreamReader().read(std::as_bytes(std::span(message.frame()))).has_value();
+    ASSERT_TRUE(client.acknowledge(number));
+  }
+  EXPECT_TRUE(key);
+  EXPECT_TRUE(client.finish().ok());
 }
 
 TEST_F(LiveServerTest, AClientThatStopsAcknowledgingGetsTwoFramesThenTheNewest) {

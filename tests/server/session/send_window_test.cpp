@@ -6,10 +6,10 @@
 namespace livegs {
 namespace {
 
-std::shared_ptr<const EncodedTick> tick(uint64_t number) {
-  auto encoded = std::make_shared<EncodedTick>();
-  encoded->tick = number;
-  return encoded;
+std::shared_ptr<const PublishedTick> tick(uint64_t number) {
+  DriverFrame frame;
+  frame.tick = number;
+  return std::make_shared<PublishedTick>(frame, nullptr);
 }
 
 v1::SessionEvent removal(uint32_t id) {
@@ -20,7 +20,7 @@ v1::SessionEvent removal(uint32_t id) {
 
 uint64_t taken(SendWindow& window) {
   const auto outgoing = window.take();
-  return outgoing && outgoing->tick ? outgoing->tick->tick : 0;
+  return outgoing && outgoing->tick ? outgoing->tick->tick() : 0;
 }
 
 TEST(SendWindow, HasTwoFramesInFlightThenSendsTheNewest) {
