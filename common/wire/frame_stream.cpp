@@ -54,16 +54,21 @@ struct Compressor {
   ~Compressor() { ZSTD_freeCCtx(context); }
 };
 
+// Buffers that are kept: fresh ones of this size cost more than what is done with them.
+struct Buffers {
+  Scratch scratch;
+  std::vector<std::byte> raw, packed;
+};
+
 // Empty where it would not be smaller.
-std::vector<std::byte> compressed(std::span<const std::byte> raw) {
+std::span<const std::byte> compressed(std::span<const std::byte> raw, std::vector<std::byte>& packed) {
   if (raw.size() < kWorthCompressing) return {};
   thread_local Compressor compressor;
-  std::vector<std::byte> bytes(ZSTD_compressBound(raw.size()));
+  if (packed.size() < ZSTD_compressBound(raw.size())) packed.resize(ZSTD_compressBound(raw.size()));
   const size_t size =
-      ZSTD_compressCCtx(compressor.context, bytes.data(), bytes.size(), raw.data(), raw.size(), kLevel);
+      ZSTD_compressCCtx(compressor.context, packed.data(), packed.size(), raw.data(), raw.size(), kLevel);
   if (ZSTD_isError(size) || size >= raw.size()) return {};
-  bytes.resize(size);
-  return bytes;
+  return std::span(packed).first(size);
 }
 
 void take_all_residuals(std::vector<Entry>& entries, uint64_t tick, Scratch& scratch) {
@@ -143,7 +148,8 @@ EncodedStreamFrame encode_stream_frame(const DriverFrame& frame, const StreamBas
     }
   }
 
-  thread_local Scratch scratch;
+  thread_local Buffers buffers;
+  Scratch& scratch = buffers.scratch;
   take_all_residuals(entries, frame.tick, scratch);
   ByteWriter head;
   write_varint(head, entries.size());
@@ -157,9 +163,11 @@ EncodedStreamFrame encode_stream_frame(const DriverFrame& frame, const StreamBas
     write_descriptor(head, entry, id - std::exchange(last_id, id));
     for (size_t c = 0; c < entry.after->now.channels(); ++c) plane_bytes += entry.planes[c] * entry.count();
   }
-  std::vector<std::byte> raw = std::move(head).take();
-  size_t at = raw.size();
-  raw.resize(at + plane_bytes);
+  const std::vector<std::byte> front = std::move(head).take();
+  std::vector<std::byte>& raw = buffers.raw;
+  raw.resize(front.size() + plane_bytes);
+  std::copy(front.begin(), front.end(), raw.begin());
+  size_t at = front.size();
   each_plane(entries, [&](const Entry& entry, size_t channel, int plane) {
     write_plane(scratch.left.data() + entry.first_left + channel * entry.count(), entry.count(), plane,
                 raw.data() + at);
@@ -169,8 +177,8 @@ EncodedStreamFrame encode_stream_frame(const DriverFrame& frame, const StreamBas
   const bool hashed =
       options.hash_interval > 0 && (!baseline || baseline->since_hash + 1 >= options.hash_interval);
   next->since_hash = hashed || !baseline ? 0 : baseline->since_hash + 1;
-  const std::vector<std::byte> packed = compressed(raw);
-  const std::vector<std::byte>& body = packed.empty() ? raw : packed;
+  const std::span<const std::byte> packed = compressed(raw, buffers.packed);
+  const std::span<const std::byte> body = packed.empty() ? raw : packed;
   ByteWriter out;
   out.reserve(body.size() + 40);
   out.write(kMagic);

@@ -4,6 +4,8 @@
 namespace livegs {
 namespace {
 
+constexpr size_t kCostStride = 8;
+
 uint32_t zigzag(uint32_t value) { return (value << 1) ^ (0u - (value >> 31)); }
 uint32_t from_zigzag(uint32_t value) { return (value >> 1) ^ (0u - (value & 1u)); }
 uint32_t bits(int32_t value) { return static_cast<uint32_t>(value); }
@@ -90,12 +92,12 @@ void add_residuals(Prediction prediction, const PredictionSource& source, const 
 PredictionCost prediction_cost(const PredictionSource& source, const int32_t* values, size_t count) {
   PredictionCost cost{0, 0};
   const bool even = source.ahead == source.behind;
-  for (size_t i = 0; even && i < count; ++i) {
+  for (size_t i = 0; even && i < count; i += kCostStride) {
     const uint32_t by_last = bits(values[i]) - bits(source.last[i]);
     cost.last += zigzag(by_last);
     cost.linear += zigzag(by_last - (bits(source.last[i]) - bits(source.earlier[i])));
   }
-  for (size_t i = 0; !even && i < count; ++i) {
+  for (size_t i = 0; !even && i < count; i += kCostStride) {
     cost.last += zigzag(bits(values[i]) - bits(source.last[i]));
     cost.linear +=
         zigzag(bits(values[i]) - line(source.last[i], source.earlier[i], source.ahead, source.behind));

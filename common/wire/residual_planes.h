@@ -30,7 +30,8 @@ int take_residuals(Prediction prediction, const PredictionSource& source, const 
 void add_residuals(Prediction prediction, const PredictionSource& source, const uint32_t* left, size_t count,
                    int32_t* values);
 
-// Sums of magnitudes that the two predictions from other frames leave, to choose between them.
+// Sums of magnitudes that the two predictions from other frames leave, to choose between them; of each eighth integer, which
+// says enough.
 struct PredictionCost {
   uint64_t last, linear;
 };

@@ -52,23 +52,22 @@ Result<Header> read_header(ByteReader& in) {
   return header;
 }
 
-Result<std::vector<std::byte>> read_body(ByteReader& in, std::span<const std::byte> bytes,
-                                         bool is_compressed) {
-  if (!is_compressed) {
-    const auto rest = bytes.subspan(in.offset());
-    return std::vector<std::byte>(rest.begin(), rest.end());
-  }
+// In `buffer` where it was compressed.
+Result<std::span<const std::byte>> read_body(ByteReader& in, std::span<const std::byte> bytes,
+                                             bool is_compressed, std::vector<std::byte>& buffer) {
+  if (!is_compressed) return bytes.subspan(in.offset());
   const auto size = read_varint(in);
   if (!size || *size > kMaxFrameBytes) return bad("claims a body over the limit");
   const auto rest = bytes.subspan(in.offset());
   // zstd never makes more than about 2^17 bytes of one: what claims more is not tried.
   if (*size > (uint64_t{rest.size()} << 18)) return bad("claims a body that its bytes cannot hold");
-  std::vector<std::byte> body(*size);
+  if (buffer.size() < *size) buffer.resize(*size);
+  const std::span<std::byte> body = std::span(buffer).first(*size);
   thread_local Decompressor decompressor;
   const size_t made =
       ZSTD_decompressDCtx(decompressor.context, body.data(), body.size(), rest.data(), rest.size());
   if (ZSTD_isError(made) || made != body.size()) return bad("body does not decompress");
-  return body;
+  return std::span<const std::byte>(body);
 }
 
 // The object's form and how it is written, without its integers.
@@ -191,7 +190,8 @@ Result<StreamBaselinePtr> read_frame(std::span<const std::byte> bytes, const Str
                                              std::to_string(header->tick - header->gap) +
                                              ", which was not read; ask for a key frame"};
   }
-  const auto body = read_body(in, bytes, (header->flags & kCompressed) != 0);
+  thread_local std::vector<std::byte> buffer;
+  const auto body = read_body(in, bytes, (header->flags & kCompressed) != 0, buffer);
   if (!body) return body.error();
 
   ByteReader parts(*body);
