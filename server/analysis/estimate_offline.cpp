@@ -4,13 +4,13 @@
 #include <cstdarg>
 
 #include "analysis/estimate.h"
+#include "analysis/kind_mass.h"
 #include "analysis/knowledge.h"
-#include "analysis/mass_model.h"
-#include "analysis/name_match.h"
+#include "analysis/object_kinds.h"
 
 // Label first, then geometry, then colour: a name with written priors halves the error that geometry alone
-// leaves, and hollowness matters more than density. The steps below are in that order and each leaves a
-// reason.
+// leaves, and hollowness matters more than density. object_kinds and kind_mass are in that order; each value
+// says why.
 
 namespace livegs {
 namespace {
@@ -24,7 +24,7 @@ constexpr double kStiffYoungs_pa = 20e6;
 
 std::string text(const char* format, ...) __attribute__((format(printf, 1, 2)));
 std::string text(const char* format, ...) {
-  char buffer[320];
+  char buffer[480];
   va_list arguments;
   va_start(arguments, format);
   std::vsnprintf(buffer, sizeof buffer, format, arguments);
@@ -52,95 +52,92 @@ bool soft_by_nature(const MaterialRow& material) {
   return false;
 }
 
-// What an object without a telling name is taken for.
+// What the object is taken for, and why.
 struct Guess {
-  const MaterialRow* material;
-  v1::Physics::Fill fill;
-  Span3 wall_m, structure;
-  double confidence;
+  Kind kind;
+  const MaterialRow* material = nullptr;
+  Span3 wall_m;
+  double confidence = 0;
   std::string reason;
 };
 
-Guess guess_by_looks(const ObjectFacts& facts) {
-  const AppearanceFacts& look = facts.appearance;
-  const Eigen::Vector3f& rgb = look.mean_rgb;
-  const Span3 whole{1, 1, 1}, wall{1.5e-3, 3e-3, 8e-3};
-  const bool open = facts.mesh.openness > 0.3;
-  if (look.mean_opacity > 0 && look.mean_opacity < 0.35 && look.saturation < 0.25f) {
-    return {&material_row("soda-lime glass"),
-            open ? v1::Physics::OPEN_SHELL : v1::Physics::SOLID,
-            wall,
-            whole,
-            0.3,
-            text("half transparent and colourless (mean opacity %.2f)", look.mean_opacity)};
+Guess guess_by_name(const Kinds& kinds, const ObjectFacts& facts) {
+  Guess guess;
+  guess.kind = kinds.kinds.front();
+  const std::string& label = guess.kind.row->label;
+  guess.material = guess.kind.material ? guess.kind.material : &material_row(guess.kind.row->material);
+  guess.wall_m = guess.kind.row->wall_m;
+  guess.confidence = (kinds.material.row ? 0.6 : 0.55) * (0.5 + 0.5 * guess.kind.probability);
+  guess.reason = text("the name \"%s\" says %s; ", facts.name.c_str(), kinds.match.alias.c_str());
+  if (label == kinds.match.row->label) {
+    guess.reason += text("a %s is usually %s", kinds.match.alias.c_str(), guess.material->name.c_str());
+  } else {
+    guess.reason +=
+        text("its size and shape are those of a %s, usually %s", label.c_str(), guess.material->name.c_str());
   }
-  if (rgb.y() > 1.1f * rgb.x() && rgb.y() > 1.2f * rgb.z() && look.saturation > 0.25f) {
-    return {&material_row("leaf"),       v1::Physics::SOLID, wall, {0.05, 0.1, 0.3}, 0.35,
-            "mostly green, like foliage"};
+  if (guess.kind.probability < 0.995) guess.reason += text(" (%.0f %%)", 100 * guess.kind.probability);
+  return guess;
+}
+
+// The material that the likely kinds share, and the likeliest of them.
+Guess guess_by_looks(const Kinds& kinds, const ObjectFacts& facts) {
+  Guess guess;
+  double best = -1;
+  for (const Kind& kind : kinds.kinds) {
+    const std::string& material = kind.material ? kind.material->name : kind.row->material;
+    double together = 0;
+    for (const Kind& other : kinds.kinds) {
+      if ((other.material ? other.material->name : other.row->material) == material)
+        together += other.probability;
+    }
+    if (together <= best) continue;
+    best = together;
+    guess.kind = kind;
+    guess.material = &material_row(material);
   }
-  if (rgb.x() > 1.15f * rgb.y() && rgb.y() > 1.15f * rgb.z() && look.saturation > 0.3f &&
-      look.hue_spread < 0.5f) {
-    return {&material_row("softwood"), v1::Physics::SOLID, wall, whole, 0.25, "brown throughout, like wood"};
+  guess.wall_m = guess.kind.row->wall_m;
+  guess.confidence = 0.1 + 0.25 * best;
+  guess.reason = text("no name tells; of things of its size and shape, like a %s, %.0f %% are of it",
+                      guess.kind.row->label.c_str(), 100 * best);
+  if (kinds.material.row && guess.material->material_class == kinds.material.row->material_class) {
+    guess.confidence = 0.4;
+    guess.reason = text("the name \"%s\" says %s", facts.name.c_str(), guess.material->name.c_str());
   }
-  if (look.saturation < 0.12f && look.gloss < 0.15f && facts.mesh.solidity > 0.5) {
-    return {&material_row("plaster"), v1::Physics::SHELL, {5e-3, 12e-3, 40e-3}, whole, 0.2,
-            "grey, dull and compact"};
+  return guess;
+}
+
+// What it is made of, where that is more than one thing: the shares are of its mass.
+void set_parts(const Kind& kind, v1::PhysicalParameters& answer) {
+  for (const ObjectPart& part : kind.row->parts) {
+    v1::MaterialPart& added = *answer.add_parts();
+    added.set_name(part.name);
+    added.set_material(part.material);
+    added.set_mass_share(part.mass_share);
   }
-  return {&material_row("ABS"),
-          open ? v1::Physics::OPEN_SHELL : v1::Physics::SHELL,
-          wall,
-          whole,
-          0.15,
-          "neither name nor looks tell; most things of no known kind are plastic shells"};
 }
 
 }  // namespace
 
 v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
   v1::PhysicalParameters answer;
-  const NameMatch match = match_name(facts.name);
-  const ObjectRow* row = match.row;
-  const MaterialMatch material_match = match_material(facts.name);
-  const MaterialRow* named = material_match.row;
-  // "wooden" beside something that is of wood anyway adds nothing to what its kind says.
-  if (row && named && !material_match.outright &&
-      material_row(row->material).material_class == named->material_class) {
-    named = nullptr;
-  }
-  Guess guess;
-  if (row) {
-    guess.material = named ? named : &material_row(row->material);
-    guess.fill = row->fill;
-    guess.wall_m = row->wall_m;
-    guess.structure = row->structure_coefficient;
-    guess.confidence = named ? 0.6 : 0.5;
-    guess.reason = text("the name \"%s\" says %s; a %s is usually %s", facts.name.c_str(),
-                        match.alias.c_str(), match.alias.c_str(), guess.material->name.c_str());
-    answer.set_label(match.alias);
-  } else {
-    guess = guess_by_looks(facts);
-    if (named) {
-      guess.material = named;
-      guess.confidence = 0.4;
-      guess.reason = text("the name \"%s\" says %s", facts.name.c_str(), named->name.c_str());
-    }
-    answer.set_label("object");
-  }
-  if (facts.solid) {
-    guess.fill = v1::Physics::SOLID;
-    guess.wall_m = {};
-  }
+  const Kinds kinds = object_kinds(facts);
+  const bool by_name = kinds.match.row != nullptr;
+  const Guess guess = by_name ? guess_by_name(kinds, facts) : guess_by_looks(kinds, facts);
+  const ObjectRow& row = *guess.kind.row;
   const MaterialRow& material = *guess.material;
+  answer.set_label(by_name ? kinds.match.alias : "object");
   answer.set_material(material.name);
   answer.set_confidence(facts.scale_known ? guess.confidence : 0.8 * guess.confidence);
   answer.set_fragile(material.fragile);
-  answer.set_fill(guess.fill);
-  answer.set_fill_reason(
-      facts.solid ? "shapes and points are solid unless the scene says otherwise"
-      : row       ? text("a %s usually is", match.alias.c_str())
-                  : text("openness %.2f, filled share of the hull %.2f", facts.mesh.openness, facts.mesh.solidity));
+  const Span3 wall_m = facts.solid ? Span3{} : guess.wall_m;
+  answer.set_fill(facts.solid ? v1::Physics::SOLID : row.fill);
+  answer.set_fill_reason(facts.solid ? "shapes and points are solid unless the scene says otherwise"
+                         : by_name   ? text("a %s usually is", row.label.c_str())
+                                     : text("as a %s is; openness %.2f, filled share of the hull %.2f",
+                                            row.label.c_str(), facts.mesh.openness, facts.mesh.solidity));
+  if (!facts.solid && by_name) set_parts(guess.kind, answer);
 
-  const Span3 structure = guess.structure;
+  const Span3 structure = row.structure_coefficient;
   const Span3 stiffness{structure.low * material.youngs_modulus_pa.low,
                         structure.best * material.youngs_modulus_pa.best,
                         structure.high * material.youngs_modulus_pa.high};
@@ -150,18 +147,20 @@ v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
   answer.set_behavior_reason(text("E* = s E = %.3g MPa, %s", stiffness.best * 1e-6,
                                   rigid ? "too stiff to deform visibly" : "soft enough to deform visibly"));
 
-  set(*answer.mutable_wall_thickness_m(), guess.wall_m,
-      guess.wall_m.best > 0 ? text("%s; the mesh's mean wall is %.3g mm",
-                                   row ? "usual for its kind" : "a guess", facts.mesh.mean_wall_m * 1e3)
-                            : "not a shell");
-  const MassEstimate mass = estimate_mass(material.density_kg_m3, guess.fill, guess.wall_m, facts);
+  set(*answer.mutable_wall_thickness_m(), wall_m,
+      wall_m.best > 0 ? text("%s; the mesh's mean wall is %.3g mm",
+                             by_name ? "usual for its kind" : "a guess", facts.mesh.mean_wall_m * 1e3)
+                      : "not a shell");
+  const MassEstimate mass = mass_of_kinds(kinds, facts);
   set(*answer.mutable_mass_kg(), mass.mass_kg, mass.reason);
   const std::string of_material = text("%s; %s", material.name.c_str(), guess.reason.c_str());
   set(*answer.mutable_youngs_modulus_pa(), material.youngs_modulus_pa, of_material);
   set(*answer.mutable_poisson_ratio(), around(material.poisson_ratio, 0.1, 0.0, 0.49), material.name);
   set(*answer.mutable_structure_coefficient(), structure,
       structure.best < 1 ? "thin or hollow things bend more easily than their material" : "bulk");
-  set(*answer.mutable_plasticity(), around(material.plasticity, 0.4, 0.0, 1.0), material.name);
+  set(*answer.mutable_plasticity(), around(material.plasticity, 0.4, 0.0, 1.0),
+      text("%s; keeps a dent like %s", material.name.c_str(),
+           nearest_plasticity_level(material.plasticity).references.c_str()));
   set(*answer.mutable_damping(), around(material.loss_factor, 0.5, 0.0, 2.0),
       text("loss factor of %s", material.material_class.c_str()));
   set(*answer.mutable_friction(), around(material.friction, 0.3, 0.0, 2.0),

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "analysis/knowledge.h"
 
+#include <cmath>
 #include <cstdlib>
 
 #include "core/assert.h"
 #include "materials.csv.h"
 #include "objects.csv.h"
+#include "plasticity.csv.h"
 
 namespace livegs {
 namespace {
@@ -55,23 +57,59 @@ std::vector<MaterialRow> parse_materials() {
   return table;
 }
 
+// "a:0.2|b:0.1" as cells of a and 0.2, b and 0.1.
+std::vector<std::vector<std::string>> pieces_of(const std::string& cell, size_t columns) {
+  std::vector<std::vector<std::string>> pieces;
+  for (const std::string& piece : split(cell, '|')) {
+    if (piece.empty()) continue;
+    pieces.push_back(split(piece, ':'));
+    LIVEGS_ASSERT(pieces.back().size() == columns);
+  }
+  return pieces;
+}
+
 std::vector<ObjectRow> parse_objects() {
   std::vector<ObjectRow> table;
-  for (const auto& row : rows_of(kObjectsCsv, 13)) {
+  for (const auto& row : rows_of(kObjectsCsv, 21)) {
     ObjectRow object;
     object.label = row[0];
     object.names = {row[0]};
     for (std::string& alias : split(row[1], '|')) {
       if (!alias.empty()) object.names.push_back(std::move(alias));
     }
-    object.material = row[2];
-    LIVEGS_ASSERT(v1::Physics::Fill_Parse(row[3], &object.fill));
-    object.wall_m = span(row, 4, 1e-3);
-    object.size_m = span(row, 7);
-    object.structure_coefficient = span(row, 10);
+    object.category = row[2];
+    object.material = row[3];
+    LIVEGS_ASSERT(v1::Physics::Fill_Parse(row[4], &object.fill));
+    object.wall_m = span(row, 5, 1e-3);
+    object.size_m = span(row, 8);
+    object.middle_m = number(row[11]);
+    object.short_m = number(row[12]);
+    object.box_filling = number(row[13]);
+    object.mass_kg = number(row[14]);
+    object.mass_log_sd = number(row[15]);
+    object.structure_coefficient = span(row, 16);
+    for (const auto& piece : pieces_of(row[19], 2)) {
+      object.alternatives.push_back({piece[0], number(piece[1])});
+    }
+    for (const auto& piece : pieces_of(row[20], 3)) {
+      object.parts.push_back({piece[0], piece[1], number(piece[2])});
+    }
     table.push_back(std::move(object));
   }
   return table;
+}
+
+std::vector<PlasticityLevel> parse_ladder() {
+  std::vector<PlasticityLevel> ladder;
+  for (const auto& row : rows_of(kPlasticityCsv, 2)) {
+    std::string references;
+    for (const std::string& reference : split(row[1], '|')) {
+      references += (references.empty() ? "" : ", ") + reference;
+    }
+    ladder.push_back({number(row[0]), references});
+  }
+  LIVEGS_ASSERT(!ladder.empty());
+  return ladder;
 }
 
 }  // namespace
@@ -97,6 +135,35 @@ const MaterialRow& material_row(std::string_view name) {
   const MaterialRow* row = find_material_row(name);
   LIVEGS_ASSERT(row && "a material that is not in the table");
   return *row;
+}
+
+const ObjectRow* find_object_row(std::string_view label) {
+  for (const ObjectRow& row : object_table()) {
+    if (row.label == label) return &row;
+  }
+  return nullptr;
+}
+
+double mass_exponent(const ObjectRow& row) {
+  for (const char* full : {"package", "fruit", "food", "block", "living", "statues", "books"}) {
+    if (row.category == full && row.fill != v1::Physics::SHELL && row.fill != v1::Physics::OPEN_SHELL)
+      return 3;
+  }
+  return 2;
+}
+
+const std::vector<PlasticityLevel>& plasticity_ladder() {
+  static const std::vector<PlasticityLevel> ladder = parse_ladder();
+  return ladder;
+}
+
+const PlasticityLevel& nearest_plasticity_level(double plasticity) {
+  const PlasticityLevel* nearest = &plasticity_ladder().front();
+  for (const PlasticityLevel& level : plasticity_ladder()) {
+    if (std::abs(level.plasticity - plasticity) < std::abs(nearest->plasticity - plasticity))
+      nearest = &level;
+  }
+  return *nearest;
 }
 
 }  // namespace livegs

@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "geometry/inside_grid.h"
 #include "geometry/mass_properties.h"
 #include "geometry/mesh_topology.h"
+#include "geometry/smallest_box.h"
 
 namespace livegs {
 namespace {
@@ -106,6 +108,9 @@ MeshFacts mesh_facts(const TriangleMesh& mesh) {
 
   const TriangleMesh hull = convex_hull(mesh.vertices_m);
   facts.hull_volume_m3 = hull.triangles.empty() ? solid.volume_m3 : signed_volume_m3(hull);
+  facts.box_m = facts.size_m;
+  std::sort(facts.box_m.data(), facts.box_m.data() + 3, std::greater<>());
+  if (!hull.triangles.empty()) facts.box_m = smallest_box_m(hull);
   facts.solidity = std::clamp(solid.volume_m3 / facts.hull_volume_m3, 0.0, 1.0);
   if (!hull.triangles.empty()) {
     const double hollow_m3 = hollow_volume_m3(mesh, hull);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
 #include "analysis/estimate.h"
+#include "analysis/knowledge.h"
 #include "geometry/shape_mesh.h"
 
 namespace livegs {
@@ -44,20 +46,88 @@ void expect_sound(const v1::PhysicalParameters& p) {
   EXPECT_LE(p.confidence(), 0.6);  // an offline answer never claims more
 }
 
-TEST(EstimateOffline, ASolidsMassIsDensityTimesVolume) {
-  // Softwood, 500 kg/m3, a litre.
-  const auto p = estimate_offline(facts_of_box("wood block", {0.1, 0.1, 0.1}));
-  EXPECT_EQ(p.material(), "softwood");  // "wood" says no more than the row does
+TEST(EstimateOffline, AShapesMassIsDensityTimesVolume) {
+  // Softwood, 500 kg/m3, a litre: told as what takes up room.
+  ObjectFacts facts = facts_of_box("wood block", {0.1, 0.1, 0.1});
+  facts.solid = true;
+  const auto p = estimate_offline(facts);
+  EXPECT_EQ(p.material(), "softwood");
   EXPECT_NEAR(p.mass_kg().best(), 0.5, 1e-9);
   EXPECT_EQ(p.behavior(), v1::Physics::RIGID);
   expect_sound(p);
 }
 
-TEST(EstimateOffline, AShellsMassIsItsWalls) {
-  // ABS, 1050 kg/m3, 5 mm of wall on six faces of 0.04 m2.
-  const auto p = estimate_offline(facts_of_box("lego", {0.2, 0.2, 0.2}));
-  EXPECT_NEAR(p.mass_kg().best(), 1050 * 0.005 * 6 * 0.04, 1e-9);
+TEST(EstimateOffline, ACapturedThingsMassLiesBetweenItsTwoLooks) {
+  // A shell of ABS, 1050 kg/m3, 5 mm of wall on six faces of 0.04 m2, and what such things weigh at this
+  // size.
+  const ObjectFacts facts = facts_of_box("lego", {0.2, 0.2, 0.2});
+  const auto p = estimate_offline(facts);
+  const ObjectRow& row = *find_object_row("lego");
+  const double walls_kg = 1050 * 0.005 * 6 * 0.04;
+  const double usual_kg =
+      row.mass_kg * std::pow(0.2 * 0.2 * 0.2 / (row.size_m.best * row.middle_m * row.short_m), 2.0 / 3);
+  EXPECT_GT(p.mass_kg().best(), std::min(walls_kg, usual_kg));
+  EXPECT_LT(p.mass_kg().best(), std::max(walls_kg, usual_kg));
   EXPECT_EQ(p.fill(), v1::Physics::SHELL);
+  expect_sound(p);
+}
+
+// The same mug-sized cup, 4 mm thick all over.
+ObjectFacts facts_of_cup(const char* name) {
+  ObjectFacts facts;
+  facts.name = name;
+  facts.mesh.size_m = facts.mesh.box_m = {0.1, 0.08, 0.08};
+  facts.mesh.area_m2 = 0.055;
+  facts.mesh.mean_wall_m = 0.004;
+  facts.mesh.volume_m3 = 0.5 * 0.055 * 0.004;
+  facts.mesh.hull_volume_m3 = 0.0005;
+  facts.mesh.solidity = 0.22;
+  facts.mesh.openness = 0.8;
+  facts.scale_known = true;
+  return facts;
+}
+
+TEST(EstimateOffline, AMaterialThatIsToldDecides) {
+  const auto mug = estimate_offline(facts_of_cup("mug")), metal = estimate_offline(facts_of_cup("metal mug")),
+             plastic = estimate_offline(facts_of_cup("red plastic mug"));
+  EXPECT_EQ(material_row(metal.material()).material_class, "metal");
+  EXPECT_EQ(material_row(plastic.material()).material_class, "plastic");
+  EXPECT_FALSE(metal.fragile());
+  EXPECT_TRUE(mug.fragile());
+  EXPECT_LT(plastic.mass_kg().best(), metal.mass_kg().best());
+  EXPECT_LT(metal.mass_kg().best(), mug.mass_kg().best());
+  // Which of them it is stays open without the word, so the range holds them all.
+  EXPECT_LT(mug.mass_kg().low(), plastic.mass_kg().high());
+}
+
+TEST(EstimateOffline, AnAppleIsNotOfTheMaterialApple) {
+  const char* names[] = {"apple", "plastic apple", "toy apple"};
+  double before_kg = 1;
+  for (const char* name : names) {
+    ObjectFacts facts;
+    facts.name = name;
+    facts.mesh.size_m = facts.mesh.box_m = {0.075, 0.075, 0.072};
+    facts.mesh.volume_m3 = 2.4e-4;
+    facts.mesh.area_m2 = 0.019;
+    facts.mesh.mean_wall_m = 0.025;
+    facts.mesh.solidity = 0.98;
+    facts.scale_known = true;
+    const double mass_kg = estimate_offline(facts).mass_kg().best();
+    EXPECT_LT(mass_kg, before_kg) << name;
+    before_kg = mass_kg;
+  }
+}
+
+TEST(EstimateOffline, AThingOfSeveralMaterialsNamesItsParts) {
+  const auto plant = estimate_offline(facts_of_box("potted plant", {0.3, 0.5, 0.3}));
+  ASSERT_GE(plant.parts_size(), 2);
+  double sum = 0;
+  for (const auto& part : plant.parts()) {
+    EXPECT_NE(find_material_row(part.material()), nullptr) << part.material();
+    sum += part.mass_share();
+  }
+  EXPECT_NEAR(sum, 1.0, 1e-9);
+  EXPECT_EQ(estimate_offline(facts_of_box("brick", {0.2, 0.1, 0.06})).parts_size(), 0);
 }
 
 TEST(EstimateOffline, SoftThingsAreElasticAndHardOnesRigid) {

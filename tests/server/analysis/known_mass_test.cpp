@@ -1,60 +1,52 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <nlohmann/json.hpp>
 
-#include "analysis/estimate.h"
-#include "gaussian/asset_file.h"
-#include "geometry/reconstruct_surface.h"
+#include "server/analysis/known_objects.h"
 
 namespace livegs {
 namespace {
 
-// The YCB objects whose masses are known, from their file names and splats alone. Their plastic fruit looks
-// real and their mug and plate are tin, so a good guess is off by several times for those; the bars are what
-// this first estimator reaches, with the aim of the analysis issue beside them.
-TEST(KnownMass, OfEverydayObjectsIsWithinAFewTimes) {
-  const std::filesystem::path folder = std::filesystem::path(LIVEGS_SHARED_DATA_DIR) / "ycb";
-  std::ifstream file(folder / "objects.json");
-  if (!file) GTEST_SKIP() << "shared data is not here";
-  const auto objects = nlohmann::json::parse(file)["objects"];
-  std::vector<double> ratios;
-  int within_range = 0;
-  for (const auto& object : objects) {
-    const std::string id = object["id"];
-    auto asset = read_asset(folder / id / "splat.ply");
-    ASSERT_TRUE(asset) << asset.error().message;
-    // +Z up there; mass does not care.
-    const auto points = body_points(asset->asset, Similarity{});
-    auto surface = reconstruct_surface(points, elastic_surface_options());
-    ASSERT_TRUE(surface) << surface.error().message;
-    ObjectFacts facts;
-    facts.name = id;
-    facts.mesh = mesh_facts(surface->mesh);
-    facts.appearance = appearance_facts(asset->asset);
-    facts.scale_known = true;
-    const auto p = estimate_offline(facts);
-    const double truth = object["mass_kg"], ratio = p.mass_kg().best() / truth;
-    ratios.push_back(std::abs(std::log(ratio)));
-    within_range += p.mass_kg().low() <= truth && truth <= p.mass_kg().high();
-    std::printf("%-26s %8.4f kg, estimated %8.4f [%.4f .. %.4f] %s of %s\n", id.c_str(), truth,
-                p.mass_kg().best(), p.mass_kg().low(), p.mass_kg().high(), p.label().c_str(),
-                p.material().c_str());
-  }
-  std::sort(ratios.begin(), ratios.end());
-  const double median = std::exp(ratios[ratios.size() / 2]);
-  const auto within_two =
-      std::count_if(ratios.begin(), ratios.end(), [](double r) { return r <= std::log(2.0); });
-  std::printf("median factor %.2f, within 2x %td of %zu, truth in the stated range %d of %zu\n", median,
-              within_two, ratios.size(), within_range, ratios.size());
-  EXPECT_LT(median, 2.0);                         // goal 1.25
-  EXPECT_GE(within_two, std::ssize(ratios) / 2);  // goal: all
-  EXPECT_LT(std::exp(ratios.back()), 12.0);       // goal 2; the worst are scans thicker than the thing
+// The figures reached on the 26 objects of shared/data/ycb, from their kernels alone, with the goals of the
+// analysis issue beside them. The bars stand a little above what was reached, for changes of the surface.
+// tests/bench/mass_harness writes all figures with their intervals; of 26 objects a mean is known to about a
+// third, and the table's author knows the set.
+struct Bar {
+  NameGiven name;
+  bool metric;
+  double most_mape, least_mnre, least_coverage;
+};
+
+class KnownMass : public testing::TestWithParam<Bar> {};
+
+TEST_P(KnownMass, IsEstimatedWithinItsBar) {
+  const auto& objects = known_objects(KnownForm::Splats);
+  if (objects.empty()) GTEST_SKIP() << "shared data is not here";
+  const Bar& bar = GetParam();
+  const auto answers = estimate_known(objects, bar.name, bar.metric);
+  const MassScores scores = mass_scores(answers);
+  std::printf("%s: MAPE %.1f %%, MnRE %.3f, coverage %.0f %%\n", kNameGiven[static_cast<int>(bar.name)],
+              100 * scores.mape.value, scores.mnre.value, 100 * scores.coverage.value);
+  EXPECT_LE(scores.mape.value, bar.most_mape);
+  EXPECT_GE(scores.mnre.value, bar.least_mnre);
+  EXPECT_GE(scores.coverage.value, bar.least_coverage);
 }
+
+INSTANTIATE_TEST_SUITE_P(
+    Figures, KnownMass,
+    testing::Values(Bar{NameGiven::Label, true, 0.17, 0.86,
+                        0.85},  // goal: MAPE 0.25, coverage 0.85 to 0.95; reached 0.13, 1
+                    Bar{NameGiven::FileName, true, 0.65, 0.73,
+                        0.85},  // goal: MAPE 0.25; reached 0.54: cups, chain, fruit
+                    Bar{NameGiven::Noun, true, 0.75, 0.66, 0.85},     // no goal; reached 0.62
+                    Bar{NameGiven::None, true, 1.7, 0.59, 0.85},      // goal: MnRE 0.60, reached 0.60
+                    Bar{NameGiven::Label, false, 0.45, 0.76, 0.85}),  // no goal; reached 0.36
+    [](const auto& info) {
+      std::string name = kNameGiven[static_cast<int>(info.param.name)];
+      name.erase(std::remove(name.begin(), name.end(), ' '), name.end());
+      return name + (info.param.metric ? "Metric" : "GuessedScale");
+    });
 
 }  // namespace
 }  // namespace livegs

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "analysis/estimate.h"
 
 namespace livegs {
@@ -56,7 +58,49 @@ TEST(Knowledge, TablesAreWholeAndConsistent) {
     EXPECT_EQ(row.wall_m.best > 0, shell) << row.label;
     EXPECT_TRUE(row.wall_m.low <= row.wall_m.best && row.wall_m.best <= row.wall_m.high) << row.label;
     EXPECT_TRUE(0 < row.structure_coefficient.low && row.structure_coefficient.high <= 1) << row.label;
-    EXPECT_EQ(match_name(row.label).row, &row) << row.label;
+    EXPECT_TRUE(row.size_m.best >= row.middle_m && row.middle_m >= row.short_m && row.short_m > 0)
+        << row.label;
+    EXPECT_TRUE(row.mass_kg > 0 && row.mass_log_sd > 0 && row.mass_log_sd <= 1) << row.label;
+    EXPECT_TRUE(row.box_filling > 0 && row.box_filling < 1) << row.label;
+    for (const std::string& name : row.names) {
+      EXPECT_EQ(match_name(name).row, &row) << name;  // no name stands twice
+      EXPECT_EQ(match_name(name).alias, name);
+    }
+    double others = 0;
+    for (const ObjectAlternative& other : row.alternatives) {
+      EXPECT_NE(find_object_row(other.label), nullptr) << row.label << ": " << other.label;
+      others += other.probability;
+    }
+    EXPECT_LT(others, 1) << row.label;
+    double shares = 0;
+    for (const ObjectPart& part : row.parts) {
+      EXPECT_NE(find_material_row(part.material), nullptr) << row.label << ": " << part.material;
+      shares += part.mass_share;
+    }
+    EXPECT_TRUE(row.parts.empty() || std::abs(shares - 1) < 1e-9) << row.label;
+  }
+  EXPECT_GE(object_table().size(), 400u);
+}
+
+// A usual thing's mass is no more than its box full of the densest of its material, and no less than a
+// thousandth of the box's in air would be: catches slips of a factor ten in the table.
+TEST(Knowledge, UsualMassesFitUsualSizes) {
+  for (const ObjectRow& row : object_table()) {
+    const double box_m3 = row.size_m.best * row.middle_m * row.short_m;
+    const double mean_kg_m3 = row.mass_kg / box_m3;
+    // Of metal and stone whatever its row says: things are of several materials.
+    EXPECT_LT(mean_kg_m3, std::max(1.05 * material_row(row.material).density_kg_m3.high, 2500.0))
+        << row.label;
+    EXPECT_GT(mean_kg_m3, 0.1) << row.label;  // a balloon is the lightest
+  }
+}
+
+TEST(Knowledge, APlasticityIsToldByWhatHasIt) {
+  EXPECT_EQ(nearest_plasticity_level(0).plasticity, 0);
+  EXPECT_NE(nearest_plasticity_level(0.5).references.find("felt"), std::string::npos);
+  EXPECT_NE(nearest_plasticity_level(1).references.find("clay"), std::string::npos);
+  for (size_t i = 1; i < plasticity_ladder().size(); ++i) {
+    EXPECT_GT(plasticity_ladder()[i].plasticity, plasticity_ladder()[i - 1].plasticity);
   }
 }
 
