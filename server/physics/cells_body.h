@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
@@ -98,6 +99,10 @@ class CellsBody final : public ElasticBody {
   struct Candidate {
     uint32_t cell, collider;
   };
+  struct Side {  // of a collider, that a surface point was on when it last touched it
+    uint32_t collider = UINT32_MAX;
+    Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+  };
   struct Touch {
     uint32_t sample;  // surface_
     Vector3d impulse_n_s;
@@ -139,7 +144,7 @@ class CellsBody final : public ElasticBody {
   void resolve_colliders(double step_s, const SubstepContext& context);
 
   // cells_touch.cpp
-  class Side;
+  class Taker;
   Vector3d node_now(uint32_t node) const;  // world; in the middle of a step where it has come to
   void push_spot(const ContactSpot& spot, const Vector3d& point_m, const Vector3d& impulse_n_s);
   void settle_spot(const ContactSpot& spot, const Vector3d& point_m, const Vector3d& impulse_n_s);
@@ -180,6 +185,7 @@ class CellsBody final : public ElasticBody {
   void pull(const NodeSample& sample, const Vector3d& pull_kg_m);
   bool free() const { return !held_; }
   double damping_rate() const;
+  void feel_load(const SubstepPart& part);
 
   Material material_;
   CellsOptions options_;
@@ -232,7 +238,10 @@ class CellsBody final : public ElasticBody {
   std::vector<Candidate> candidates_;
   double candidate_margin_m_ = 0.0;  // how far any node may still go before they are found anew
   size_t candidate_colliders_ = 0;
-  std::vector<Touch> touches_;  // of this substep
+  std::vector<Touch> touches_;  // of this step
+  std::vector<Side> sides_;     // of surface_; empty before anything is near
+  double step_contact_n_s_ = 0.0;  // sizes of impulses of this step
+  double carried_n_ = 0.0;         // force that goes through the body from one contact to another, a mean
   std::vector<Eigen::Vector3f> surface_local_;  // of surface_: in its cell
   std::vector<uint32_t> face_begins_;           // of surface_, and the end: its faces
   std::vector<Eigen::Vector3f> face_normals_;   // outwards, lattice axes

@@ -52,21 +52,28 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
   candidate_margin_m_ -= 1.5 * step_s * (motion_.velocity_m_s().norm() + reach_m_ * spin_rad_s_ + 4.0 * deviation_m_s_);
   if (candidate_margin_m_ <= 0.0 || candidate_colliders_ != context.colliders.size()) find_candidates(context);
 
-  const auto resolve = [&](const Collider& collider, double friction, uint32_t i) {
+  if (sides_.empty() && !candidates_.empty()) sides_.assign(surface_.size(), Side{});
+  const auto resolve = [&](const Collider& collider, uint32_t collider_index, double friction, uint32_t i) {
     const NodeSample& sample = surface_[i];
-    const Vector3d point = nodes_.corrected_m(sample);
-    const SurfaceSample surface = sample_surface(collider, origin_m_ + point);
+    Side& side = sides_[i];
+    const Vector3d point = nodes_.corrected_m(sample), from = nodes_.position_m(sample);
+    const bool met = side.collider == collider_index;
+    const Vector3d last = met ? side.normal.cast<double>().eval() : Vector3d::Zero().eval();
+    const SurfaceSample surface = surface_after_way(collider, origin_m_ + from, origin_m_ + point, last);
     const double depth = -surface.distance_m;
-    if (depth <= 0.0) return;
+    if (depth <= 0.0) {
+      if (met) side = {};
+      return;
+    }
+    side = {collider_index, surface.normal.cast<float>()};
     touching_ = true;
     const double w = surface_mobility_[i];
     if (w <= 0.0) return;
-    const Vector3d moved = point - nodes_.position_m(sample);
+    const Vector3d moved = point - from;
     const Vector3d pull_kg_m = contact_correction(surface.normal, depth, moved, friction) / w;
     take_contact(i, point, pull_kg_m, step_s);
     const double size = pull_kg_m.norm() / step_s;
-    contact_tally_.impulse_n_s += size;
-    contact_tally_.moment += size * (origin_m_ + point);
+    count_contact(origin_m_ + point, size);
   };
   for (size_t n = 0; n < candidates_.size(); ++n) {
     const Candidate& candidate = candidates_[backward_ ? candidates_.size() - 1 - n : n];
@@ -74,7 +81,9 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
     const Collider& collider = context.colliders[candidate.collider];
     const double friction = mixed_friction(material_.friction, collider.friction);
     const uint32_t count = cell.end - cell.begin;
-    for (uint32_t i = 0; i < count; ++i) resolve(collider, friction, backward_ ? cell.end - 1 - i : cell.begin + i);
+    for (uint32_t i = 0; i < count; ++i) {
+      resolve(collider, candidate.collider, friction, backward_ ? cell.end - 1 - i : cell.begin + i);
+    }
   }
 }
 

@@ -32,9 +32,9 @@ Vector3d corner_sign(int c) { return {c & 1 ? 1.0 : -1.0, c & 2 ? 1.0 : -1.0, c 
 }  // namespace
 
 // In the middle of a step, or as a sleeper that is pushed.
-class CellsBody::Side final : public ContactSide {
+class CellsBody::Taker final : public ContactSide {
  public:
-  explicit Side(CellsBody& body) : body_(body) {}
+  explicit Taker(CellsBody& body) : body_(body) {}
   double step_s = 0.0;  // h_e in the middle of a step
 
   Matrix3d response(const ContactSpot& spot) const override {
@@ -62,8 +62,8 @@ class CellsBody::Side final : public ContactSide {
 };
 
 ContactSide& CellsBody::contact_side(double step_s) {
-  if (!side_) side_ = std::make_unique<Side>(*this);
-  static_cast<Side&>(*side_).step_s = in_step_ ? step_of(step_s) : step_s;
+  if (!side_) side_ = std::make_unique<Taker>(*this);
+  static_cast<Taker&>(*side_).step_s = in_step_ ? step_of(step_s) : step_s;
   return *side_;
 }
 
@@ -145,6 +145,7 @@ void CellsBody::settle_spot(const ContactSpot& spot, const Vector3d& point_m, co
 }
 
 void CellsBody::count_contact(const Vector3d& point_m, double impulse_n_s) {
+  step_contact_n_s_ += impulse_n_s;
   contact_tally_.impulse_n_s += impulse_n_s;
   contact_tally_.moment += impulse_n_s * point_m;
 }

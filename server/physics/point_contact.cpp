@@ -6,6 +6,8 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "physics/rigid_sweep.h"
+
 namespace livegs {
 namespace {
 
@@ -19,6 +21,18 @@ struct KeyHash {
     return hash ^ hash >> 32;
   }
 };
+
+// Ways longer than this part of a collider's thickness are followed.
+constexpr double kFollowedWay = 0.2;
+constexpr int kMostMarches = 32;
+
+// What a point could jump over. Distance fields hold sheets of two cells at least.
+double thickness_m(const Collider& collider) {
+  if (const auto* box = std::get_if<BoxShape>(&collider.shape)) return box->size_m.minCoeff();
+  if (const auto* sphere = std::get_if<SphereShape>(&collider.shape)) return 2.0 * sphere->radius_m;
+  if (const auto* field = std::get_if<FieldShape>(&collider.shape)) return 2.0 * field->field->cell_m();
+  return INFINITY;
+}
 
 // Particles by voxel, to ask what lies near a point.
 class VoxelMap {
@@ -124,6 +138,33 @@ Vector3d contact_correction(const Vector3d& normal, double depth_m, const Vector
   const double way = slid.norm(), hold = friction * depth_m;
   const double part = way > hold ? hold / way : 1.0;
   return depth_m * normal - part * slid;
+}
+
+SurfaceSample surface_after_way(const Collider& collider, const Vector3d& from_m, const Vector3d& to_m,
+                                const Vector3d& side) {
+  const SurfaceSample at = sample_surface(collider, to_m);
+  const double thickness = thickness_m(collider);
+  if (!(thickness < INFINITY)) return at;
+  const Vector3d way = to_m - from_m;
+  const bool sided = side.squaredNorm() > 0.0, fast = way.squaredNorm() > kFollowedWay * kFollowedWay * thickness * thickness;
+  if (!fast && (!sided || at.distance_m > 0.0 || at.normal.dot(side) > 0.0)) return at;
+  const double start_m = sample_surface(collider, from_m).distance_m;
+  const double tolerance = 0.01 * thickness;
+  if (sided && start_m < 0.0) {
+    if (at.distance_m < 0.0 && at.normal.dot(side) > 0.0) return at;
+    double out = 0.0;
+    for (int march = 0; march < kMostMarches; ++march) {
+      const double inside = -sample_surface(collider, from_m + out * side).distance_m;
+      if (inside <= 0.0) break;
+      out += std::max(inside, tolerance);
+    }
+    return {side.dot(way) - out, side};
+  }
+  if (!fast) return at;
+  const auto sample = [&](const Vector3d& point) { return sample_surface(collider, point); };
+  const auto hit = sweep_sphere(sample, from_m, way, 0.0, tolerance);
+  if (!hit) return at;
+  return {hit->separation_m + hit->normal.dot(way), hit->normal};
 }
 
 bool reaches(const Collider& collider, const Vector3d& centre_m, double radius_m) {
