@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// What it costs to look at each object of a scene.
+//   views_bench SCENE OUTPUT_FOLDER
+// prints a line for each object, one view and three at 768 px, and writes the pictures of the first view.
+#include <cstdio>
+#include <filesystem>
+
+#include "analysis/fact_slots.h"
+#include "analysis/object_views.h"
+#include "bench/time_of.h"
+#include "scene/scene.h"
+#include "scene/scene_drawing.h"
+
+using namespace livegs;
+
+int main(int argc, char** argv) {
+  if (argc != 3) {
+    std::fprintf(stderr, "usage: views_bench SCENE OUTPUT_FOLDER\n");
+    return 2;
+  }
+  const std::filesystem::path folder = argv[2];
+  std::filesystem::create_directories(folder);
+  SceneOptions options;
+  options.wait_for_pieces = false;
+  auto scene = Scene::load(argv[1], options);
+  if (!scene) {
+    std::fprintf(stderr, "%s\n", scene.error().message.c_str());
+    return 1;
+  }
+  SceneDrawing drawing;
+  const auto drawn = drawing.pose(*scene);
+  if (!drawn) return 1;
+  size_t kernels = 0;
+  for (const DrawnObject& object : *drawn) kernels += object.asset->size();
+  std::printf("%zu objects, %zu kernels\nobject,kernels,one_ms,one_cpu_ms,three_ms,three_cpu_ms,camera\n",
+              drawn->size(), kernels);
+  for (const SceneObject& object : scene->objects()) {
+    if (object.environment) continue;
+    Result<std::vector<ObjectView>> views = object_views(*drawn, object.id);
+    if (!views) {
+      std::fprintf(stderr, "%s: %s\n", object.name.c_str(), views.error().message.c_str());
+      continue;
+    }
+    ViewOptions three;
+    three.view_count = 3;
+    const auto one_ms = bench::time_of(0, 3, [&] { views = object_views(*drawn, object.id); });
+    const auto three_ms = bench::time_of(0, 1, [&] { object_views(*drawn, object.id, three); });
+    const ObjectView& view = views->front();
+    std::printf("%s,%zu,%.0f,%.0f,%.0f,%.0f,%s\n", object.name.c_str(), object.asset->size(),
+                one_ms.median_ms, one_ms.cpu_ms, three_ms.median_ms, three_ms.cpu_ms,
+                describe_camera(view).c_str());
+    const std::string name = object.name;
+    for (const auto& [what, image] : {std::pair("outlined", &view.outlined), std::pair("mask", &view.mask),
+                                      std::pair("cutout", &view.cutout)}) {
+      if (!write_png(folder / (name + "_" + what + ".png"), *image)) return 1;
+    }
+    if (!object.facts) continue;
+    for (const auto& [slot, value] : fact_slots(*object.facts, object.physics, {}, &view)) {
+      std::printf("  %s: %s\n", slot.c_str(), value.c_str());
+    }
+  }
+  return 0;
+}
