@@ -351,6 +351,16 @@ BodyEnergy CellsBody::energy(const Vector3d& gravity_m_s2) const {
   return energy;
 }
 
+Eigen::AlignedBox3d CellsBody::bounds_m() const {
+  if (frozen()) {  // its nodes are where it froze
+    const Vector3d around = Vector3d::Constant(reach_m_);
+    return {centre_m() - around, centre_m() + around};
+  }
+  Eigen::AlignedBox3d box;
+  for (uint32_t i = 0; i < nodes_.count(); ++i) box.extend(nodes_.position_m(i));
+  return box.translate(origin_m_);
+}
+
 ElasticAccuracy CellsBody::accuracy() const {
   ElasticAccuracy accuracy;
   accuracy.cell_width_m = choice_.cell_width_m;

@@ -38,6 +38,7 @@ class LivegsV1Body final : public ElasticBody {
   ContactTally take_contacts() override { return std::exchange(contact_tally_, {}); }
 
   double reach_m() const override { return reach_m_; }
+  Eigen::AlignedBox3d bounds_m() const override;
   void surface_elements(const Eigen::AlignedBox3d& within, std::vector<SurfaceElement>& elements) const override;
   double element_reach_m() const override;
   ContactSpot spot_at(uint32_t element, const Eigen::Vector3d& point_m) const override;

@@ -68,6 +68,12 @@ void LivegsV1Body::surface_elements(const AlignedBox3d& within, std::vector<Surf
   }
 }
 
+Eigen::AlignedBox3d LivegsV1Body::bounds_m() const {
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& position : positions_m_) box.extend(position);
+  return box;
+}
+
 double LivegsV1Body::element_reach_m() const { return kElementReach * spacing_m_; }
 ContactSpot LivegsV1Body::spot_at(uint32_t element, const Vector3d&) const { return spot_of(element); }
 

@@ -23,6 +23,21 @@ Vector3d bounded(const Vector3d& v, double limit) {
   return length > limit ? Vector3d(limit / length * v) : v;
 }
 
+Eigen::AlignedBox3d box_of(const RigidShape& shape, const Pose& at) {
+  if (shape.is_ball()) {
+    const Vector3d around = Vector3d::Constant(shape.sphere_radius_m);
+    return {at.position_m - around, at.position_m + around};
+  }
+  const Eigen::Matrix3d turn = at.orientation.toRotationMatrix();
+  const Vector3d middle = at.position_m + turn * (0.5 * (shape.min_m + shape.max_m));
+  const Vector3d half = turn.cwiseAbs() * (0.5 * (shape.max_m - shape.min_m));
+  return {middle - half, middle + half};
+}
+
+double distance_m(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
+  return (a.min() - b.max()).cwiseMax(b.min() - a.max()).cwiseMax(0.0).norm();
+}
+
 }  // namespace
 
 // The copies of rigid bodies for this substep; every elastic body's neighbours; and the groups that share any.
@@ -50,6 +65,9 @@ std::vector<std::vector<World::State::SteppedTogether>> World::State::meet(doubl
   }
 
   const size_t count = elastic_objects.size();
+  std::vector<Eigen::AlignedBox3d> elastic_boxes, rigid_boxes;
+  for (const ElasticObject* elastic : elastic_objects) elastic_boxes.push_back(elastic->body->bounds_m());
+  for (const MovingBody& body : moving_bodies) rigid_boxes.push_back(box_of(*body.shape, body.start));
   DisjointSets sets(count + rigid_bodies.size()), together(count);
   for (size_t i = 0; i < count; ++i) {
     elastic_objects[i]->near_bodies.clear();
@@ -70,6 +88,7 @@ std::vector<std::vector<World::State::SteppedTogether>> World::State::meet(doubl
       const double apart = reach + other.shape->bounding_radius_m;
       const Vector3d between = centre - other.start.position_m;
       if (between.squaredNorm() > apart * apart) continue;
+      if (distance_m(elastic_boxes[i], rigid_boxes[k]) > reach - body.reach_m()) continue;
       if (other.shape->sample(other.start.orientation.conjugate() * between).distance_m > reach) continue;
       elastic.near_bodies.push_back(&other);
       sets.join(static_cast<uint32_t>(i), static_cast<uint32_t>(count + k));
@@ -81,6 +100,7 @@ std::vector<std::vector<World::State::SteppedTogether>> World::State::meet(doubl
       const double reach = own_reach + (1.0 + kNearby) * other.body->reach_m() + other.body->element_reach_m() +
                            duration_s * (other.body->velocity_m_s().norm() + gain_m_s);
       if ((other.body->centre_m() - centre).squaredNorm() > reach * reach) continue;
+      if (distance_m(elastic_boxes[i], elastic_boxes[k]) > reach - body.reach_m() - other.body->reach_m()) continue;
       elastic.body->expect_contact();
       other.body->expect_contact();
       elastic.near_elastic.push_back({other.body.get(), elastic_contact_id(other.object_id)});
