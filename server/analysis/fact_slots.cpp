@@ -24,7 +24,7 @@ std::string text(const char* format, ...) {
 }
 
 std::string range(const v1::EstimatedValue& value, double factor, const char* unit) {
-  return text("%.3g %s (%.3g to %.3g)", factor * value.best(), unit, factor * value.low(),
+  return text("%.4g %s (%.4g to %.4g)", factor * value.best(), unit, factor * value.low(),
               factor * value.high());
 }
 

@@ -76,7 +76,8 @@ void kinds_by_name(const ObjectFacts& facts, Kinds& found) {
   double most = 0;
   std::vector<double> fits;
   for (const Kind& kind : found.kinds) {
-    fits.push_back(kind_likelihood(*kind.row, facts));
+    // A replica has the size and shape of what it stands for.
+    fits.push_back(kind_likelihood(kind.row->category == "replica" ? row : *kind.row, facts));
     most = std::max(most, fits.back());
   }
   for (size_t i = 0; i < fits.size(); ++i) {

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kVerticalFov_rad = 0.7;
 constexpr double kFilled =
-    0.55;  // of the picture's height, by the ball around the target: what stands around it shows too
+    0.7;  // of the picture's height, by the ball around the target: what stands around it shows too
 constexpr int kThumbnail_px = 160;  // long side of the pictures by which cameras are judged
 constexpr double kUprightElevation_rad = 0.35, kSteepElevation_rad = 0.8;
 constexpr double kSteepBonus = 0.85;  // people see and photograph most things from a little above

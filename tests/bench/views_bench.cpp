@@ -44,7 +44,7 @@ int main(int argc, char** argv) {
     ViewOptions three;
     three.view_count = 3;
     const auto one_ms = bench::time_of(0, 3, [&] { views = object_views(*drawn, object.id); });
-    const auto three_ms = bench::time_of(0, 1, [&] { object_views(*drawn, object.id, three); });
+    const auto three_ms = bench::time_of(0, 1, [&] { views = object_views(*drawn, object.id, three); });
     const ObjectView& view = views->front();
     std::printf("%s,%zu,%.0f,%.0f,%.0f,%.0f,%s\n", object.name.c_str(), object.asset->size(),
                 one_ms.median_ms, one_ms.cpu_ms, three_ms.median_ms, three_ms.cpu_ms,

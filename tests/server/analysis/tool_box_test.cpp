@@ -104,7 +104,8 @@ TEST(KnowledgeSearch, FindsByNameAliasClassAndMisspelling) {
     return hits.empty() ? std::string() : hits.front().id;
   };
   EXPECT_EQ(first("stoneware"), "material:stoneware");
-  EXPECT_EQ(first("teacup"), "object:mug");
+  EXPECT_EQ(first("teacup"), "object:teacup");
+  EXPECT_EQ(first("fedora"), "object:hat");
   EXPECT_EQ(first("terracota"), "material:terracotta");
   EXPECT_EQ(first("poly urethane fome"), "material:polyurethane foam");
   EXPECT_EQ(first("borosilicate"), "material:borosilicate glass");

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+
 #include <cmath>
 #include <numbers>
 
@@ -45,6 +47,17 @@ TriangleMesh cup(double radius_m, double height_m, double wall_m) {
     mesh.triangles.push_back({bottom, 3 * kAround + s, 3 * kAround + n});
   }
   return mesh;
+}
+
+// However it lies: a brick's smallest box is the brick, and a ball's is its diameter's cube.
+TEST(MeshFacts, TheSmallestBoxTurnsWithTheThing) {
+  TriangleMesh brick = box_mesh({0.4, 0.1, 0.2});
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized()));
+  for (Eigen::Vector3d& vertex : brick.vertices_m) vertex = turn * vertex;
+  const MeshFacts facts = mesh_facts(brick);
+  EXPECT_TRUE(facts.box_m.isApprox(Eigen::Vector3d(0.4, 0.2, 0.1), 1e-9)) << facts.box_m.transpose();
+  EXPECT_GT(facts.size_m.prod(), 1.5 * facts.box_m.prod());
+  EXPECT_TRUE(mesh_facts(sphere_mesh(0.1, 3)).box_m.isApprox(Eigen::Vector3d::Constant(0.2), 0.01));
 }
 
 TEST(MeshFacts, OfABrick) {
