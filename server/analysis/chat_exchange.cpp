@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "analysis/chat_exchange.h"
 
+#include <algorithm>
+
 #include "analysis/prompt_text.h"
 #include "analysis/question_slots.h"
 #include "core/clock.h"
@@ -13,10 +15,10 @@ using Kind = ServerAnswer::Kind;
 
 constexpr int kMostToolRounds = 4;
 constexpr std::size_t kMostToolCalls = 8;
-constexpr int kMostRefusals = 8;  // parts of a request that are given up in one exchange
+constexpr int kRoomForThoughts = 4;  // max_completion_tokens counts what a model thinks and does not show
+constexpr int kMostRefusals = 8;     // parts of a request that are given up in one exchange
 constexpr std::size_t kLongestSearch = 1500;
-constexpr std::int64_t kOllamaContext = 4096;  // its default, where a longer prompt is cut without a word
-constexpr double kCharactersAToken = 8;        // far more than any tokenizer needs for text
+constexpr std::int64_t kContexts[] = {2048, 4096, 8192};  // Ollama's defaults, where a longer prompt is cut
 
 Error cancelled() { return {ErrorCode::Unavailable, "cancelled"}; }
 
@@ -50,9 +52,9 @@ Result<RawAnswer> ChatExchange::converse(std::stop_token stop, bool with_tools) 
   if (!slot) return cancelled();
   const std::int64_t begin_ns = now_ns();
   deadline_ns_ = begin_ns + static_cast<std::int64_t>(endpoint_.deadline_s() * 1e9);
-  max_tokens_ = endpoint_.settings().max_answer_tokens;
   refusals_ = 0;
   quirks_ = endpoint_.quirks();
+  max_tokens_ = endpoint_.settings().max_answer_tokens;
   Result<Json> found = Json();
   if (repair_turn_.empty()) {
     if (endpoint_.settings().web_search && quirks_.web_search) search(slots_, stop);
@@ -94,7 +96,8 @@ void ChatExchange::put_last_turn() {
 ServerAnswer ChatExchange::send(Phase phase, std::stop_token stop) {
   ChatRequest request;
   request.model = endpoint_.model();
-  request.max_tokens = max_tokens_;
+  request.max_tokens =
+      max_tokens_ * (quirks_.limit_key == LimitKey::MaxCompletionTokens ? kRoomForThoughts : 1);
   request.stream = endpoint_.settings().stream;
   if (phase == Phase::Search) request.web_search = true;
   if (phase == Phase::Tools) request.tools = &endpoint_.prompts().tools();
@@ -139,19 +142,17 @@ ServerAnswer ChatExchange::send(Phase phase, std::stop_token stop) {
   return answer;
 }
 
+// A prompt that was cut has exactly as many tokens as the context, or has them together with its answer.
 void ChatExchange::note_truncation(const ChatReply& reply) {
-  std::size_t characters = 0;
-  for (const ChatTurn& turn : turns_) characters += turn.text.size();
-  const bool filled = reply.prompt_tokens + reply.completion_tokens == kOllamaContext ||
-                      reply.prompt_tokens == kOllamaContext;
-  const bool cut =
-      quirks_.dialect == Dialect::Ollama && reply.prompt_tokens > 0 &&
-      static_cast<double>(reply.prompt_tokens) < static_cast<double>(characters) / kCharactersAToken;
-  if (!filled && !cut) return;
-  const std::string warning =
-      "the server cut the prompt to its context of " +
-      std::to_string(reply.prompt_tokens + (filled ? reply.completion_tokens : 0)) +
-      " tokens without saying so; start it with a longer one (Ollama: OLLAMA_CONTEXT_LENGTH=16384)";
+  if (quirks_.dialect != Dialect::Ollama && quirks_.dialect != Dialect::Unknown) return;
+  const std::int64_t all = reply.prompt_tokens + reply.completion_tokens;
+  const auto context = std::find_if(std::begin(kContexts), std::end(kContexts), [&](std::int64_t size) {
+    return size == all || size == reply.prompt_tokens;
+  });
+  if (context == std::end(kContexts)) return;
+  const std::string warning = "the server cut the prompt to its context of " + std::to_string(*context) +
+                              " tokens without saying so; start it with a longer one (Ollama: "
+                              "OLLAMA_CONTEXT_LENGTH=16384)";
   for (const std::string& told : answer_.warnings) {
     if (told == warning) return;
   }
@@ -182,9 +183,12 @@ Result<Json> ChatExchange::run_tools(std::stop_token stop) {
     ++round;
     ChatReply& reply = said.reply;
     if (reply.tool_calls.empty()) {
-      const auto early = find_json_object(reply.content, endpoint_.prompts().answer_fields());
+      // With every field, it is left to the gate to judge, as an answer of the second phase would be.
+      const std::vector<std::string>& fields = endpoint_.prompts().answer_fields();
+      const auto early = find_json_object(reply.content, fields);
       if (early && reply.finish_reason != "length" &&
-          schema_complaint(*early, endpoint_.prompts().answer_schema_to_check()).empty()) {
+          std::all_of(fields.begin(), fields.end(),
+                      [&](const std::string& one) { return early->contains(one); })) {
         return *early;
       }
       if (!reply.content.empty()) turns_.push_back({"assistant", brief(reply.content, 2000), {}, {}, ""});

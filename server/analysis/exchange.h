@@ -12,10 +12,10 @@
 #include "analysis/tool_box.h"
 #include "core/result.h"
 
-// What the rest of the analysis sees of a language model: one conversation about one object, as a question of slots
-// and pictures and an answer of JSON. What speaks to a server, what replays a recording and what a test makes up all
-// stand behind these two classes. The answer is text from outside: nothing in it is checked here beyond being one
-// JSON object; the acceptance gate judges it.
+// What the rest of the analysis sees of a language model: one conversation about one object, as a question of
+// slots and pictures and an answer of JSON. What speaks to a server, what replays a recording and what a test
+// makes up all stand behind these two classes. The answer is text from outside: nothing in it is checked here
+// beyond being one JSON object; the acceptance gate judges it.
 
 namespace livegs {
 
@@ -25,9 +25,10 @@ struct AnalysisImage {
   std::string bytes;       // of the file
 };
 
-// Slots of prompts/user.md by name: name, size, mesh, camera, neighbours, offline, materials, category, ... A line of
-// the template whose slot is absent or empty is left out. `mesh`, `materials`, `category` and `neighbours` are worked
-// out from the ToolBox when they are not given. Values are plain text; `name` is what a person or a file calls the object.
+// Slots of prompts/user.md by name: name, size, mesh, camera, neighbours, offline, materials, category, ... A
+// line of the template whose slot is absent or empty is left out. `mesh`, `materials`, `category` and
+// `neighbours` are worked out from the ToolBox when they are not given. Values are plain text; `name` is what
+// a person or a file calls the object.
 struct AnalysisQuestion {
   std::map<std::string, std::string> slots;
   std::vector<AnalysisImage> images;
@@ -38,14 +39,17 @@ struct RawAnswer {
   std::string model;           // as the server named it
   std::string prompt_version;  // "1-" and the start of a hash over every prompt text
   std::int64_t prompt_tokens = 0, completion_tokens = 0;  // of all turns together
-  double cost_usd = 0;         // 0: unknown
-  double wall_s = 0;
-  std::string transcript;      // JSON lines, one a request, reply and tool call; without the key and without image bytes
-  std::vector<std::string> warnings;  // for people: "the prompt was cut to 4096 tokens; set OLLAMA_CONTEXT_LENGTH"
+  double cost_usd = 0;                                    // 0: unknown
+  double wall_s = 0;  // of all calls so far, without the wait for a place in the queue
+  std::string
+      transcript;  // JSON lines, one a request, reply and tool call; without the key and without image bytes
+  std::vector<std::string>
+      warnings;  // for people: "the prompt was cut to 4096 tokens; set OLLAMA_CONTEXT_LENGTH"
 };
 
 // One conversation about one object, by one thread at a time. Calls block; a requested stop ends them within
-// milliseconds with ErrorCode::Unavailable and a message that begins "cancelled". Errors are one line with a remedy.
+// milliseconds with ErrorCode::Unavailable and a message that begins "cancelled". Errors are one line with a
+// remedy.
 class Exchange {
  public:
   virtual ~Exchange() = default;
@@ -62,10 +66,10 @@ struct EndpointState {
   bool breaker_open = false;
   std::string breaker_reason;  // one line, empty while closed
   int in_flight = 0;
-  int max_in_flight = 1;       // how many objects are worth asking about at once
+  int max_in_flight = 1;  // how many objects are worth asking about at once
 };
 
-// A place that answers. Any thread may call; exchanges may outlive neither it nor each other's order.
+// A place that answers. Any thread may call. It outlives its exchanges.
 class ModelEndpoint {
  public:
   virtual ~ModelEndpoint() = default;

@@ -7,8 +7,9 @@
 
 namespace livegs {
 
-// A key. It lives in a page of its own that is left out of core files and is zeroed when it goes; it cannot be
-// copied or printed.
+// A key. It lives in a page of its own that is left out of core files and is zeroed when it goes; it cannot
+// be copied or printed. What libcurl copies of it for the length of a request, and the environment it came
+// from, are out of reach.
 class Secret {
  public:
   Secret() = default;
@@ -22,8 +23,8 @@ class Secret {
   bool empty() const { return size_ == 0; }
   std::string_view reveal() const { return {page_, size_}; }
 
-  // `text` with every stretch of eight or more characters of the secret replaced by "[key]". Words shorter than
-  // that, such as the "none" that local servers are given, are no secret.
+  // `text` with every stretch of eight or more characters of the secret replaced by "[key]". Words shorter
+  // than that, such as the "none" that local servers are given, are no secret.
   std::string redact(std::string_view text) const;
 
  private:

@@ -15,8 +15,8 @@ void no_tools(Settings& settings) { settings.tools = false; }
 void streaming(Settings& settings) {
   settings.tools = false;
   settings.stream = true;
-  settings.first_byte_timeout_s = 2;
-  settings.stall_timeout_s = 2;
+  settings.first_byte_timeout_s = 10;
+  settings.stall_timeout_s = 10;
 }
 
 Reply plain(int status, std::string body, std::string type = "application/json") {
@@ -80,7 +80,7 @@ std::vector<EndpointCase> dialect_cases() {
        4,
        {},
        [](const Posts& posts, const RawAnswer& answer) {
-         EXPECT_EQ(body_of(posts.back())["max_completion_tokens"], 2000);
+         EXPECT_EQ(body_of(posts.back())["max_completion_tokens"], 4 * 2000);
          EXPECT_NE(tool_result({posts[2], posts[3]}).find("material:terracotta"), std::string::npos);
          EXPECT_EQ(answer.completion_tokens, 220);
        }},
@@ -202,6 +202,12 @@ std::vector<EndpointCase> tool_cases() {
          EXPECT_EQ(count, 8);
        }},
       {"a_whole_answer_instead_of_a_call_is_taken", in_turn({says(sound_answer())}), "", 1},
+      {"a_wrong_value_is_for_the_gate_to_find",
+       [](const SeenRequest&, int) {
+         std::string answer = sound_answer();
+         return says(answer.replace(answer.find("open_shell"), 10, "hollow"));
+       },
+       "", 1},
       {"half_an_answer_instead_of_a_call_is_not",
        in_turn({says(R"({"mass_g":{"low":1,"best":2,"high":3}})"), says(sound_answer())}), "", 2},
       {"chatter_instead_of_a_call",
@@ -367,13 +373,13 @@ std::vector<EndpointCase> busy_cases() {
       {"slow_first_byte",
        [](const SeenRequest&, int index) {
          Reply reply = streams(streamed_answer(sound_answer()));
-         reply.delay_ms = index == 0 ? 3000 : 0;
+         reply.delay_ms = index == 0 ? 30000 : 0;
          return reply;
        },
        "", 2,
        [](Settings& settings) {
          streaming(settings);
-         settings.first_byte_timeout_s = 0.1;
+         settings.first_byte_timeout_s = 1;
        }},
       {"hang_before_the_first_byte",
        [](const SeenRequest&, int) {
@@ -411,7 +417,7 @@ std::vector<EndpointCase> busy_cases() {
        "", 2,
        [](Settings& settings) {
          streaming(settings);
-         settings.stall_timeout_s = 0.1;
+         settings.stall_timeout_s = 1;
        }},
       {"connection_refused", in_turn({says(sound_answer())}), "is the server running", 0,
        [](Settings& settings) { settings.base_url = "http://127.0.0.1:9/v1"; }},

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
@@ -249,32 +250,38 @@ TEST(ModelEndpoint, ACancelEndsEveryPhaseAtOnce) {
   EXPECT_EQ(server.posts().size(), 1u);
 }
 
+// Twice, so that no moment has to be met: open for an hour, and for no time at all.
 TEST(ModelEndpoint, TheBreakerOpensAndRecovers) {
-  bool healthy = false;
-  TestModelServer server([&](const SeenRequest&, int) {
-    Reply down;
-    down.status = 503;
-    return healthy ? says(sound_answer()) : down;
-  });
-  EndpointSettings settings = test_settings(server.base_url());
-  settings.tools = false;
-  settings.max_retries = 0;
-  settings.breaker_failures = 3;
-  settings.breaker_s = 0.2;
-  auto endpoint = open_model_endpoint(std::move(settings));
-  ASSERT_TRUE(endpoint);
-  const auto ask = [&] { return (*endpoint)->start(pot_tools())->ask(pot_question(), {}); };
-  for (int i = 0; i < 3; ++i) EXPECT_FALSE(ask());
-  EXPECT_TRUE((*endpoint)->state().breaker_open);
-  const auto refused = ask();
-  ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message.find("not asked again"), std::string::npos) << refused.error().message;
-  EXPECT_EQ(server.posts().size(), 3u);  // nothing was sent
-  healthy = true;
-  sleep_until_ns(now_ns() + 250000000);
-  EXPECT_TRUE(ask());
-  EXPECT_FALSE((*endpoint)->state().breaker_open);
-  EXPECT_TRUE((*endpoint)->state().breaker_reason.empty());
+  for (const double open_s : {3600.0, 1e-6}) {
+    std::atomic<bool> healthy = false;
+    TestModelServer server([&](const SeenRequest&, int) {
+      Reply down;
+      down.status = 503;
+      return healthy ? says(sound_answer()) : down;
+    });
+    EndpointSettings settings = test_settings(server.base_url());
+    settings.tools = false;
+    settings.max_retries = 0;
+    settings.breaker_failures = 3;
+    settings.breaker_s = open_s;
+    auto endpoint = open_model_endpoint(std::move(settings));
+    ASSERT_TRUE(endpoint);
+    const auto ask = [&] { return (*endpoint)->start(pot_tools())->ask(pot_question(), {}); };
+    for (int i = 0; i < 3; ++i) EXPECT_FALSE(ask());
+    EXPECT_TRUE((*endpoint)->state().breaker_open);
+    EXPECT_NE((*endpoint)->state().breaker_reason.find("503"), std::string::npos);
+    healthy = true;
+    const auto answer = ask();
+    if (open_s > 1) {
+      ASSERT_FALSE(answer);
+      EXPECT_NE(answer.error().message.find("not asked again"), std::string::npos) << answer.error().message;
+      EXPECT_EQ(server.posts().size(), 3u);  // nothing was sent
+    } else {
+      EXPECT_TRUE(answer);
+      EXPECT_FALSE((*endpoint)->state().breaker_open);
+      EXPECT_TRUE((*endpoint)->state().breaker_reason.empty());
+    }
+  }
 }
 
 TEST(ModelEndpoint, NoCreditOpensTheBreakerForEveryObject) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <sstream>
 
 #include "analysis/model_endpoint.h"
 #include "geometry/shape_mesh.h"

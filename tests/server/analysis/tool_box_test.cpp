@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <sstream>
 
 #include "analysis/json_text.h"
 #include "analysis/knowledge_search.h"
