@@ -147,6 +147,7 @@ class CellsBody final : public ElasticBody {
   // cells_touch.cpp
   class Taker;
   Vector3d node_now(uint32_t node) const;  // world; in the middle of a step where it has come to
+  void list_boxes() const;
   void push_spot(const ContactSpot& spot, const Vector3d& point_m, const Vector3d& impulse_n_s);
   void settle_spot(const ContactSpot& spot, const Vector3d& point_m, const Vector3d& impulse_n_s);
   template <class Visit>
@@ -255,6 +256,10 @@ class CellsBody final : public ElasticBody {
   double deviation_m_s_ = 0.0;  // root mean square of velocities relative to the body as a whole
   double spin_rad_s_ = 0.0;     // of the body as a whole
   double strain_squared_ = 0.0; // of the worst cell
+  // Of surface_cells_ and all of them, with what rides outside; as the nodes are now, where they are known.
+  mutable std::vector<Eigen::AlignedBox3d> cell_boxes_;
+  mutable Eigen::AlignedBox3d surface_box_;
+  mutable bool boxes_known_ = false;
   std::unique_ptr<ContactSide> side_;
   bool second_order_ = false, in_step_ = false;  // of the step that is being taken
   bool first_step_ = true, strained_ = false, tangled_ = false, untangling_ = false, touching_ = false, backward_ = false;

@@ -43,6 +43,7 @@ Vector3d vector_of(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
 }  // namespace
 
 int CellsBody::begin_substep(const SubstepContext& context) {
+  boxes_known_ = false;
   forced_ = false;
   for (const PointForce& force : context.forces) forced_ = forced_ || force.force_n.squaredNorm() > 0.0;
   if (asleep()) {
@@ -109,6 +110,7 @@ void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& contex
   touching_ = false;
   step_contact_n_s_ = 0.0;
   in_step_ = true;
+  boxes_known_ = false;
 }
 
 void CellsBody::end_step(const SubstepPart& part, const SubstepContext& context) {

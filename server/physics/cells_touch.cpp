@@ -71,16 +71,27 @@ Vector3d CellsBody::node_now(uint32_t node) const {
   return origin_m_ + (in_step_ ? nodes_.corrected_m(node) : nodes_.position_m(node));
 }
 
-void CellsBody::surface_elements(const AlignedBox3d& within, std::vector<SurfaceElement>& elements) const {
+void CellsBody::list_boxes() const {
+  boxes_known_ = true;
+  surface_box_.setEmpty();
+  cell_boxes_.clear();
   for (const SurfaceCell& cell : surface_cells_) {
-    std::array<Vector3d, 8> corners;
     AlignedBox3d box;
-    for (int c = 0; c < 8; ++c) {
-      corners[c] = node_now(cell.nodes[c]);
-      box.extend(corners[c]);
-    }
+    for (const uint32_t node : cell.nodes) box.extend(node_now(node));
     const Vector3d room = 0.5 * box.sizes();
-    if (!AlignedBox3d(box.min() - room, box.max() + room).intersects(within)) continue;
+    cell_boxes_.emplace_back(box.min() - room, box.max() + room);
+    surface_box_.extend(cell_boxes_.back());
+  }
+}
+
+void CellsBody::surface_elements(const AlignedBox3d& within, std::vector<SurfaceElement>& elements) const {
+  if (!boxes_known_) list_boxes();
+  if (!surface_box_.intersects(within)) return;
+  for (size_t n = 0; n < surface_cells_.size(); ++n) {
+    if (!cell_boxes_[n].intersects(within)) continue;
+    const SurfaceCell& cell = surface_cells_[n];
+    std::array<Vector3d, 8> corners;
+    for (int c = 0; c < 8; ++c) corners[c] = node_now(cell.nodes[c]);
     // Normals turn with the cofactors of the deformation.
     Matrix3d f = Matrix3d::Zero();
     for (int c = 0; c < 8; ++c) f += corners[c] * corner_sign(c).transpose();
@@ -237,26 +248,33 @@ void CellsBody::touch_rigid(ContactSide& side, const SubstepContext& context, st
 void CellsBody::be_touched(MovingBody& body, ContactSide& side, std::vector<TouchRow>& rows) {
   const Pose at = body.at_end();
   const double reach = element_reach_m(), radius = body.shape->sphere_radius_m;
-  const double around = 1.1 * reach_m_ + reach + radius;
-  std::vector<Vector3d> points;
+  const Vector3d room = Vector3d::Constant(reach + radius);
+  const Vector3d own_way = body.step_s * motion_.velocity_m_s();
+  struct Point {
+    Vector3d at_m, way_m;
+  };
+  std::vector<Point> points;
+  if (!boxes_known_) list_boxes();
+  const Matrix3d turn = at.orientation.toRotationMatrix(), turn_before = body.before.orientation.toRotationMatrix();
   AlignedBox3d box;
-  const auto offer = [&](const Vector3d& point) {
-    if ((point - origin_m_ - motion_.centre_m).squaredNorm() > around * around) return;
-    points.push_back(point);
+  const auto offer = [&](const Vector3d& local) {
+    const Vector3d point = at.position_m + turn * local;
+    const Vector3d way = point - body.before.position_m - turn_before * local - own_way;
+    AlignedBox3d passed(point);
+    passed.extend(Vector3d(point - way));
+    if (!surface_box_.intersects(AlignedBox3d(passed.min() - room, passed.max() + room))) return;
+    points.push_back({point, way});
     box.extend(point);
   };
-  if (body.shape->is_ball()) offer(at.position_m);
-  const Matrix3d turn = at.orientation.toRotationMatrix();
-  for (const Vector3d& point : body.shape->contact_points_m) offer(at.position_m + turn * point);
+  if (body.shape->is_ball()) offer(Vector3d::Zero());
+  for (const Vector3d& point : body.shape->contact_points_m) offer(point);
   if (points.empty()) return;
-  const Vector3d room = Vector3d::Constant(reach + radius);
   std::vector<SurfaceElement> elements;
   surface_elements(AlignedBox3d(box.min() - room, box.max() + room), elements);
   if (elements.empty()) return;
   const ElementGrid grid(elements, reach + radius);
-  for (const Vector3d& point : points) {
-    const Vector3d own_way = body.step_s * motion_.velocity_m_s();
-    const auto depth = grid.depth_after_way(point, body.way_m(body.spot_at(point)) - own_way);
+  for (const auto& [point, way] : points) {
+    const auto depth = grid.depth_after_way(point, way);
     if (!depth || depth->distance_m - radius > kRowMargin * extent_.box_edge_m) continue;
     TouchRow row;
     row.a = &side;
@@ -275,15 +293,14 @@ void CellsBody::be_touched(MovingBody& body, ContactSide& side, std::vector<Touc
 // This body's points against another elastic body.
 void CellsBody::touch_elastic(const ElasticNeighbour& other, ContactSide& side, double h, std::vector<TouchRow>& rows) {
   const double reach = other.body->element_reach_m();
-  const Vector3d centre = origin_m_ + motion_.centre_m;
-  const Vector3d around = Vector3d::Constant(1.1 * reach_m_ + h * motion_.velocity_m_s().norm() + reach);
-  std::vector<SurfaceElement> elements;
-  other.body->surface_elements(AlignedBox3d(centre - around, centre + around), elements);
-  if (elements.empty()) return;
   const Vector3d way = h * (motion_.velocity_m_s() - other.body->velocity_m_s());
+  const Vector3d room = Vector3d::Constant(reach) + way.cwiseAbs();
+  if (!boxes_known_) list_boxes();
+  std::vector<SurfaceElement> elements;
+  other.body->surface_elements(AlignedBox3d(surface_box_.min() - room, surface_box_.max() + room), elements);
+  if (elements.empty()) return;
   AlignedBox3d box;
   for (const SurfaceElement& element : elements) box.extend(element.position_m);
-  const Vector3d room = Vector3d::Constant(reach) + way.cwiseAbs();
   std::vector<SurfaceElement> points;
   surface_elements(AlignedBox3d(box.min() - room, box.max() + room), points);
   if (points.empty()) return;

@@ -48,7 +48,9 @@ TEST(SoftContact, BoxAndCubeInFreeSpaceKeepMomentum) {
       angular = std::max(angular, drift.angular);
     }
     EXPECT_GT(world.elastic_body(1)->velocity_m_s().x(), 0.5);
-    // The baseline's averaging of overlapping clusters does not keep momentum by itself.
+    // The baseline's averaging of overlapping clusters does not keep momentum by itself: a particle's goal is the plain
+    // mean of those of its clusters, and at the edge of a body it is in fewer of them. Alone in free space, spinning and
+    // shaken, the same cube drifts by 0.8 % (linear) and 25 % (angular) in a second.
     const bool cells = solver == ElasticSolver::Cells;
     EXPECT_LT(linear, cells ? 1e-4 : 0.03);   // goal 1e-4
     EXPECT_LT(angular, cells ? 1e-3 : 0.04);  // goal 1e-3
