@@ -71,7 +71,7 @@ void LivegsV1Body::surface_elements(const AlignedBox3d& within, std::vector<Surf
 Eigen::AlignedBox3d LivegsV1Body::bounds_m() const {
   Eigen::AlignedBox3d box;
   for (const Vector3d& position : positions_m_) box.extend(position);
-  return box;
+  return box.translate(origin_m_);
 }
 
 double LivegsV1Body::element_reach_m() const { return kElementReach * spacing_m_; }

@@ -83,6 +83,21 @@ TEST(SoftContact, TwoCubesInFreeSpaceKeepMomentum) {
   }
 }
 
+TEST(SoftContact, BodiesMeetFarFromTheOrigin) {
+  for (const ElasticSolver solver : {ElasticSolver::Cells, ElasticSolver::LivegsV1}) {
+    World world = world_with(solver, 60.0, Vector3d::Zero());
+    ElasticBodyDescription cube = soft_block(1, Vector3d::Constant(0.1), 0.5, 3e4, 0.025);
+    cube.world_from_object.position_m = {5.0, 3.0, -4.0};
+    cube.velocity_m_s = {2, 0, 0};
+    ASSERT_TRUE(world.add_elastic(cube));
+    RigidBodyDescription box = box_body(2, Vector3d::Constant(0.1), 0.5);
+    box.world_from_object.position_m = {5.15, 3.0, -4.0};
+    ASSERT_TRUE(world.add_rigid(box));
+    run_seconds(world, 0.2);
+    EXPECT_GT(body_state(world, 2).velocity_m_s.x(), 0.5);
+  }
+}
+
 TEST(SoftContact, HeavyBoxRestsOnAPillowAndBothSleep) {
   for (const double rate : {60.0, 90.0}) {
     World world = world_with(ElasticSolver::Cells, rate);
