@@ -40,6 +40,7 @@ Result<v1::PhysicalParameters> merge_scene_physics(const v1::PhysicalParameters&
     merged.set_fill_reason("written in the scene");
   }
   if (written.has_fragile()) merged.set_fragile(written.fragile());
+  if (written.has_fracture_pieces()) merged.set_fracture_pieces(written.fracture_pieces());
 
   // What was told about stiffness alone means the body as a whole: no structure coefficient is guessed on top
   // of it.

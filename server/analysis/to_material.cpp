@@ -41,6 +41,7 @@ Material to_material(const v1::PhysicalParameters& parameters) {
   material.loss_factor = parameters.damping().best();
   material.fragile = parameters.fragile();
   material.break_impulse_n_s = parameters.break_impulse_n_s().best();
+  if (parameters.fracture_pieces() > 0) material.fracture_pieces = parameters.fracture_pieces();
   material.friction = parameters.friction().best();
   material.restitution = parameters.restitution().best();
   return material;

@@ -26,6 +26,7 @@ struct Material {
   double loss_factor = 0.1;             // damping of deformation, unitless, 0 … 2
   bool fragile = false;
   double break_impulse_n_s = 0.0;
+  unsigned fracture_pieces = 32;        // a fragile body is cut into, 2 … 64
   double friction = 0.5;                // 0 … 2
   double restitution = 0.2;             // 0 … 1
 

@@ -50,6 +50,7 @@ Result<RegionMaterial> material_value(const v1::Physics& written, const std::str
       {"damping", written.has_damping()},
       {"fragile", written.has_fragile()},
       {"break_impulse_n_s", written.has_break_impulse_n_s()},
+      {"fracture_pieces", written.has_fracture_pieces()},
       {"friction", written.has_friction()},
       {"restitution", written.has_restitution()},
   };
