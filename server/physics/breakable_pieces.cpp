@@ -7,6 +7,7 @@
 
 #include "core/parallel_for.h"
 #include "geometry/fracture_seeds.h"
+#include "geometry/hollow_mesh.h"
 
 namespace livegs {
 namespace {
@@ -107,7 +108,7 @@ Result<std::shared_ptr<const BreakablePieces>> prepare_pieces(const TriangleMesh
   auto prepared = std::make_shared<BreakablePieces>();
   prepared->cut = std::move(*cut);
   const std::vector<VoronoiPiece>& pieces = prepared->cut.pieces;
-  const bool shell = (fill == Fill::Shell || fill == Fill::OpenShell) &&
+  const bool shell = (fill == Fill::Shell || fill == Fill::OpenShell) && !has_hollow(mesh) &&
                      std::all_of(pieces.begin(), pieces.end(), has_outside);
   prepared->pieces.resize(pieces.size());
   parallel_for(pieces.size(), 1, [&](size_t begin, size_t end) {

@@ -43,7 +43,7 @@ struct BreakableOptions {
 };
 
 // Cuts a closed mesh (object frame). Mass is spread through the volume, or evenly over the outside of the whole where
-// `fill` is a shell. Any thread, takes seconds for a fine mesh; the same bits for any thread count. Errors name what is
+// `fill` is a shell and the mesh has no inner wall. Any thread, takes seconds for a fine mesh; the same bits for any thread count. Errors name what is
 // wrong with the mesh.
 Result<std::shared_ptr<const BreakablePieces>> prepare_pieces(const TriangleMesh& mesh, Fill fill,
                                                               const BreakableOptions& options = {});

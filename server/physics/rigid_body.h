@@ -24,6 +24,7 @@ struct ImpulseSum {
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // impulse times point
   Eigen::Vector3d push_n_s = Eigen::Vector3d::Zero();
   bool from_colliders = true;  // all of it, from things that do not move
+  double restitution = 0.0;    // the largest of them; 1: of something that takes no energy, as a force
 
   void add(double size_n_s, const Eigen::Vector3d& direction, const Eigen::Vector3d& point_m) {
     impulse_n_s += size_n_s;

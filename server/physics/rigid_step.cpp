@@ -79,9 +79,10 @@ void accelerate(RigidBody& body, const RigidLoad& load, const Eigen::Vector3d& g
   body.velocity_m_s += duration_s * body.substep_acceleration_m_s2;
 }
 
-void tally_blow(RigidBody& body, const ContactPoint& point, const Eigen::Vector3d& normal,
+void tally_blow(RigidBody& body, const ContactPatch& patch, const ContactPoint& point, const Eigen::Vector3d& normal,
                 const Eigen::Vector3d& where) {
   if (point.impulse_n_s <= 0.0) return;
+  body.substep_blow.restitution = std::max(body.substep_blow.restitution, patch.restitution);
   const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
   body.substep_blow.add(point.impulse_n_s, body_from_world * normal,
                         body_from_world * (where - body.world_from_body.position_m));
@@ -99,6 +100,7 @@ void add_blows(RigidBody& body) {
     body.blow.moment += share * last.moment;
     body.blow.push_n_s += share * last.push_n_s;
     body.blow.from_colliders = body.blow.from_colliders && last.from_colliders;
+    body.blow.restitution = std::max(body.blow.restitution, last.restitution);
   }
   last = {};
   body.carried_speed_m_s = 0.0;
@@ -111,11 +113,11 @@ void tally(RigidBody& body, ContactPatch& patch) {
     const Eigen::Vector3d where = body.world_from_body.position_m + point.arm_a_m;
     body.contact_impulse_n_s += point.impulse_n_s;
     body.contact_moment += point.impulse_n_s * where;
-    tally_blow(body, point, point.normal, where);
+    tally_blow(body, patch, point, point.normal, where);
     if (patch.other && point.impulse_n_s > 0.0) body.substep_blow.from_colliders = false;
     if (patch.other && !patch.other->asleep) {
       if (point.impulse_n_s > 0.0) patch.other->substep_blow.from_colliders = false;
-      tally_blow(*patch.other, point, -point.normal, where);
+      tally_blow(*patch.other, patch, point, -point.normal, where);
       patch.other->contact_impulse_n_s += point.impulse_n_s;
       patch.other->contact_moment += point.impulse_n_s * where;
     }

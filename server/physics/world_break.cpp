@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How a rigid object becomes several. A body that breaks hands each fragment the velocity its material has at that
 // place, v + w x r, and its own share of mass and inertia: mass, linear and angular momentum are those of the whole to
-// rounding, and so is kinetic energy.
+// rounding. Kinetic energy is that and what the strain of the blow gives back: see fracture_recoil.h.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <utility>
 
+#include "physics/fracture_recoil.h"
 #include "physics/world_state.h"
 
 namespace livegs {
@@ -83,6 +84,28 @@ uint32_t nearest_piece(const RigidObject& object, uint32_t body_index, const Eig
   return nearest;
 }
 
+// Faces of the bonds that broke, where they part bodies.
+void spring_back(RigidObject& object, std::span<const uint32_t> broken, double energy_j) {
+  std::vector<RigidBody*> bodies;
+  std::vector<OpenedFace> faces;
+  const auto number = [&](RigidBody& body) {
+    const auto at = static_cast<size_t>(std::find(bodies.begin(), bodies.end(), &body) - bodies.begin());
+    if (at == bodies.size()) bodies.push_back(&body);
+    return at;
+  };
+  for (const uint32_t bond : broken) {
+    if (bond >= object.pieces->cut.bonds.size()) continue;  // of parts that touch nothing
+    const VoronoiBond& face = object.pieces->cut.bonds[bond];
+    RigidBody& first = object.body_at(object.body_of(face.first));
+    RigidBody& second = object.body_at(object.body_of(face.second));
+    if (&first == &second) continue;
+    faces.push_back({number(first), number(second), face.area_m2,
+                     first.world_from_body.position_m + first.arm_of(face.centroid_m),
+                     first.world_from_body.orientation * face.normal});
+  }
+  recoil(bodies, faces, energy_j);
+}
+
 }  // namespace
 
 void World::State::split_body(uint32_t object_id, RigidObject& object, uint32_t body_index,
@@ -105,8 +128,9 @@ void World::State::split_body(uint32_t object_id, RigidObject& object, uint32_t 
 }
 
 bool World::State::strike(uint32_t object_id, RigidObject& object, uint32_t body_index, const Blow& blow,
-                          const Eigen::Vector3d& given_back_n_s) {
-  for (const uint32_t bond : broken_bonds(object.bonds, blow)) object.bonds.bonds[bond].health = 0.0;
+                          const Eigen::Vector3d& given_back_n_s, double recoil_j) {
+  const std::vector<uint32_t> broken = broken_bonds(object.bonds, blow);
+  for (const uint32_t bond : broken) object.bonds.bonds[bond].health = 0.0;
   const std::vector<uint32_t> group_of = connected_groups(object.bonds);
   std::map<uint32_t, std::vector<uint32_t>> members;
   for (uint32_t piece = 0; piece < group_of.size(); ++piece) {
@@ -120,6 +144,7 @@ bool World::State::strike(uint32_t object_id, RigidObject& object, uint32_t body
   body.apply_impulse(-(body.world_from_body.orientation * given_back_n_s), arm);
   if (object.piece_bodies.empty()) object.piece_bodies.assign(group_of.size(), 0);
   split_body(object_id, object, body_index, groups);
+  spring_back(object, broken, recoil_j);
   ++object.revision;
   return true;
 }
@@ -146,11 +171,14 @@ void World::State::break_struck() {
       // have had theirs.
       Eigen::Vector3d given_back = Eigen::Vector3d::Zero();
       const bool one_way = sum.push_n_s.norm() > kOneWay * sum.impulse_n_s;
+      double borne = 1.0;
       if (sum.from_colliders && one_way) {
-        const double borne = break_threshold_n_s(object->bonds, blow) / sum.impulse_n_s;
-        given_back = std::max(0.0, 1.0 - borne) * sum.push_n_s;
+        borne = std::min(1.0, break_threshold_n_s(object->bonds, blow) / sum.impulse_n_s);
+        given_back = (1.0 - borne) * sum.push_n_s;
       }
-      if (!strike(id, *object, index, blow, given_back)) continue;
+      const Eigen::Vector3d arm = blow.point_m - body.rest_centre_m;
+      const double recoil_j = kRecoilPart * blow_loss_j(body, sum.push_n_s, arm, borne, sum.restitution);
+      if (!strike(id, *object, index, blow, given_back, recoil_j)) continue;
       broke = true;
       events.push_back({tick, WorldEventKind::Fracture, id, sum.impulse_n_s, where});
     }
@@ -204,7 +232,7 @@ Result<void> World::break_object(uint32_t object_id, const Eigen::Vector3d& rest
   blow.impulse_n_s = kBreakAtWill * threshold * direction;
   const Eigen::Vector3d where = body.world_from_body.position_m + body.arm_of(rest_point_m);
   thing->wake();
-  if (state_->strike(object_id, *object, index, blow, Eigen::Vector3d::Zero())) {
+  if (state_->strike(object_id, *object, index, blow, Eigen::Vector3d::Zero(), 0.0)) {
     state_->events.push_back({state_->tick, WorldEventKind::Fracture, object_id, 0.0, where});
     state_->list_bodies();
   }

@@ -33,6 +33,7 @@ void World::State::gather_loads(double duration_s) {
         const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
         body.blow.add(duration_s * force.norm(), body_from_world * force.normalized(), rest_point - body.rest_centre_m);
         body.blow.from_colliders = false;
+        body.blow.restitution = 1.0;
       }
       load.angular_impulse += duration_s * body.arm_of(rest_point).cross(force);
     }
