@@ -2,6 +2,7 @@
 #include "scene/build_object.h"
 
 #include "core/clock.h"
+#include "geometry/hollow_mesh.h"
 #include "geometry/mesh_facts.h"
 #include "geometry/reconstruct_surface.h"
 #include "geometry/sample_particles.h"
@@ -122,8 +123,8 @@ Result<TriangleMesh> rigid_mesh(const Form& form, bool fine) {
 }
 
 MassProperties properties_of(const TriangleMesh& mesh, Fill fill) {
-  return fill == Fill::Shell || fill == Fill::OpenShell ? shell_mass_properties(mesh)
-                                                        : solid_mass_properties(mesh);
+  const bool shell = (fill == Fill::Shell || fill == Fill::OpenShell) && !has_hollow(mesh);
+  return shell ? shell_mass_properties(mesh) : solid_mass_properties(mesh);
 }
 
 // Where the object's material is, at rest.
@@ -266,7 +267,17 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       auto mesh = rigid_mesh(*form, shape || material.fragile);
       if (!mesh) return fail(mesh.error());
       body.mesh = std::move(*mesh);
-      body.properties = properties_of(body.mesh, material.fill);
+      built.cut_mesh = std::make_shared<const TriangleMesh>(body.mesh);
+      built.fine_mesh = shape || material.fragile ? built.cut_mesh : std::make_shared<const TriangleMesh>(form->mesh);
+      // Closed all round, it is known from outside only: the wall is made for it.
+      if (material.fragile && material.fill == Fill::Shell && !has_hollow(body.mesh)) {
+        if (auto hollow = hollow_mesh(body.mesh, material.wall_thickness_m)) {
+          built.cut_mesh = built.fine_mesh = std::make_shared<const TriangleMesh>(std::move(*hollow));
+        } else {
+          built.drawn.warnings.push_back("physics.fill: it breaks as a solid: " + hollow.error().message);
+        }
+      }
+      body.properties = properties_of(*built.cut_mesh, material.fill);
       place(body);
       built.body = std::move(body);
     }

@@ -26,6 +26,8 @@ struct BuiltObject {
   Similarity object_from_asset;
   std::vector<Eigen::Vector3d> body_points_m;  // what takes up room, object frame
   std::variant<StaticBodyDescription, RigidBodyDescription, ElasticBodyDescription> body;
+  // Of a rigid body: what is cut when it is fragile, and the fine surface that its kernels lie on.
+  std::shared_ptr<const TriangleMesh> cut_mesh, fine_mesh;
   double build_ms = 0;
 };
 

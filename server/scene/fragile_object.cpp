@@ -6,15 +6,32 @@
 #include <numeric>
 
 #include "core/clock.h"
+#include "geometry/distance_field.h"
+#include "geometry/mesh_topology.h"
 #include "geometry/piece_kernels.h"
 
 namespace livegs {
 namespace {
 
+constexpr double kFineFieldCells = 64.0;
+
+// Numbers of the kernels that are drawn: not those of cut faces outside of `surface`, if there is one.
+std::vector<uint32_t> kernels_within(const PieceKernels& kernels, const Similarity& object_from_asset,
+                                     const TriangleMesh* surface) {
+  std::vector<uint32_t> kept(kernels.piece.size());
+  std::iota(kept.begin(), kept.end(), 0u);
+  if (!surface) return kept;
+  const double cell_m = mesh_bounds_m(*surface).sizes().maxCoeff() / kFineFieldCells;
+  const DistanceField field(*surface, cell_m, 2 * cell_m);
+  std::erase_if(kept, [&](uint32_t k) {
+    if (k < kernels.interior_begin) return false;
+    return field.sample(object_from_asset * Eigen::Vector3d(kernels.asset.positions[k].cast<double>())).distance_m > 0.0;
+  });
+  return kept;
+}
+
 // Kernels in the order of their pieces.
-BrokenAsset ordered_by_piece(const PieceKernels& kernels, size_t piece_count) {
-  std::vector<uint32_t> order(kernels.piece.size());
-  std::iota(order.begin(), order.end(), 0u);
+BrokenAsset ordered_by_piece(const PieceKernels& kernels, std::vector<uint32_t> order, size_t piece_count) {
   std::stable_sort(order.begin(), order.end(),
                    [&](uint32_t a, uint32_t b) { return kernels.piece[a] < kernels.piece[b]; });
   const GaussianAsset& from = kernels.asset;
@@ -65,7 +82,9 @@ Result<FragileObject> prepare_fragile(const TriangleMesh& mesh, Fill fill, const
   auto kernels = make_piece_kernels(asset, options.object_from_asset, fragile.pieces->cut, splitting);
   if (!kernels) return kernels.error();
   fragile.broken =
-      std::make_shared<const BrokenAsset>(ordered_by_piece(*kernels, fragile.pieces->pieces.size()));
+      std::make_shared<const BrokenAsset>(ordered_by_piece(
+          *kernels, kernels_within(*kernels, options.object_from_asset, options.fine_mesh.get()),
+          fragile.pieces->pieces.size()));
   fragile.prepared_ms = milliseconds_from_ns(now_ns() - begun_ns);
   return fragile;
 }

@@ -41,6 +41,8 @@ struct FragileObject {
 struct FragileOptions {
   BreakableOptions pieces;
   Similarity object_from_asset;
+  // Where a coarser surface is cut, the fine one that the kernels lie on: those of cut faces outside it are left out.
+  std::shared_ptr<const TriangleMesh> fine_mesh;
 };
 // `mesh` is closed, in the object frame.
 Result<FragileObject> prepare_fragile(const TriangleMesh& mesh, Fill fill, const GaussianAsset& asset,

@@ -105,6 +105,7 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
   scene.name_ = std::move(name);
   scene.file_ = file;
   scene.seed_ = options.seed;
+  scene.wait_for_pieces_ = options.wait_for_pieces;
   std::stable_sort(scene.file_.mutable_events()->begin(), scene.file_.mutable_events()->end(),
                    [](const v1::Event& a, const v1::Event& b) { return a.time_s() < b.time_s(); });
   scene.world_ = std::make_unique<World>(*settings);
@@ -159,8 +160,9 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
     const Similarity object_from_asset = one.object_from_asset;
     scene.note_elastic(one.drawn);
     const SceneObject& drawn = scene.add_drawn(std::move(one.drawn), object_from_asset);
-    if (const auto* rigid = std::get_if<RigidBodyDescription>(&one.body); rigid && rigid->material.fragile) {
-      scene.begin_cut(drawn, rigid->mesh);
+    if (const auto* rigid = std::get_if<RigidBodyDescription>(&one.body)) {
+      scene.cuttable_[drawn.id] = {one.cut_mesh, one.fine_mesh};
+      if (rigid->material.fragile) scene.begin_cut(drawn);
     }
     log_notes(scene.objects_.back());
   }
@@ -203,7 +205,7 @@ const SceneObject& Scene::add_drawn(SceneObject drawn, const Similarity& object_
 
 SceneObject& Scene::drawn(uint32_t object_id) { return const_cast<SceneObject&>(*find(object_id)); }
 
-void Scene::begin_cut(const SceneObject& object, const TriangleMesh& mesh) {
+void Scene::begin_cut(const SceneObject& object) {
   const Material& material = *world_->material(object.id);
   Fragility fragility;
   fragility.break_impulse_n_s = material.break_impulse_n_s;
@@ -212,12 +214,29 @@ void Scene::begin_cut(const SceneObject& object, const TriangleMesh& mesh) {
   FragileOptions options;
   options.object_from_asset = object.rest.object_from_asset;
   options.pieces.seed = seed_ + object.id;
-  cutting_.emplace_back(object.id, mesh, material.fill, object.asset, options);
+  Cuttable& cuttable = cuttable_.at(object.id);
+  cuttable.pieces = material.fracture_pieces;
+  options.pieces.piece_count = material.fracture_pieces;
+  if (cuttable.fine != cuttable.mesh) options.fine_mesh = cuttable.fine;
+  std::erase_if(cutting_, [&](const FragileTask& task) { return task.object_id() == object.id; });
+  cutting_.emplace_back(object.id, *cuttable.mesh, material.fill, object.asset, options);
+}
+
+void Scene::cut_anew(const SceneObject& object) {
+  const Material& material = *world_->material(object.id);
+  const auto cuttable = cuttable_.find(object.id);
+  if (cuttable == cuttable_.end() || !material.fragile || world_->revision(object.id) > 0) return;
+  if (cuttable->second.pieces == material.fracture_pieces) return;
+  begin_cut(object);
+  if (!wait_for_pieces_) return;
+  take_cut(cutting_.back());
+  cutting_.pop_back();
 }
 
 void Scene::take_cut(FragileTask& task) {
   SceneObject& object = drawn(task.object_id());
   auto fragile = task.take();
+  if (world_->revision(object.id) > 0) return;  // it broke as it was cut before
   const auto set = fragile ? world_->set_pieces(object.id, fragile->pieces) : Result<void>(fragile.error());
   if (!set) {
     object.warnings.push_back("cannot break: " + set.error().message);
@@ -309,6 +328,7 @@ void Scene::apply(const v1::Event& event, uint64_t event_id) {
         object->fragility->drop_height_m = drop_height_m(material, world_->settings().gravity_m_s2.norm());
       }
       changes_.changed.push_back(object->id);
+      cut_anew(*object);
       break;
     }
     case v1::Event::kReleaseRegion: {

@@ -27,6 +27,7 @@ namespace livegs {
 struct ObjectFacts;  // analysis/estimate.h
 struct BrokenAsset;  // scene/fragile_object.h
 class FragileTask;
+struct TriangleMesh;
 
 // How a fragile object breaks.
 struct Fragility {
@@ -110,7 +111,8 @@ class Scene {
   void apply(const v1::Event& event, uint64_t event_id);
   void note_elastic(SceneObject& drawn) const;  // what its elastic body turned out to be
   // Fragile objects: begins to cut them, takes what is done, and follows those that broke.
-  void begin_cut(const SceneObject& drawn, const TriangleMesh& mesh);
+  void begin_cut(const SceneObject& drawn);
+  void cut_anew(const SceneObject& drawn);  // if it became fragile, or is to have another number of pieces
   void take_cut(FragileTask& task);
   void follow_breaks();
   SceneObject& drawn(uint32_t object_id);
@@ -130,7 +132,14 @@ class Scene {
   std::deque<uint32_t> balls_;                                 // oldest first
   Changes changes_;
   uint64_t seed_ = 1;
+  bool wait_for_pieces_ = true;
   std::vector<FragileTask> cutting_;
+  // Of rigid objects: the surface that is cut and the one that kernels lie on, and what they were last cut into.
+  struct Cuttable {
+    std::shared_ptr<const TriangleMesh> mesh, fine;
+    unsigned pieces = 0;
+  };
+  std::map<uint32_t, Cuttable> cuttable_;
 };
 
 // A scene file, checked as far as that goes without its assets. Comments (//, /* */) are allowed.
