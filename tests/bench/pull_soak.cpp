@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+// A room of eight objects that hands pull at without end: `pull_soak [MINUTES] > results/<machine>/pull_soak.csv`, an hour
+// (simulated) if not told. The sample scene's six objects, a box and a soft block; every half second on average a spring
+// takes a random point of a random object and draws it somewhere else in the room for up to a second, now and then a ball
+// is shot. One row a simulated minute; fixed seed, so the motion is the same every time, the times are not. `tick_cpu`: of
+// all threads, milliseconds; 11.1 are a frame. Leaves with 1 at the first number that is not finite.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+#include <random>
+#include <string>
+
+#include "core/log.h"
+#include "gaussian/asset_file.h"
+#include "sample/sample_scene.h"
+#include "scene/scene.h"
+#include "scratch_folder.h"
+
+using namespace livegs;
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr int kRate_hz = 90;
+// Pulls stay within these walls.
+const Vector3d kRoomMin(-1.4, 0.1, -1.4), kRoomMax(1.4, 1.4, 1.4);
+
+constexpr const char* kRoom = R"({
+  "environment": { "colliders": [
+    { "plane": { "point_m": [0, 0, 0], "normal": [0, 1, 0] }, "friction": 0.6 },
+    { "plane": { "point_m": [0, 0, -1.5], "normal": [0, 0, 1] } }, { "plane": { "point_m": [0, 0, 1.5], "normal": [0, 0, -1] } },
+    { "plane": { "point_m": [-1.5, 0, 0], "normal": [1, 0, 0] } }, { "plane": { "point_m": [1.5, 0, 0], "normal": [-1, 0, 0] } } ] },
+  "objects": [
+    { "name": "stool",  "asset": "stool.ply",  "scale": 1, "pose": { "position_m": [-0.62, 0.02, -0.45] } },
+    { "name": "plant",  "asset": "plant.ply",  "scale": 1, "spacing_m": 0.03, "pose": { "position_m": [ 0.72, 0.04, -0.55] } },
+    { "name": "pillow", "asset": "pillow.ply", "scale": 1, "pose": { "position_m": [-0.02, 0.40, -0.30] } },
+    { "name": "hat",    "asset": "hat.ply",    "scale": 1, "spacing_m": 0.014, "pose": { "position_m": [-0.42, 0.30,  0.12] } },
+    { "name": "cup",    "asset": "cup.ply",    "scale": 1, "pose": { "position_m": [ 0.42, 0.60,  0.15] } },
+    { "name": "duck",   "asset": "duck.ply",   "scale": 1, "pose": { "position_m": [ 0.05, 0.05,  0.30] } },
+    { "name": "box",    "shape": { "box": { "size_m": [0.2, 0.15, 0.25] } }, "pose": { "position_m": [0.5, 0.1, 0.8] },
+      "physics": { "behavior": "RIGID", "mass_kg": 1.5 } },
+    { "name": "block",  "shape": { "box": { "size_m": [0.25, 0.15, 0.2] } }, "spacing_m": 0.05,
+      "pose": { "position_m": [-0.6, 0.1, 0.8] },
+      "physics": { "behavior": "ELASTIC", "density_kg_m3": 80, "youngs_modulus_pa": 2e4 } } ]
+})";
+
+double resident_mb() {
+  std::ifstream status("/proc/self/statm");
+  double pages = 0, resident = 0;
+  status >> pages >> resident;
+  return resident * 4096 / 1e6;
+}
+
+double percentile(const std::vector<double>& sorted, double part) {
+  return sorted[std::min(sorted.size() - 1, static_cast<size_t>(part * static_cast<double>(sorted.size())))];
+}
+
+class Hands {
+ public:
+  explicit Hands(const Scene& scene) {
+    for (const SceneObject& object : scene.objects()) {
+      if (!object.environment) ids_.push_back(object.id);
+    }
+  }
+
+  void act(Scene& scene, int tick) {
+    World& world = scene.world();
+    for (Pull& pull : pulls_) {
+      if (pull.until != tick) continue;
+      world.clear_spring(pull.id);
+      pull.until = -1;
+    }
+    std::erase_if(pulls_, [](const Pull& pull) { return pull.until < 0; });
+    if (random() < 2.0 / kRate_hz) {
+      const uint32_t id = ids_[static_cast<size_t>(random() * static_cast<double>(ids_.size()))];
+      // The point is where a ray into the middle of the object meets it.
+      const Vector3d from = place(), middle = world.world_point(id, Vector3d::Zero());
+      const auto hit = world.ray_cast(from, (middle - from).normalized(), 5.0);
+      if (hit) {
+        World::Spring spring;
+        spring.rest_point_m = hit->rest_point_m;
+        spring.target_m = place();
+        spring.stiffness_n_m = 20.0 + 180.0 * random();
+        world.set_spring(++last_, hit->object_id, spring);
+        pulls_.push_back({last_, tick + 9 + static_cast<int>(random() * kRate_hz)});
+        ++pulled;
+      }
+    }
+    if (random() < 1.0 / (10 * kRate_hz)) {
+      const Vector3d from = place(), to = place();
+      scene.shoot_ball(from, 6.0 * (to - from).normalized());
+    }
+  }
+
+  int pulled = 0;
+
+ private:
+  struct Pull {
+    uint64_t id;
+    int until;  // tick
+  };
+  double random() { return static_cast<double>(engine_() >> 11) * 0x1.0p-53; }
+  Vector3d place() {
+    Vector3d at;
+    for (int i = 0; i < 3; ++i) at[i] = kRoomMin[i] + random() * (kRoomMax[i] - kRoomMin[i]);
+    return at;
+  }
+
+  std::mt19937_64 engine_{20260204};
+  std::vector<uint32_t> ids_;
+  std::vector<Pull> pulls_;
+  uint64_t last_ = 0;
+};
+
+// The farthest that anything is from the middle of the room; infinite when a number is not finite.
+double reach_m(const World& world) {
+  double reach = 0;
+  const auto see = [&](const Vector3d& point) { reach = point.allFinite() ? std::max(reach, point.norm()) : INFINITY; };
+  for (const ObjectDrivers& object : world.drivers().objects) {
+    for (const Pose& pose : object.poses) {
+      see(pose.position_m);
+      if (!pose.orientation.coeffs().allFinite()) reach = INFINITY;
+    }
+    for (const Eigen::Vector3f& node : object.positions_m) see(node.cast<double>());
+    if (!std::isfinite(reach)) break;
+  }
+  return reach;
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  const int minutes = count > 1 ? std::atoi(arguments[1]) : 60;
+  set_log_level(LogLevel::Warn);
+  const ScratchFolder folder;
+  for (const SampleAsset& sample : make_sample_assets(1)) {
+    if (!write_asset(folder / (sample.name + ".ply"), sample.asset)) return 1;
+  }
+  auto scene = Scene::load(folder.write("room.scene.json", kRoom), {});
+  if (!scene) {
+    std::fprintf(stderr, "%s\n", scene.error().message.c_str());
+    return 1;
+  }
+  Hands hands(*scene);
+  std::printf("minute,pulls,tick_cpu_p50_ms,tick_cpu_p99_ms,tick_cpu_p999_ms,most_ms,resident_mb,asleep,objects,bodies,energy_j,reach_m,finite\n");
+  int tick = 0;
+  for (int minute = 1; minute <= minutes; ++minute) {
+    std::vector<double> ticks_ms;
+    double reach = 0;
+    for (int i = 0; i < 60 * kRate_hz; ++i, ++tick) {
+      hands.act(*scene, tick);
+      const std::clock_t start = std::clock();
+      scene->step();
+      ticks_ms.push_back(1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+      (void)scene->take_changes();
+      (void)scene->world().take_events();
+      if (i % 10 == 0) reach = std::max(reach, reach_m(scene->world()));
+      if (!std::isfinite(reach)) break;
+    }
+    std::sort(ticks_ms.begin(), ticks_ms.end());
+    size_t asleep = 0;
+    const DriverFrame drivers = scene->world().drivers();
+    for (const ObjectDrivers& object : drivers.objects) asleep += object.asleep;
+    const BodyEnergy energy = scene->world().energy();
+    const bool finite = std::isfinite(reach);
+    std::printf("%d,%d,%.2f,%.2f,%.2f,%.2f,%.1f,%zu,%zu,%zu,%.3g,%.2f,%d\n", minute, hands.pulled, percentile(ticks_ms, 0.5),
+                percentile(ticks_ms, 0.99), percentile(ticks_ms, 0.999), ticks_ms.back(), resident_mb(), asleep,
+                drivers.objects.size(), scene->world().bodies().size(),
+                energy.kinetic_j + energy.elastic_j + energy.gravity_j, reach, finite);
+    std::fflush(stdout);
+    if (!finite) return 1;
+  }
+}

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <vector>
+
+#include "core/parallel_for.h"
+#include "scene/scene.h"
+
+// The scene of everything, with a captured asset if there is one, and the hash of its drivers after every tick: the same
+// bits for any number of threads.
+
+namespace livegs::testing {
+
+// FNV-1a, 64 bits, over the bits of each number.
+class BitHash {
+ public:
+  void add(uint64_t word) {
+    for (int byte = 0; byte < 8; ++byte) {
+      hash_ = (hash_ ^ (word & 0xff)) * 0x100000001b3;
+      word >>= 8;
+    }
+  }
+  void add(double value) { add(std::bit_cast<uint64_t>(value)); }
+  void add(float value) { add(uint64_t{std::bit_cast<uint32_t>(value)}); }
+  uint64_t value() const { return hash_; }
+
+ private:
+  uint64_t hash_ = 0xcbf29ce484222325;
+};
+
+inline uint64_t hash_of(const DriverFrame& frame) {
+  BitHash hash;
+  hash.add(frame.tick);
+  for (const ObjectDrivers& object : frame.objects) {
+    hash.add(uint64_t{object.object_id});
+    hash.add(uint64_t{object.revision});
+    hash.add(uint64_t{object.asleep});
+    for (const Pose& pose : object.poses) {
+      for (const double value : pose.position_m) hash.add(value);
+      for (const double value : pose.orientation.coeffs()) hash.add(value);
+    }
+    for (const Eigen::Vector3f& position : object.positions_m) {
+      for (const float value : position) hash.add(value);
+    }
+    for (const Eigen::Quaternionf& rotation : object.rotations) {
+      for (const float value : rotation.coeffs()) hash.add(value);
+    }
+  }
+  return hash.value();
+}
+
+struct HashedRun {
+  std::vector<uint64_t> ticks;
+  size_t bodies = 0;  // of rigid things at the end, fragments included
+  size_t touched = 0;  // objects that something struck
+};
+
+inline HashedRun run_everything(int threads, int ticks) {
+  namespace fs = std::filesystem;
+  set_thread_count(threads);
+  HashedRun run;
+  const fs::path folder = fs::path(LIVEGS_TESTS_DIR) / "scenes";
+  auto file = read_scene_file(folder / "everything.scene.json");
+  EXPECT_TRUE(file) << file.error().message;
+  const fs::path captured = fs::path(LIVEGS_SHARED_DATA_DIR) / "splats/ponytail_palm/ponytail_palm.ply";
+  if (fs::exists(captured)) {
+    v1::Object& palm = *file->add_objects();
+    palm.set_name("palm");
+    palm.set_asset(fs::absolute(captured).string());
+    palm.set_scale(0.2);
+    palm.set_spacing_m(0.03);
+    for (const double value : {0.3, 0.3, 0.5}) palm.mutable_pose()->add_position_m(value);
+  }
+  auto scene = Scene::build(*file, folder, "everything", {});
+  EXPECT_TRUE(scene) << scene.error().message;
+  if (!scene) return run;
+  std::vector<uint32_t> struck;
+  for (int tick = 0; tick < ticks; ++tick) {
+    scene->step();
+    run.ticks.push_back(hash_of(scene->world().drivers()));
+    for (const WorldEvent& event : scene->world().take_events()) {
+      if (event.kind == WorldEventKind::Contact) struck.push_back(event.object_id);
+    }
+  }
+  std::sort(struck.begin(), struck.end());
+  run.touched = static_cast<size_t>(std::unique(struck.begin(), struck.end()) - struck.begin());
+  run.bodies = scene->world().bodies().size();
+  set_thread_count(0);
+  return run;
+}
+
+// Equal in every tick for 1, 2 and 8 threads; the message names the first that is not.
+inline void expect_same_bits(int ticks) {
+  const HashedRun one = run_everything(1, ticks);
+  EXPECT_GT(one.bodies, 14u) << "the cup must have broken";
+  EXPECT_GE(one.touched, 10u);
+  for (const int threads : {2, 8}) {
+    const HashedRun more = run_everything(threads, ticks);
+    ASSERT_EQ(one.ticks.size(), more.ticks.size());
+    const auto differs = std::mismatch(one.ticks.begin(), one.ticks.end(), more.ticks.begin()).first;
+    EXPECT_EQ(differs, one.ticks.end()) << threads << " threads, from tick " << differs - one.ticks.begin() + 1 << " on";
+  }
+}
+
+}  // namespace livegs::testing

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/scene/determinism.h"
+
+namespace livegs {
+namespace {
+
+// Long enough for the cup to fall and break, the stack to be struck and the load to sink in.
+TEST(Determinism, AHundredAndFiftyTicksOfEverythingAreTheSameBitsForAnyNumberOfThreads) {
+  testing::expect_same_bits(150);
+}
+
+}  // namespace
+}  // namespace livegs
