@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fragile objects in scene files: how many pieces, what becomes fragile later, and what is hollow.
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+#include "scene/fragile_object.h"
+#include "scene/scene.h"
+
+namespace livegs {
+namespace {
+
+// One thing 0.5 m above a floor.
+v1::Scene one_object(const v1::Physics& physics, bool ball) {
+  v1::Scene file;
+  file.mutable_environment()->add_colliders()->mutable_plane();
+  v1::Object& object = *file.add_objects();
+  object.set_name("thing");
+  if (ball) {
+    object.mutable_shape()->mutable_sphere()->set_radius_m(0.05);
+  } else {
+    for (const double edge : {0.1, 0.12, 0.08}) object.mutable_shape()->mutable_box()->add_size_m(edge);
+  }
+  for (const double value : {0.0, 0.5, 0.0}) object.mutable_pose()->add_position_m(value);
+  *object.mutable_physics() = physics;
+  return file;
+}
+
+v1::Physics fragile(unsigned pieces) {
+  v1::Physics physics;
+  physics.set_behavior(v1::Physics::RIGID);
+  physics.set_fill(v1::Physics::SOLID);
+  physics.set_mass_kg(0.5);
+  physics.set_fragile(true);
+  physics.set_break_impulse_n_s(0.2);
+  if (pieces > 0) physics.set_fracture_pieces(pieces);
+  return physics;
+}
+
+uint32_t pieces_of(const v1::Physics& physics) {
+  const auto scene = Scene::build(one_object(physics, false), "", "one", {});
+  EXPECT_TRUE(scene) << scene.error().message;
+  return scene ? scene->find("thing")->fragility->pieces : 0;
+}
+
+TEST(FragileScene, ItIsCutIntoAsManyPiecesAsAreWanted) {
+  EXPECT_EQ(pieces_of(fragile(0)), 32u);
+  EXPECT_EQ(pieces_of(fragile(5)), 5u);
+  EXPECT_EQ(pieces_of(fragile(64)), 64u);
+}
+
+TEST(FragileScene, ANumberOfPiecesOutOfRangeIsNamed) {
+  for (const unsigned pieces : {0u, 1u, 65u}) {
+    v1::Physics physics = fragile(0);
+    physics.set_fracture_pieces(pieces);
+    const auto scene = Scene::build(one_object(physics, false), "", "one", {});
+    ASSERT_FALSE(scene) << pieces;
+    EXPECT_NE(scene.error().message.find("physics.fracture_pieces"), std::string::npos) << scene.error().message;
+    EXPECT_NE(scene.error().message.find("2 and 64"), std::string::npos) << scene.error().message;
+  }
+}
+
+v1::Scene made_fragile_later() {
+  v1::Physics tough = fragile(0);
+  tough.set_fragile(false);
+  v1::Scene file = one_object(tough, false);
+  v1::Event& event = *file.add_events();
+  event.set_time_s(0.05);
+  event.mutable_set_physics()->set_object("thing");
+  event.mutable_set_physics()->mutable_physics()->set_fragile(true);
+  event.mutable_set_physics()->mutable_physics()->set_break_impulse_n_s(0.2);
+  event.mutable_set_physics()->mutable_physics()->set_fracture_pieces(12);
+  return file;
+}
+
+TEST(FragileScene, WhatBecomesFragileInTheFallBreaksWhenItLands) {
+  auto scene = Scene::build(made_fragile_later(), "", "later", {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  const SceneObject& thing = *scene->find("thing");
+  EXPECT_FALSE(thing.fragility);
+  for (int tick = 0; tick < 60; ++tick) scene->step();
+  ASSERT_TRUE(thing.fragility);
+  EXPECT_EQ(thing.fragility->pieces, 12u);
+  EXPECT_GT(thing.fragility->bodies, 1u);
+  ASSERT_TRUE(thing.broken);
+  EXPECT_EQ(thing.asset, thing.broken->asset);
+}
+
+TEST(FragileScene, ALiveSceneCutsItBesideTheTicks) {
+  SceneOptions options;
+  options.wait_for_pieces = false;
+  auto scene = Scene::build(made_fragile_later(), "", "later", options);
+  ASSERT_TRUE(scene) << scene.error().message;
+  const SceneObject& thing = *scene->find("thing");
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (!thing.broken && std::chrono::steady_clock::now() < until) scene->step();
+  ASSERT_TRUE(thing.broken) << "cut within a minute";
+  const auto broken = scene->world().break_object(thing.id, {0.05, 0, 0});
+  ASSERT_TRUE(broken) << broken.error().message;
+  scene->step();
+  EXPECT_GT(thing.fragility->bodies, 1u);
+}
+
+// Of glass 2 mm thick: pieces of its wall, whose masses and moments are those of the wall.
+TEST(FragileScene, AClosedShellBreaksIntoPiecesOfItsWall) {
+  v1::Physics physics = fragile(24);
+  physics.set_fill(v1::Physics::SHELL);
+  physics.set_wall_thickness_m(0.002);
+  auto scene = Scene::build(one_object(physics, true), "", "ball", {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  const SceneObject& thing = *scene->find("thing");
+  ASSERT_TRUE(thing.broken) << (thing.warnings.empty() ? "" : thing.warnings[0]);
+  EXPECT_GE(thing.fragility->pieces, 12u);
+  for (int tick = 0; tick < 60; ++tick) scene->step();
+  ASSERT_GT(thing.fragility->bodies, 1u);
+  double mass_kg = 0.0;
+  for (const BodyState& body : scene->world().bodies()) mass_kg += body.mass_kg;
+  EXPECT_NEAR(mass_kg, 0.5, 1e-9);
+  // No piece has its centre near the middle of the ball, as pieces of a solid one would.
+  const RestBody& rest = thing.rest;
+  if (rest.bodies.size() == thing.fragility->pieces) {
+    for (const Pose& pose : rest.bodies) EXPECT_GT(pose.position_m.norm(), 0.02);
+  }
+}
+
+TEST(FragileScene, AShellThatCannotBeHollowedSaysSo) {
+  v1::Physics physics = fragile(8);
+  physics.set_fill(v1::Physics::SHELL);
+  physics.set_wall_thickness_m(0.0001);
+  const auto scene = Scene::build(one_object(physics, false), "", "box", {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  const SceneObject& thing = *scene->find("thing");
+  std::string all;
+  for (const std::string& warning : thing.warnings) all += warning;
+  EXPECT_NE(all.find("too thin"), std::string::npos) << all;
+}
+
+}  // namespace
+}  // namespace livegs
