@@ -177,7 +177,8 @@ void World::State::break_struck() {
         given_back = (1.0 - borne) * sum.push_n_s;
       }
       const Eigen::Vector3d arm = blow.point_m - body.rest_centre_m;
-      const double recoil_j = kRecoilPart * blow_loss_j(body, sum.push_n_s, arm, borne, sum.restitution);
+      const double restitution = body.touches_elastic ? 1.0 : sum.restitution;  // what is soft takes no energy at once
+      const double recoil_j = kRecoilPart * blow_loss_j(body, sum.push_n_s, arm, borne, restitution);
       if (!strike(id, *object, index, blow, given_back, recoil_j)) continue;
       broke = true;
       events.push_back({tick, WorldEventKind::Fracture, id, sum.impulse_n_s, where});

@@ -150,7 +150,6 @@ void World::State::take_impulses(double duration_s) {
       const Pose body_from_world = body.world_from_body.inverse();
       body.blow.add(struck, body_from_world.orientation * (blow / struck), body_from_world * Vector3d(copy.contact_moment / size));
       body.blow.from_colliders = false;
-      body.blow.restitution = 1.0;
     }
   }
 }

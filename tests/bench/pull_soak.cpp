@@ -115,17 +115,21 @@ class Hands {
   uint64_t last_ = 0;
 };
 
-// The farthest that anything is from the middle of the room; infinite when a number is not finite.
-double reach_m(const World& world) {
+// The farthest that anything is from the middle of the room; infinite when a number is not finite, and says whose.
+double reach_m(const Scene& scene, int tick) {
   double reach = 0;
-  const auto see = [&](const Vector3d& point) { reach = point.allFinite() ? std::max(reach, point.norm()) : INFINITY; };
-  for (const ObjectDrivers& object : world.drivers().objects) {
+  const auto see = [&](const Vector3d& point) {
+    if (std::isfinite(reach)) reach = point.allFinite() ? std::max(reach, point.norm()) : INFINITY;
+  };
+  for (const ObjectDrivers& object : scene.world().drivers().objects) {
     for (const Pose& pose : object.poses) {
       see(pose.position_m);
       if (!pose.orientation.coeffs().allFinite()) reach = INFINITY;
     }
     for (const Eigen::Vector3f& node : object.positions_m) see(node.cast<double>());
-    if (!std::isfinite(reach)) break;
+    if (std::isfinite(reach)) continue;
+    std::fprintf(stderr, "%s: not finite after tick %d\n", scene.find(object.object_id)->name.c_str(), tick);
+    break;
   }
   return reach;
 }
@@ -157,7 +161,7 @@ int main(int count, char** arguments) {
       ticks_ms.push_back(1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
       (void)scene->take_changes();
       (void)scene->world().take_events();
-      if (i % 10 == 0) reach = std::max(reach, reach_m(scene->world()));
+      reach = std::max(reach, reach_m(*scene, tick));
       if (!std::isfinite(reach)) break;
     }
     std::sort(ticks_ms.begin(), ticks_ms.end());
