@@ -63,8 +63,13 @@ Result<std::string> read_text_file(const std::filesystem::path& path, uint64_t m
   return read_whole<std::string>(path, max_bytes);
 }
 
-Result<void> write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+Result<void> write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes,
+                                   const WriteStep& before) {
+  const auto step = [&](const char* name) {
+    if (before) before(name);
+  };
   std::string pattern = path.string() + ".XXXXXX";
+  step("create");
   Descriptor file{::mkostemp(pattern.data(), O_CLOEXEC)};
   if (file.fd < 0) return write_error(path);
   const auto fail = [&] {
@@ -74,18 +79,27 @@ Result<void> write_file_atomically(const std::filesystem::path& path, std::span<
   };
   size_t done = 0;
   while (done < bytes.size()) {
+    step("write");
     const ssize_t wrote = ::write(file.fd, bytes.data() + done, bytes.size() - done);
     if (wrote < 0 && errno == EINTR) continue;
     if (wrote < 0) return fail();
     done += static_cast<size_t>(wrote);
   }
+  step("sync");
   if (::fchmod(file.fd, 0644) != 0 || ::fsync(file.fd) != 0) return fail();
+  step("rename");
   if (::rename(pattern.c_str(), path.c_str()) != 0) return fail();
+  step("sync folder");
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  const Descriptor names{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
+  // Some file systems cannot sync a folder; the file itself is there.
+  if (names.fd >= 0) (void)::fsync(names.fd);
   return {};
 }
 
-Result<void> write_file_atomically(const std::filesystem::path& path, std::string_view text) {
-  return write_file_atomically(path, std::as_bytes(std::span(text.data(), text.size())));
+Result<void> write_file_atomically(const std::filesystem::path& path, std::string_view text,
+                                   const WriteStep& before) {
+  return write_file_atomically(path, std::as_bytes(std::span(text.data(), text.size())), before);
 }
 
 }  // namespace livegs

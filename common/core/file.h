@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -22,9 +23,15 @@ Result<std::vector<std::byte>> read_file(const std::filesystem::path& path,
                                          uint64_t max_bytes = kMaxFileBytes);
 Result<std::string> read_text_file(const std::filesystem::path& path, uint64_t max_bytes = 64 << 20);
 
-// Writes beside the target, syncs, then renames over it: a reader sees the old file or the new one, never
-// half.
-Result<void> write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
-Result<void> write_file_atomically(const std::filesystem::path& path, std::string_view text);
+// Called before every change of the disk with its name ("write", "sync", "rename", …); tests end the process
+// in it.
+using WriteStep = std::function<void(const char* step)>;
+
+// Writes beside the target, syncs, renames over it and syncs the folder: a reader sees the old file or the
+// new one, never half, also after the power went.
+Result<void> write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes,
+                                   const WriteStep& before = {});
+Result<void> write_file_atomically(const std::filesystem::path& path, std::string_view text,
+                                   const WriteStep& before = {});
 
 }  // namespace livegs

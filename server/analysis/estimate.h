@@ -58,9 +58,10 @@ std::vector<std::string> doubtful_physics(const v1::PhysicalParameters& estimate
 
 // What a scene's author wrote wins over what was estimated, value by value (source SCENE), and what depends
 // on it is worked out again (mass from density and fill, E from d_R, …). Fails when the author's words
-// contradict each other or leave the physical ranges; the message names the field.
-Result<v1::PhysicalParameters> merge_scene_physics(const v1::PhysicalParameters& estimated,
-                                                   const v1::Physics& written, const ObjectFacts& facts);
+// contradict each other or leave the physical ranges; the message names the field. `by` PERSON: they are edits.
+Result<v1::PhysicalParameters> merge_scene_physics(const v1::PhysicalParameters& estimated, const v1::Physics& written,
+                                                   const ObjectFacts& facts,
+                                                   v1::EstimatedValue::Source by = v1::EstimatedValue::SCENE);
 
 // To what a body is made with.
 Material to_material(const v1::PhysicalParameters& parameters);

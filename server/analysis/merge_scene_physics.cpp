@@ -9,18 +9,32 @@ namespace {
 using v1::EstimatedValue;
 using v1::Physics;
 
-void tell(EstimatedValue& value, double number, const char* reason = "written in the scene") {
-  value.set_low(number);
-  value.set_best(number);
-  value.set_high(number);
-  value.set_source(EstimatedValue::SCENE);
-  value.set_reason(reason);
+// Whose words they are, and how reasons speak of that.
+struct Author {
+  EstimatedValue::Source source;
+  const char* whose;    // "the scene's"
+  const char* written;  // "written in the scene"
+};
+Author author_of(EstimatedValue::Source by) {
+  if (by == EstimatedValue::PERSON) return {by, "a person's", "edited by a person"};
+  return {EstimatedValue::SCENE, "the scene's", "written in the scene"};
 }
 
 }  // namespace
 
 Result<v1::PhysicalParameters> merge_scene_physics(const v1::PhysicalParameters& estimated,
-                                                   const Physics& written, const ObjectFacts& facts) {
+                                                   const Physics& written, const ObjectFacts& facts,
+                                                   EstimatedValue::Source by) {
+  const Author author = author_of(by);
+  const auto told_as = [&](EstimatedValue& value, double number, const std::string& reason) {
+    value.set_low(number);
+    value.set_best(number);
+    value.set_high(number);
+    value.set_source(author.source);
+    value.set_reason(reason);
+  };
+  const auto tell = [&](EstimatedValue& value, double number) { told_as(value, number, author.written); };
+  const std::string whose = author.whose;
   v1::PhysicalParameters merged = estimated;
   if (auto checked = check_scene_physics(written); !checked) return checked.error();
   if (written.has_mass_kg()) tell(*merged.mutable_mass_kg(), written.mass_kg());
@@ -37,7 +51,7 @@ Result<v1::PhysicalParameters> merge_scene_physics(const v1::PhysicalParameters&
   if (written.has_restitution()) tell(*merged.mutable_restitution(), written.restitution());
   if (written.fill() != Physics::FILL_UNKNOWN) {
     merged.set_fill(written.fill());
-    merged.set_fill_reason("written in the scene");
+    merged.set_fill_reason(author.written);
   }
   if (written.has_fragile()) merged.set_fragile(written.fragile());
   if (written.has_fracture_pieces()) merged.set_fracture_pieces(written.fracture_pieces());
@@ -46,17 +60,17 @@ Result<v1::PhysicalParameters> merge_scene_physics(const v1::PhysicalParameters&
   // of it.
   const bool stiffness_told = written.has_youngs_modulus_pa() || written.has_deformation_resistance();
   if (stiffness_told && !written.has_structure_coefficient()) {
-    tell(*merged.mutable_structure_coefficient(), 1.0, "the scene's stiffness is that of the whole body");
+    told_as(*merged.mutable_structure_coefficient(), 1.0, whose + " stiffness is that of the whole body");
   }
   if (written.has_deformation_resistance()) {
     const double stiffness = effective_youngs_modulus_pa(written.deformation_resistance());
-    tell(*merged.mutable_youngs_modulus_pa(), stiffness / merged.structure_coefficient().best(),
-         "from the scene's deformation resistance");
+    told_as(*merged.mutable_youngs_modulus_pa(), stiffness / merged.structure_coefficient().best(),
+            "from " + whose + " deformation resistance");
   }
   const double stiffness = merged.structure_coefficient().best() * merged.youngs_modulus_pa().best();
   if (stiffness_told || written.has_structure_coefficient()) {
-    tell(*merged.mutable_deformation_resistance(), deformation_resistance(stiffness),
-         "from E* = s E by the paper's map");
+    told_as(*merged.mutable_deformation_resistance(), deformation_resistance(stiffness),
+            "from E* = s E by the paper's map");
   }
 
   // The mass follows what was told of density, fill and wall, unless it was told itself.
@@ -71,13 +85,12 @@ Result<v1::PhysicalParameters> merge_scene_physics(const v1::PhysicalParameters&
     const MassEstimate mass = estimate_mass(density, merged.fill(), {wall, wall, wall}, known);
     EstimatedValue& value = *merged.mutable_mass_kg();
     if (written.has_density_kg_m3()) {
-      tell(value, mass.mass_kg.best);
-      value.set_reason("from the scene's density: " + mass.reason);
+      told_as(value, mass.mass_kg.best, "from " + whose + " density: " + mass.reason);
     } else {
       value.set_low(mass.mass_kg.low);
       value.set_best(mass.mass_kg.best);
       value.set_high(mass.mass_kg.high);
-      value.set_reason("from the scene's fill: " + mass.reason);
+      value.set_reason("from " + whose + " fill: " + mass.reason);
     }
   }
   if (merged.fragile() && !written.has_break_impulse_n_s() &&
@@ -93,10 +106,10 @@ Result<v1::PhysicalParameters> merge_scene_physics(const v1::PhysicalParameters&
 
   if (written.behavior() != Physics::AUTO) {
     merged.set_behavior(written.behavior());
-    merged.set_behavior_reason("written in the scene");
+    merged.set_behavior_reason(author.written);
   } else if (stiffness_told) {
     merged.set_behavior(stiffness > 200e6 ? Physics::RIGID : Physics::ELASTIC);
-    merged.set_behavior_reason("from the scene's stiffness");
+    merged.set_behavior_reason("from " + whose + " stiffness");
   }
   return merged;
 }

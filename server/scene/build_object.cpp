@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/build_object.h"
 
+#include "analysis/physics_file.h"
 #include "core/clock.h"
 #include "geometry/hollow_mesh.h"
 #include "geometry/mesh_facts.h"
@@ -173,6 +174,18 @@ Result<ElasticBodyDescription> elastic_description(const v1::Object& object, For
   return body;
 }
 
+// Where what was decided about it is kept; a shape has no file of its own.
+std::filesystem::path physics_file_of(const v1::Object& object, const std::filesystem::path& folder) {
+  switch (object.form_case()) {
+    case v1::Object::kAsset:
+      return physics_file_path(folder / object.asset());
+    case v1::Object::kPoints:
+      return physics_file_path(folder / object.points());
+    default:
+      return {};
+  }
+}
+
 // What only something that deforms can have; empty when there is none of it.
 std::string needs_elastic(const v1::Object& object, const Form& form) {
   if (object.regions_size() > 0) return "regions";
@@ -201,7 +214,19 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   auto form = form_of(object, folder, index, name, field);
   if (!form) return fail(form.error());
   ObjectFacts facts = facts_of(*form, name, object.form_case() == v1::Object::kAsset);
-  const v1::PhysicalParameters estimated = estimate_offline(facts);
+  const std::filesystem::path kept_in = physics_file_of(object, folder);
+  v1::PhysicsFile kept;
+  if (!kept_in.empty()) {
+    auto file = read_physics_file(kept_in);
+    if (!file) return fail(file.error());
+    kept = std::move(*file);
+  }
+  if (!kept.name().empty()) facts.name = kept.name();
+  const v1::PhysicalParameters offline = estimate_offline(facts);
+  std::string kept_note;
+  auto before = with_physics_file(offline, kept, facts, kept_note);
+  if (!before) return fail({before.error().code, kept_in.filename().string() + ": edits." + before.error().message});
+  const v1::PhysicalParameters estimated = std::move(*before);
   auto parameters = merge_scene_physics(estimated, object.physics(), facts);
   if (!parameters) return Error{parameters.error().code, field + ".physics." + parameters.error().message};
   v1::EstimatedValue& side = *parameters->mutable_longest_side_m();
@@ -216,6 +241,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
     built.drawn.warnings.push_back("physics." + doubt);
   }
   if (!form->surface_note.empty()) built.drawn.warnings.push_back(form->surface_note);
+  if (!kept_note.empty()) built.drawn.warnings.push_back(kept_note);
   Material material = to_material(*parameters);
   const std::string elastic_only = needs_elastic(object, *form);
   if (material.behavior != Behavior::Elastic && !elastic_only.empty()) {
@@ -231,7 +257,8 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
     elastic = std::move(*described);
     elastic->material = material;
     // Only where nobody said that it is elastic, and nothing needs it to be.
-    if (object.physics().behavior() == v1::Physics::AUTO && elastic_only.empty()) {
+    if (object.physics().behavior() == v1::Physics::AUTO && kept.edits().behavior() == v1::Physics::AUTO &&
+        elastic_only.empty()) {
       if (const auto reason = rigid_in_disguise(*elastic, settings.rate_hz, settings.substeps)) {
         elastic.reset();
         material.behavior = Behavior::Rigid;
@@ -285,6 +312,8 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   built.drawn.name = name;
   built.drawn.asset = std::move(form->asset);
   built.drawn.physics = std::move(*parameters);
+  built.drawn.written = object.physics();
+  built.drawn.physics_file = kept_in;
   built.drawn.mass_kg = material.behavior == Behavior::Static ? 0.0 : material.mass_kg;
   built.drawn.surface_note = std::move(form->surface_note);
   built.drawn.facts = std::make_shared<const ObjectFacts>(std::move(facts));

@@ -46,7 +46,9 @@ struct SceneObject {
   std::shared_ptr<const BrokenAsset> broken;   // of a fragile object, once prepared
   std::optional<Fragility> fragility;          // of a fragile object
   RestBody rest;
-  v1::PhysicalParameters physics;  // with the source of each value
+  v1::PhysicalParameters physics;      // with the source of each value
+  v1::Physics written;                 // the author's words in the scene file
+  std::filesystem::path physics_file;  // its sidecar, whether it exists or not; empty for what no file stands for
   double mass_kg = 0;
   std::vector<Eigen::Vector3d> rest_particles_m;  // of an elastic body, object frame; empty otherwise
   std::optional<ElasticAccuracy> elastic;         // of an elastic body, as it was built or last changed

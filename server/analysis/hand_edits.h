@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "core/result.h"
+#include "livegs/v1/physics.pb.h"
+
+namespace livegs {
+
+// Notes `physics` in `as_decided`, so that a later edit by hand is told from what the program wrote.
+void seal(v1::PhysicsFile& file);
+
+// Moves what was changed by hand since into `edits` and `name`, and puts the decided values back. A file that
+// was never sealed was written by hand: all its values are. True if anything was. Errors begin with the
+// field: "physics.mass_kg".
+Result<bool> take_hand_edits(v1::PhysicsFile& file);
+
+}  // namespace livegs

@@ -1,0 +1,415 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "analysis/physics_file.h"
+
+#include <fcntl.h>
+#include <google/protobuf/util/json_util.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "analysis/hand_edits.h"
+
+namespace livegs {
+namespace {
+
+namespace fs = std::filesystem;
+using v1::PhysicsLogRecord;
+
+constexpr uint32_t kLayout = 1;
+constexpr size_t kMaxLogBytes = 64 << 20;
+// Sizes that differ by more than this are not the same thing any more.
+constexpr double kSameSize = 1.05;
+
+fs::path log_path(const fs::path& sidecar) {
+  fs::path path = sidecar;
+  return path.replace_extension(".log");
+}
+
+Result<std::string> json_of(const google::protobuf::Message& message, bool pretty) {
+  google::protobuf::util::JsonPrintOptions print;
+  print.add_whitespace = pretty;
+  print.preserve_proto_field_names = true;
+  std::string text;
+  if (!google::protobuf::util::MessageToJsonString(message, &text, print).ok()) {
+    return Error{ErrorCode::Internal, "physics could not be written as JSON"};
+  }
+  return text;
+}
+
+std::string one_line(std::string text) {
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+  }
+  return text;
+}
+
+Result<v1::PhysicsFile> parse_file(const std::string& text) {
+  nlohmann::json json;
+  try {
+    json = nlohmann::json::parse(text, nullptr, true, true);
+  } catch (const nlohmann::json::parse_error& error) {
+    std::string what = error.what();
+    if (const size_t colon = what.find("] "); colon != std::string::npos) what = what.substr(colon + 2);
+    return invalid_data("is not JSON: " + one_line(what) + "; mend it, or delete the file");
+  }
+  if (!json.is_object()) return invalid_data("must hold one JSON object");
+  v1::PhysicsFile file;
+  const auto status = google::protobuf::util::JsonStringToMessage(
+      json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), &file);
+  if (!status.ok()) {
+    return invalid_data(one_line(std::string(status.message())) +
+                        " (field names are those of PhysicsFile in proto/livegs/v1/physics.proto)");
+  }
+  if (file.version() > kLayout) {
+    return Error{ErrorCode::Unsupported, "version: is " + std::to_string(file.version()) +
+                                             "; this program knows up to " + std::to_string(kLayout)};
+  }
+  if (auto checked = check_scene_physics(file.edits()); !checked) {
+    return invalid_argument("edits." + checked.error().message);
+  }
+  return file;
+}
+
+// Sidecar and log together.
+struct Kept {
+  v1::PhysicsFile file;
+  std::vector<PhysicsLogRecord> log;
+  bool edited_by_hand = false;
+  bool there = false;    // the sidecar
+  uint64_t on_disk = 0;  // revision of the sidecar as it stands
+};
+
+bool changes(const PhysicsLogRecord& record) { return record.action() != PhysicsLogRecord::PROPOSAL; }
+
+Result<Kept> read_kept(const fs::path& path) {
+  Kept kept;
+  kept.log = read_physics_log(path);
+  auto text = read_text_file(path, kMaxPhysicsFileBytes);
+  if (!text && text.error().code != ErrorCode::NotFound) return text.error();
+  const auto in_file = [&](const Error& error) {
+    return Error{error.code, path.filename().string() + ": " + error.message};
+  };
+  if (text) {
+    auto file = parse_file(*text);
+    if (!file) return in_file(file.error());
+    kept.file = std::move(*file);
+    kept.there = true;
+    kept.on_disk = kept.file.revision();
+    auto edited = take_hand_edits(kept.file);
+    if (!edited) return in_file(edited.error());
+    kept.edited_by_hand = *edited;
+  }
+  // Ended between the log and the sidecar: the last change is in the log only. A sidecar that is gone was
+  // deleted.
+  if (!kept.there) return kept;
+  for (auto record = kept.log.rbegin(); record != kept.log.rend(); ++record) {
+    if (!changes(*record)) continue;
+    if (record->previous() == kept.on_disk && record->file().revision() != kept.on_disk &&
+        !kept.edited_by_hand) {
+      kept.file = record->file();
+    }
+    break;
+  }
+  return kept;
+}
+
+class LockedLog {
+ public:
+  static Result<LockedLog> open(const fs::path& sidecar, const WriteStep& before) {
+    const fs::path path = log_path(sidecar);
+    if (before) before("open log");
+    const int fd = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    if (fd < 0) {
+      const fs::path folder = sidecar.has_parent_path() ? sidecar.parent_path() : ".";
+      return Error{ErrorCode::PermissionDenied,
+                   sidecar.string() + ": cannot be written: " + std::strerror(errno) + "; make " +
+                       folder.string() + " writable to keep what was decided"};
+    }
+    LockedLog log(fd, path);
+    while (::flock(fd, LOCK_EX) != 0) {
+      if (errno != EINTR) return log.error();
+    }
+    return log;
+  }
+  LockedLog(LockedLog&& other) noexcept : fd_(std::exchange(other.fd_, -1)), path_(std::move(other.path_)) {}
+  LockedLog& operator=(LockedLog&&) = delete;
+  ~LockedLog() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+
+  Result<void> append(const PhysicsLogRecord& record, const WriteStep& before) {
+    auto line = json_of(record, false);
+    if (!line) return line.error();
+    *line += '\n';
+    const auto step = [&](const char* name) {
+      if (before) before(name);
+    };
+    const off_t end = end_of_lines();
+    step("truncate log");
+    if (end < 0 || ::ftruncate(fd_, end) != 0 || ::lseek(fd_, end, SEEK_SET) != end) return error();
+    for (size_t done = 0; done < line->size();) {
+      step("append");
+      // In halves, so that a test can end the process within a line.
+      const size_t part = std::max<size_t>(1, (line->size() - done + 1) / 2);
+      const ssize_t wrote = ::write(fd_, line->data() + done, done == 0 ? part : line->size() - done);
+      if (wrote < 0 && errno == EINTR) continue;
+      if (wrote < 0) {
+        const Error failed = error();
+        (void)!::ftruncate(fd_, end);
+        return failed;
+      }
+      done += static_cast<size_t>(wrote);
+    }
+    step("sync log");
+    if (::fsync(fd_) != 0) return error();
+    if (end == 0) {
+      const fs::path folder = path_.has_parent_path() ? path_.parent_path() : ".";
+      const int names = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+      if (names >= 0) {
+        (void)::fsync(names);
+        ::close(names);
+      }
+    }
+    return {};
+  }
+
+ private:
+  LockedLog(int fd, fs::path path) : fd_(fd), path_(std::move(path)) {}
+  Error error() const {
+    return {ErrorCode::PermissionDenied, path_.string() + ": cannot be written: " + std::strerror(errno)};
+  }
+  // After the last whole line.
+  off_t end_of_lines() const {
+    off_t end = ::lseek(fd_, 0, SEEK_END);
+    char last = 0;
+    while (end > 0 && ::pread(fd_, &last, 1, end - 1) == 1 && last != '\n') --end;
+    return end;
+  }
+
+  int fd_;
+  fs::path path_;
+};
+
+// The revisions that can be gone back to and forward to from the last record.
+struct Course {
+  std::vector<uint64_t> back, forward;
+};
+Course course_of(const std::vector<PhysicsLogRecord>& log) {
+  Course course;
+  for (const PhysicsLogRecord& record : log) {
+    switch (record.action()) {
+      case PhysicsLogRecord::UNDO:
+        course.forward.push_back(record.previous());
+        if (!course.back.empty()) course.back.pop_back();
+        break;
+      case PhysicsLogRecord::REDO:
+        if (!course.forward.empty()) course.forward.pop_back();
+        course.back.push_back(record.previous());
+        break;
+      case PhysicsLogRecord::PROPOSAL:
+        break;
+      default:
+        course.forward.clear();
+        course.back.push_back(record.previous());
+    }
+  }
+  return course;
+}
+
+std::optional<v1::PhysicsFile> content_of(const std::vector<PhysicsLogRecord>& log, uint64_t revision) {
+  if (revision == 0) {
+    v1::PhysicsFile empty;
+    empty.set_version(kLayout);
+    return empty;
+  }
+  for (auto record = log.rbegin(); record != log.rend(); ++record) {
+    if (changes(*record) && record->file().revision() == revision) return record->file();
+  }
+  return std::nullopt;
+}
+
+// One change under the lock. `change` makes the next content from what is kept, and says which action it was.
+template <class Change>
+Result<v1::PhysicsFile> change_file(const fs::path& path, const WriteStep& before, const Change& change) {
+  auto log = LockedLog::open(path, before);
+  if (!log) return log.error();
+  auto kept = read_kept(path);
+  if (!kept) return kept.error();
+  if (!kept->there) {
+    // An empty one first: where the log is ahead of nothing, the sidecar was deleted.
+    v1::PhysicsFile empty;
+    empty.set_version(kLayout);
+    auto text = json_of(empty, true);
+    if (!text) return text.error();
+    if (auto written = write_file_atomically(path, std::string_view(*text), before); !written)
+      return written.error();
+  }
+  uint64_t newest = kept->file.revision();
+  for (const PhysicsLogRecord& record : kept->log) newest = std::max(newest, record.file().revision());
+
+  if (kept->edited_by_hand || (kept->log.empty() && kept->file.revision() > 0)) {
+    // What a person wrote, or a sidecar that came without its log, becomes a revision that can be gone back
+    // to.
+    PhysicsLogRecord record;
+    record.set_action(PhysicsLogRecord::EDIT_BY_HAND);
+    record.set_previous(kept->on_disk);
+    if (kept->edited_by_hand)
+      kept->file.set_revision(++newest);
+    else
+      record.set_previous(0);
+    kept->file.set_version(kLayout);
+    seal(kept->file);
+    *record.mutable_file() = kept->file;
+    if (auto appended = log->append(record, before); !appended) return appended.error();
+    kept->log.push_back(record);
+  }
+  PhysicsLogRecord record;
+  record.set_previous(kept->file.revision());
+  auto next = change(*kept, record);
+  if (!next) return next.error();
+  if (record.action() != PhysicsLogRecord::UNDO && record.action() != PhysicsLogRecord::REDO) {
+    next->set_revision(record.action() == PhysicsLogRecord::PROPOSAL ? 0 : newest + 1);
+    next->set_version(kLayout);
+    seal(*next);
+  }
+  *record.mutable_file() = *next;
+  if (auto appended = log->append(record, before); !appended) return appended.error();
+  if (record.action() == PhysicsLogRecord::PROPOSAL) return kept->file;
+  auto text = json_of(*next, true);
+  if (!text) return text.error();
+  if (auto written = write_file_atomically(path, std::string_view(*text), before); !written)
+    return written.error();
+  return next;
+}
+
+}  // namespace
+
+fs::path physics_file_path(const fs::path& asset) {
+  fs::path path = asset;
+  if (path.filename() == "meta.json" || path.filename().empty()) path = path.parent_path();
+  std::string name = path.filename().string();
+  for (const std::string_view ending : {".compressed.ply", ".ply", ".spz", ".sog", ".splat", ".csv"}) {
+    if (name.size() > ending.size() && name.ends_with(ending)) {
+      name.erase(name.size() - ending.size());
+      break;
+    }
+  }
+  return path.parent_path() / (name + ".physics.json");
+}
+
+std::vector<PhysicsLogRecord> read_physics_log(const fs::path& path) {
+  std::vector<PhysicsLogRecord> records;
+  const auto text = read_text_file(log_path(path), kMaxLogBytes);
+  if (!text) return records;
+  for (size_t begin = 0, end; (end = text->find('\n', begin)) != std::string::npos; begin = end + 1) {
+    PhysicsLogRecord record;
+    google::protobuf::util::JsonParseOptions parse;
+    parse.ignore_unknown_fields = true;
+    const auto status =
+        google::protobuf::util::JsonStringToMessage(text->substr(begin, end - begin), &record, parse);
+    if (status.ok() && record.action() != PhysicsLogRecord::ACTION_UNKNOWN)
+      records.push_back(std::move(record));
+  }
+  return records;
+}
+
+Result<v1::PhysicsFile> read_physics_file(const fs::path& path) {
+  auto kept = read_kept(path);
+  if (!kept) return kept.error();
+  return std::move(kept->file);
+}
+
+Result<v1::PhysicsFile> apply_analysis(const fs::path& path, const v1::PhysicalParameters& physics,
+                                       const v1::AnalysisRecord& analysis, const WriteStep& before) {
+  return change_file(path, before,
+                     [&](const Kept& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
+                       record.set_action(PhysicsLogRecord::ANALYSIS);
+                       v1::PhysicsFile next = kept.file;
+                       *next.mutable_physics() = physics;
+                       *next.mutable_analysis() = analysis;
+                       return next;
+                     });
+}
+
+Result<void> log_proposal(const fs::path& path, const v1::PhysicalParameters& physics,
+                          const v1::AnalysisRecord& analysis, const WriteStep& before) {
+  auto kept = change_file(path, before,
+                          [&](const Kept& present, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
+                            record.set_action(PhysicsLogRecord::PROPOSAL);
+                            v1::PhysicsFile next = present.file;
+                            *next.mutable_physics() = physics;
+                            *next.mutable_analysis() = analysis;
+                            return next;
+                          });
+  return kept ? Result<void>() : Result<void>(kept.error());
+}
+
+Result<v1::PhysicsFile> edit_physics(const fs::path& path, const v1::Physics& edits,
+                                     const WriteStep& before) {
+  if (auto checked = check_scene_physics(edits); !checked) return checked.error();
+  return change_file(path, before,
+                     [&](const Kept& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
+                       record.set_action(PhysicsLogRecord::EDIT);
+                       v1::PhysicsFile next = kept.file;
+                       merge_edits(*next.mutable_edits(), edits);
+                       return next;
+                     });
+}
+
+Result<v1::PhysicsFile> undo_physics(const fs::path& path, const WriteStep& before) {
+  return change_file(
+      path, before, [&](const Kept& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
+        record.set_action(PhysicsLogRecord::UNDO);
+        const Course course = course_of(kept.log);
+        auto content = course.back.empty() ? std::nullopt : content_of(kept.log, course.back.back());
+        if (!content) return not_found(path.filename().string() + ": there is nothing to undo");
+        return std::move(*content);
+      });
+}
+
+Result<v1::PhysicsFile> redo_physics(const fs::path& path, const WriteStep& before) {
+  return change_file(
+      path, before, [&](const Kept& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
+        record.set_action(PhysicsLogRecord::REDO);
+        const Course course = course_of(kept.log);
+        auto content = course.forward.empty() ? std::nullopt : content_of(kept.log, course.forward.back());
+        if (!content) return not_found(path.filename().string() + ": there is nothing to redo");
+        return std::move(*content);
+      });
+}
+
+void merge_edits(v1::Physics& edits, const v1::Physics& later) {
+  if (later.has_mass_kg()) edits.clear_density_kg_m3();
+  if (later.has_density_kg_m3()) edits.clear_mass_kg();
+  if (later.has_youngs_modulus_pa()) edits.clear_deformation_resistance();
+  if (later.has_deformation_resistance()) edits.clear_youngs_modulus_pa();
+  edits.MergeFrom(later);
+}
+
+Result<v1::PhysicalParameters> with_physics_file(const v1::PhysicalParameters& offline,
+                                                 const v1::PhysicsFile& file, const ObjectFacts& facts,
+                                                 std::string& note) {
+  v1::PhysicalParameters physics = offline;
+  if (file.has_physics()) {
+    physics = file.physics();
+    const double analysed_m = file.physics().longest_side_m().best(), now_m = facts.mesh.size_m.maxCoeff();
+    if (analysed_m > 0 && now_m > 0 && std::abs(std::log(now_m / analysed_m)) > std::log(kSameSize)) {
+      *physics.mutable_mass_kg() = offline.mass_kg();
+      *physics.mutable_wall_thickness_m() = offline.wall_thickness_m();
+      *physics.mutable_break_impulse_n_s() = offline.break_impulse_n_s();
+      char line[160];
+      std::snprintf(
+          line, sizeof line,
+          "was analysed %.3g m long and stands %.3g m long: its mass is estimated anew; analyze it again",
+          analysed_m, now_m);
+      note = line;
+    }
+  }
+  return merge_scene_physics(physics, file.edits(), facts, v1::EstimatedValue::PERSON);
+}
+
+}  // namespace livegs

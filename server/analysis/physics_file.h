@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "analysis/estimate.h"
+#include "core/file.h"
+#include "core/result.h"
+#include "livegs/v1/physics.pb.h"
+
+// What was worked out about an asset and what a person said of it, kept beside it as NAME.physics.json, with
+// every revision in NAME.physics.log. A change is first appended to the log and synced, then the sidecar is
+// replaced: a process that is killed in between leaves a log that is one record ahead, which every reader
+// follows. Any thread, any process: who changes holds a lock on the log.
+
+namespace livegs {
+
+inline constexpr size_t kMaxPhysicsFileBytes = 1 << 20;
+
+// mug.ply, mug.compressed.ply and mug/meta.json have mug.physics.json.
+std::filesystem::path physics_file_path(const std::filesystem::path& asset);
+
+// The sidecar as it counts, an edit by hand taken into `edits`; revision 0 when there is none. Errors name
+// the file, the field and its range. Reads only.
+Result<v1::PhysicsFile> read_physics_file(const std::filesystem::path& path);
+
+// Each change is one revision and gives the file as it is now. Errors leave everything as it was.
+// `before` is called before every change of the disk.
+Result<v1::PhysicsFile> apply_analysis(const std::filesystem::path& path,
+                                       const v1::PhysicalParameters& physics,
+                                       const v1::AnalysisRecord& record, const WriteStep& before = {});
+// Keeps what needs review in the log; the sidecar stays as it is.
+Result<void> log_proposal(const std::filesystem::path& path, const v1::PhysicalParameters& physics,
+                          const v1::AnalysisRecord& record, const WriteStep& before = {});
+// Fields given replace the same fields of earlier edits; the others stay.
+Result<v1::PhysicsFile> edit_physics(const std::filesystem::path& path, const v1::Physics& edits,
+                                     const WriteStep& before = {});
+// NotFound when there is nothing (more) to undo or to redo.
+Result<v1::PhysicsFile> undo_physics(const std::filesystem::path& path, const WriteStep& before = {});
+Result<v1::PhysicsFile> redo_physics(const std::filesystem::path& path, const WriteStep& before = {});
+
+// The records of the log, oldest first; a torn last line and lines that cannot be read are left out.
+std::vector<v1::PhysicsLogRecord> read_physics_log(const std::filesystem::path& path);
+
+// `offline` with what the file holds in place of it: its analysis, then its edits (source PERSON). Analysed
+// values that depend on size are left out, and `note` says so, where the object stands in another size than
+// it was analysed in.
+Result<v1::PhysicalParameters> with_physics_file(const v1::PhysicalParameters& offline,
+                                                 const v1::PhysicsFile& file, const ObjectFacts& facts,
+                                                 std::string& note);
+
+// Edits of one field each way: what was given later wins, also over the field it excludes (mass over
+// density).
+void merge_edits(v1::Physics& edits, const v1::Physics& later);
+
+}  // namespace livegs

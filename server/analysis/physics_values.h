@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "livegs/v1/physics.pb.h"
+
+namespace livegs {
+
+// A value of PhysicalParameters and the field of Physics that tells it.
+struct PhysicsValue {
+  const char* name;  // of both
+  const v1::EstimatedValue& (v1::PhysicalParameters::*get)() const;
+  v1::EstimatedValue* (v1::PhysicalParameters::*mutable_value)();
+  bool (v1::PhysicalParameters::*has)() const;
+  void (v1::Physics::*tell)(double);
+};
+std::span<const PhysicsValue> physics_values();
+
+}  // namespace livegs

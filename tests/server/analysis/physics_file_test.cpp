@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/physics_file.h"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+#include "scratch_folder.h"
+#include "server/analysis/answer_fixtures.h"
+
+namespace livegs {
+namespace {
+
+using v1::EstimatedValue;
+using v1::PhysicsLogRecord;
+
+v1::PhysicalParameters analysed(double mass_kg) {
+  auto p = estimate_offline(mug_facts());
+  p.mutable_mass_kg()->set_best(mass_kg);
+  p.mutable_mass_kg()->set_low(0.8 * mass_kg);
+  p.mutable_mass_kg()->set_high(1.2 * mass_kg);
+  p.mutable_mass_kg()->set_source(EstimatedValue::MODEL);
+  return p;
+}
+v1::Physics edit_of_mass(double mass_kg) {
+  v1::Physics edits;
+  edits.set_mass_kg(mass_kg);
+  return edits;
+}
+v1::AnalysisRecord record_of(const char* model) {
+  v1::AnalysisRecord record;
+  record.set_model(model);
+  record.set_prompt_version("1-abc");
+  record.add_gate("mass_g: fused");
+  return record;
+}
+nlohmann::json json_of(const std::filesystem::path& path) {
+  return nlohmann::json::parse(*read_text_file(path));
+}
+
+class PhysicsFileTest : public ::testing::Test {
+ protected:
+  v1::PhysicsFile read() const {
+    auto file = read_physics_file(path);
+    EXPECT_TRUE(file) << file.error().message;
+    return file ? *file : v1::PhysicsFile();
+  }
+  double mass_kg() const {
+    std::string note;
+    auto physics = with_physics_file(estimate_offline(mug_facts()), read(), mug_facts(), note);
+    EXPECT_TRUE(physics) << physics.error().message;
+    return physics->mass_kg().best();
+  }
+  // Writes the file back with one member changed.
+  void edit_by_hand(const char* pointer, const nlohmann::json& value) const {
+    auto json = json_of(path);
+    json[nlohmann::json::json_pointer(pointer)] = value;
+    ASSERT_TRUE(write_file_atomically(path, json.dump(1)));
+  }
+
+  ScratchFolder folder;
+  std::filesystem::path path = folder / "mug.physics.json";
+};
+
+TEST_F(PhysicsFileTest, StandsBesideItsAsset) {
+  EXPECT_EQ(physics_file_path("a/mug.ply"), "a/mug.physics.json");
+  EXPECT_EQ(physics_file_path("a/mug.compressed.ply"), "a/mug.physics.json");
+  EXPECT_EQ(physics_file_path("mug.v2.spz"), "mug.v2.physics.json");
+  EXPECT_EQ(physics_file_path("a/mug/meta.json"), "a/mug.physics.json");
+  EXPECT_EQ(read().revision(), 0u);
+  EXPECT_FALSE(std::filesystem::exists(path));  // reading writes nothing
+}
+
+TEST_F(PhysicsFileTest, KeepsValuesWithTheirProvenance) {
+  ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("seer-1")));
+  const v1::PhysicsFile file = read();
+  EXPECT_EQ(file.revision(), 1u);
+  EXPECT_EQ(file.physics().mass_kg().source(), EstimatedValue::MODEL);
+  EXPECT_EQ(file.analysis().model(), "seer-1");
+  EXPECT_EQ(file.analysis().gate(0), "mass_g: fused");
+  EXPECT_FALSE(file.has_edits());
+  EXPECT_EQ(mass_kg(), 0.31);
+}
+
+TEST_F(PhysicsFileTest, AnEditIsLockedAgainstLaterAnalyses) {
+  ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("seer-1")));
+  ASSERT_TRUE(edit_physics(path, edit_of_mass(0.25)));
+  ASSERT_TRUE(apply_analysis(path, analysed(0.4), record_of("seer-2")));
+  EXPECT_EQ(mass_kg(), 0.25);
+  EXPECT_EQ(read().physics().mass_kg().best(), 0.4);  // known, but not used
+  std::string note;
+  const auto physics = with_physics_file(estimate_offline(mug_facts()), read(), mug_facts(), note);
+  EXPECT_EQ(physics->mass_kg().source(), EstimatedValue::PERSON);
+}
+
+TEST_F(PhysicsFileTest, UndoAndRedoWalkTheRevisions) {
+  EXPECT_EQ(undo_physics(path).error().code, ErrorCode::NotFound);
+  ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("seer-1")));
+  ASSERT_TRUE(edit_physics(path, edit_of_mass(0.25)));
+  ASSERT_TRUE(edit_physics(path, edit_of_mass(0.2)));
+  ASSERT_TRUE(undo_physics(path));
+  EXPECT_EQ(mass_kg(), 0.25);
+  ASSERT_TRUE(undo_physics(path));
+  EXPECT_EQ(mass_kg(), 0.31);
+  ASSERT_TRUE(undo_physics(path));
+  EXPECT_EQ(mass_kg(), estimate_offline(mug_facts()).mass_kg().best());
+  EXPECT_EQ(undo_physics(path).error().code, ErrorCode::NotFound);
+  for (const double expected : {0.31, 0.25, 0.2}) {
+    ASSERT_TRUE(redo_physics(path));
+    EXPECT_EQ(mass_kg(), expected);
+  }
+  EXPECT_EQ(redo_physics(path).error().code, ErrorCode::NotFound);
+  ASSERT_TRUE(undo_physics(path));
+  ASSERT_TRUE(edit_physics(path, edit_of_mass(0.5)));  // a new course: what was undone cannot be redone
+  EXPECT_EQ(redo_physics(path).error().code, ErrorCode::NotFound);
+  ASSERT_TRUE(undo_physics(path));
+  EXPECT_EQ(mass_kg(), 0.25);
+  EXPECT_EQ(read_physics_log(path).size(), 12u);  // only grows
+}
+
+TEST_F(PhysicsFileTest, AProposalIsKeptAndChangesNothing) {
+  ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("seer-1")));
+  const auto before = *read_text_file(path);
+  ASSERT_TRUE(log_proposal(path, analysed(30), record_of("seer-1")));
+  EXPECT_EQ(*read_text_file(path), before);
+  const auto log = read_physics_log(path);
+  ASSERT_EQ(log.size(), 2u);
+  EXPECT_EQ(log[1].action(), PhysicsLogRecord::PROPOSAL);
+  EXPECT_EQ(log[1].file().physics().mass_kg().best(), 30);
+  ASSERT_TRUE(undo_physics(path));  // of the analysis, not of the proposal
+  EXPECT_EQ(read().revision(), 0u);
+}
+
+TEST_F(PhysicsFileTest, WhatIsEditedByHandIsThatPersonsAndStays) {
+  ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("seer-1")));
+  edit_by_hand("/physics/mass_kg/best", 0.28);
+  edit_by_hand("/physics/friction/best", 0.9);
+  edit_by_hand("/physics/fragile", false);
+  edit_by_hand("/physics/label", "tin mug");
+  EXPECT_EQ(mass_kg(), 0.28);
+  EXPECT_EQ(read().name(), "tin mug");
+  ASSERT_TRUE(apply_analysis(path, analysed(0.5), record_of("seer-2")));
+  EXPECT_EQ(mass_kg(), 0.28);
+  EXPECT_EQ(read().edits().friction(), 0.9);
+  EXPECT_TRUE(read().edits().has_fragile());
+  EXPECT_FALSE(read().edits().fragile());
+  EXPECT_FALSE(read().edits().has_restitution());  // not touched, not locked
+  ASSERT_TRUE(undo_physics(path));                 // the second analysis
+  EXPECT_EQ(mass_kg(), 0.28);
+  ASSERT_TRUE(undo_physics(path));  // the edit by hand
+  EXPECT_EQ(mass_kg(), 0.31);
+}
+
+TEST_F(PhysicsFileTest, AFileWrittenByHandIsAPersonsThroughout) {
+  folder.write("mug.physics.json",
+               R"({ "physics": { "mass_kg": { "best": 0.42 }, "behavior": "RIGID" } } // measured
+  )");
+  EXPECT_EQ(mass_kg(), 0.42);
+  EXPECT_EQ(read().edits().behavior(), v1::Physics::RIGID);
+  folder.write("mug.physics.json", R"({ "edits": { "density_kg_m3": 2300 } })");
+  EXPECT_NE(mass_kg(), 0.42);
+}
+
+TEST_F(PhysicsFileTest, ErrorsNameFileFieldAndRange) {
+  ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("seer-1")));
+  const std::string good = *read_text_file(path);
+  const auto message = [&] {
+    auto file = read_physics_file(path);
+    return file ? std::string("(no error)") : file.error().message;
+  };
+  edit_by_hand("/physics/mass_kg/best", -1);
+  EXPECT_EQ(message(), "mug.physics.json: physics.mass_kg.best: is -1; it must be between 1e-06 and 1e+06");
+  folder.write("mug.physics.json", R"({ "edits": { "friction": 9 } })");
+  EXPECT_EQ(message(), "mug.physics.json: edits.friction: is 9; it must be between 0 and 2");
+  folder.write("mug.physics.json", R"({ "edits": { "frictoin": 1 } })");
+  EXPECT_NE(message().find("frictoin"), std::string::npos) << message();
+  folder.write("mug.physics.json", "{ \"edits\": ");
+  EXPECT_NE(message().find("mug.physics.json: is not JSON"), std::string::npos) << message();
+  folder.write("mug.physics.json", "[]");
+  EXPECT_NE(message().find("one JSON object"), std::string::npos) << message();
+  folder.write("mug.physics.json", R"({ "version": 7 })");
+  EXPECT_NE(message().find("version: is 7"), std::string::npos) << message();
+  for (size_t length = 0; length < good.size(); length += 41) {  // any bytes
+    folder.write("mug.physics.json", good.substr(0, length));
+    EXPECT_EQ(message().find('\n'), std::string::npos);
+  }
+  // A change on top of what cannot be read is refused and leaves it to be mended.
+  folder.write("mug.physics.json", "{ broken");
+  EXPECT_FALSE(edit_physics(path, edit_of_mass(1)));
+  EXPECT_EQ(*read_text_file(path), "{ broken");
+}
+
+TEST_F(PhysicsFileTest, AnotherSizeIsAnotherMass) {
+  auto physics = analysed(0.31);
+  physics.mutable_longest_side_m()->set_best(0.095);
+  ASSERT_TRUE(apply_analysis(path, physics, record_of("seer-1")));
+  EXPECT_EQ(mass_kg(), 0.31);
+  ObjectFacts large = mug_facts();
+  large.mesh.size_m *= 2;
+  std::string note;
+  const auto there = with_physics_file(estimate_offline(large), read(), large, note);
+  EXPECT_EQ(there->mass_kg().best(), estimate_offline(large).mass_kg().best());
+  EXPECT_NE(note.find("analyze it again"), std::string::npos);
+}
+
+TEST_F(PhysicsFileTest, AFolderThatCannotBeWrittenIsOneClearLine) {
+  folder.write("file", "");
+  const auto failed = apply_analysis(folder / "file/mug.physics.json", analysed(0.31), record_of("seer-1"));
+  ASSERT_FALSE(failed);
+  EXPECT_NE(failed.error().message.find("cannot be written"), std::string::npos) << failed.error().message;
+  EXPECT_NE(failed.error().message.find("writable"), std::string::npos) << failed.error().message;
+  EXPECT_EQ(failed.error().message.find('\n'), std::string::npos);
+}
+
+TEST_F(PhysicsFileTest, ADeletedSidecarStaysDeleted) {
+  ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("seer-1")));
+  std::filesystem::remove(path);
+  EXPECT_EQ(read().revision(), 0u);
+  ASSERT_TRUE(apply_analysis(path, analysed(0.4), record_of("seer-1")));
+  EXPECT_EQ(read().revision(), 2u);  // no number twice
+  EXPECT_EQ(mass_kg(), 0.4);
+}
+
+// Runs `change` in a child that is killed before its `step`th change of the disk. True if it ended by itself,
+// and so returned.
+template <class Change>
+bool survives(int step, const Change& change) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    int count = 0;
+    const auto kill_at = [&](const char*) {
+      if (count++ == step) ::raise(SIGKILL);
+    };
+    ::_exit(change(kill_at) ? 0 : 1);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFSIGNALED(status) || WEXITSTATUS(status) == 0);
+  return WIFEXITED(status);
+}
+
+// Killed between any two writes: what stands afterwards is what was before or what was decided, never less,
+// and what a person wrote by hand is there in any case. Then everything goes on as if nothing had happened.
+TEST_F(PhysicsFileTest, AKillBetweenAnyTwoWritesLosesNothing) {
+  struct Kill {
+    const char* name;
+    std::function<bool(const std::filesystem::path&, const WriteStep&)> change;
+    double before_kg, after_kg;
+    bool by_hand;
+  };
+  const double offline_kg = estimate_offline(mug_facts()).mass_kg().best();
+  const Kill kills[] = {
+      {"analysis of a new asset",
+       [](auto& to, auto& step) {
+         return apply_analysis(to, analysed(0.31), record_of("s"), step).has_value();
+       },
+       offline_kg, 0.31, false},
+      {"analysis",
+       [](auto& to, auto& step) {
+         return apply_analysis(to, analysed(0.4), record_of("s"), step).has_value();
+       },
+       0.25, 0.25, false},
+      {"edit", [](auto& to, auto& step) { return edit_physics(to, edit_of_mass(0.2), step).has_value(); },
+       0.25, 0.2, false},
+      {"edit after an edit by hand",
+       [](auto& to, auto& step) { return edit_physics(to, edit_of_mass(0.2), step).has_value(); }, 0.25, 0.2,
+       true},
+      {"undo", [](auto& to, auto& step) { return undo_physics(to, step).has_value(); }, 0.25, 0.31, false},
+      {"proposal",
+       [](auto& to, auto& step) { return log_proposal(to, analysed(9), record_of("s"), step).has_value(); },
+       0.25, 0.25, false},
+  };
+  ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("s")));
+  ASSERT_TRUE(edit_physics(path, edit_of_mass(0.25)));
+  const std::string sidecar = *read_text_file(path), log = *read_text_file(folder / "mug.physics.log");
+  int killed = 0;
+  for (const Kill& kill : kills) {
+    for (int step = 0;; ++step) {
+      SCOPED_TRACE(std::string(kill.name) + ", step " + std::to_string(step));
+      for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+        std::filesystem::remove(entry.path());
+      if (&kill != &kills[0]) {
+        folder.write("mug.physics.json", sidecar);
+        folder.write("mug.physics.log", log);
+      }
+      if (kill.by_hand) edit_by_hand("/physics/friction/best", 0.77);
+      const bool done = survives(step, [&](const WriteStep& before) { return kill.change(path, before); });
+      const double now_kg = mass_kg();
+      if (done) {
+        ASSERT_EQ(now_kg, kill.after_kg);
+      } else {
+        ASSERT_TRUE(now_kg == kill.before_kg || now_kg == kill.after_kg) << now_kg;
+        ++killed;
+      }
+      if (kill.by_hand) {
+        ASSERT_EQ(read().edits().friction(), 0.77);
+      }
+      // What is there can be built on, and undone.
+      ASSERT_TRUE(edit_physics(path, edit_of_mass(0.123)));
+      ASSERT_EQ(mass_kg(), 0.123);
+      if (step % 3 == 0) {
+        ASSERT_TRUE(undo_physics(path));
+        ASSERT_EQ(mass_kg(), now_kg);
+      }
+      if (done) break;
+      ASSERT_LT(step, 40);
+    }
+  }
+  EXPECT_GT(killed, 40);
+}
+
+TEST_F(PhysicsFileTest, ATornLogIsReadUpToTheTear) {
+  ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("s")));
+  ASSERT_TRUE(edit_physics(path, edit_of_mass(0.25)));
+  const auto log = folder / "mug.physics.log";
+  const std::string whole = *read_text_file(log);
+  for (size_t length = 0; length < whole.size(); length += 211) {
+    folder.write("mug.physics.log", whole.substr(0, length));
+    ASSERT_EQ(mass_kg(), 0.25);  // the sidecar has it
+    ASSERT_TRUE(edit_physics(path, edit_of_mass(0.25)));
+    ASSERT_EQ(mass_kg(), 0.25);
+  }
+}
+
+}  // namespace
+}  // namespace livegs

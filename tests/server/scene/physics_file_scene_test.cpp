@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// What stands beside an asset counts when a scene is loaded: the author's words, then a person's, then a model's, then
+// the offline estimate.
+#include <gtest/gtest.h>
+
+#include "analysis/physics_file.h"
+#include "core/log.h"
+#include "scene/scene.h"
+#include "scratch_folder.h"
+
+namespace livegs {
+namespace {
+
+using v1::EstimatedValue;
+
+class PhysicsFileSceneTest : public ::testing::Test {
+ protected:
+  PhysicsFileSceneTest() {
+    std::string points = "x,y,z\n";
+    for (int i = 0; i < 64; ++i) {
+      points += std::to_string(0.02 * (i % 4)) + "," + std::to_string(0.02 * (i / 4 % 4)) + "," +
+                std::to_string(0.02 * (i / 16)) + "\n";
+    }
+    folder.write("sponge.csv", points);
+  }
+  Result<Scene> load(const std::string& physics) const {
+    return Scene::load(
+        folder.write("one.scene.json", R"({ "objects": [ { "points": "sponge.csv", "physics": )" + physics + " } ] }"), {});
+  }
+  v1::PhysicalParameters physics(const std::string& written = "{}") const {
+    auto scene = load(written);
+    EXPECT_TRUE(scene) << scene.error().message;
+    return scene ? scene->find("sponge")->physics : v1::PhysicalParameters();
+  }
+
+  ScratchFolder folder;
+  std::filesystem::path file = folder / "sponge.physics.json";
+};
+
+TEST_F(PhysicsFileSceneTest, TheAuthorThenAPersonThenTheModelThenTheEstimate) {
+  const v1::PhysicalParameters offline = physics();
+  EXPECT_EQ(offline.mass_kg().source(), EstimatedValue::OFFLINE);
+  v1::PhysicalParameters analysed = offline;
+  for (auto* value : {analysed.mutable_mass_kg(), analysed.mutable_friction(), analysed.mutable_plasticity()}) {
+    value->set_best(value->best() * 1.1);
+    value->set_high(value->best());
+    value->set_source(EstimatedValue::MODEL);
+  }
+  ASSERT_TRUE(apply_analysis(file, analysed, {}));
+  EXPECT_EQ(physics().mass_kg().source(), EstimatedValue::MODEL);
+  EXPECT_EQ(physics().mass_kg().best(), offline.mass_kg().best() * 1.1);
+  EXPECT_EQ(physics().restitution().source(), EstimatedValue::OFFLINE);
+
+  v1::Physics edits;
+  edits.set_friction(0.77);
+  edits.set_plasticity(0.33);
+  ASSERT_TRUE(edit_physics(file, edits));
+  const v1::PhysicalParameters all = physics(R"({ "plasticity": 0.2 })");
+  EXPECT_EQ(all.mass_kg().source(), EstimatedValue::MODEL);
+  EXPECT_EQ(all.friction().source(), EstimatedValue::PERSON);
+  EXPECT_EQ(all.friction().best(), 0.77);
+  EXPECT_EQ(all.plasticity().source(), EstimatedValue::SCENE);
+  EXPECT_EQ(all.plasticity().best(), 0.2);
+}
+
+TEST_F(PhysicsFileSceneTest, WhatAPersonCallsItIsItsName) {
+  folder.write("sponge.physics.json", R"({ "name": "steel bolt" })");
+  EXPECT_EQ(physics().material(), "carbon steel");
+}
+
+TEST_F(PhysicsFileSceneTest, ABadFileIsOneLineThatNamesIt) {
+  folder.write("sponge.physics.json", R"({ "edits": { "friction": -2 } })");
+  const auto scene = load("{}");
+  ASSERT_FALSE(scene);
+  EXPECT_NE(scene.error().message.find("sponge.physics.json: edits.friction: is -2"), std::string::npos)
+      << scene.error().message;
+}
+
+}  // namespace
+}  // namespace livegs
