@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/parallel_for.h"
 
+#include "core/serial_here.h"
+
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 
@@ -14,6 +16,7 @@ namespace {
 
 std::mutex control_mutex;  // guards control
 std::unique_ptr<tbb::global_control> control;
+thread_local bool serial_here = false;
 
 }  // namespace
 
@@ -26,6 +29,8 @@ void set_thread_count(int threads) {
                                                   static_cast<size_t>(count));
 }
 
+void set_serial_here(bool serial) { serial_here = serial; }
+
 int thread_count() {
   return static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
 }
@@ -35,7 +40,10 @@ void parallel_for(size_t count, size_t block, const std::function<void(size_t, s
   block = std::max<size_t>(block, 1);
   const size_t blocks = (count + block - 1) / block;
   const auto run = [&](size_t index) noexcept { body(index * block, std::min(count, (index + 1) * block)); };
-  if (blocks == 1) return run(0);
+  if (blocks == 1 || serial_here) {
+    for (size_t index = 0; index < blocks; ++index) run(index);
+    return;
+  }
   tbb::parallel_for(size_t{0}, blocks, run);
 }
 

@@ -24,6 +24,7 @@ struct Image {
 // 8-bit PNG, with alpha or without. `compression` is zlib's 0..9.
 Result<void> write_png(const std::filesystem::path& path, const Image& image, bool with_alpha = false,
                        int compression = 6);
+Result<std::vector<std::byte>> encode_png(const Image& image, bool with_alpha = false, int compression = 6);
 Result<Image> read_png(const std::filesystem::path& path);
 Result<Image> decode_png(std::span<const std::byte> bytes);
 

@@ -80,25 +80,28 @@ std::vector<uint8_t> rgba_bytes(const Image& image) {
 
 }  // namespace
 
-Result<void> write_png(const std::filesystem::path& path, const Image& image, bool with_alpha,
-                       int compression) {
+Result<std::vector<std::byte>> encode_png(const Image& image, bool with_alpha, int compression) {
   if (compression < 0 || compression > 9) {
-    return invalid_argument(path.string() + ": PNG compression " + std::to_string(compression) +
-                            " is not in 0..9");
+    return invalid_argument("PNG compression " + std::to_string(compression) + " is not in 0..9");
   }
   if (image.width <= 0 || image.height <= 0 ||
       image.pixels.size() != 4 * static_cast<size_t>(image.width) * image.height) {
-    return invalid_argument(path.string() + ": an image of " + std::to_string(image.width) + " x " +
-                            std::to_string(image.height) + " pixels with " +
-                            std::to_string(image.pixels.size()) + " values is not written as PNG");
+    return invalid_argument("an image of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+                            " pixels with " + std::to_string(image.pixels.size()) + " values is not written as PNG");
   }
   const std::vector<uint8_t> rows = with_alpha ? rgba_bytes(image) : rgb_bytes(image);
   std::vector<std::byte> bytes;
   char message[128] = {};
   if (!encode(rows.data(), image.width, image.height, with_alpha ? 4 : 3, compression, &bytes, message)) {
-    return Error{ErrorCode::Internal, path.string() + ": PNG encoder: " + message};
+    return Error{ErrorCode::Internal, std::string("PNG encoder: ") + message};
   }
-  return write_file_atomically(path, bytes);
+  return bytes;
+}
+
+Result<void> write_png(const std::filesystem::path& path, const Image& image, bool with_alpha, int compression) {
+  const auto bytes = encode_png(image, with_alpha, compression);
+  if (!bytes) return Error{bytes.error().code, path.string() + ": " + bytes.error().message};
+  return write_file_atomically(path, *bytes);
 }
 
 Result<Image> decode_png(std::span<const std::byte> bytes) {

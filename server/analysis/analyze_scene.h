@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "analysis/answer_cache.h"
+#include "analysis/estimate.h"
+#include "analysis/exchange.h"
+#include "analysis/gate.h"
+
+// The objects of a scene, worked out: each has its offline answer at once; then the model is asked about
+// them, several at a time, and every answer goes through the gate. A model that fails, hangs or lies leaves
+// the offline answer where it is.
+
+namespace livegs {
+
+struct AnalysisTarget {
+  uint32_t object_id = 0;
+  std::shared_ptr<const ObjectFacts> facts;
+  v1::PhysicalParameters offline;  // what it has until the model answers
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+};
+
+// One look at an object.
+struct TargetView {
+  std::vector<AnalysisImage> images;
+  std::string camera;  // where it was taken from, in words
+};
+// Makes the looks, best first; called on a thread of the analysis, for several objects at a time.
+using TargetViews = std::function<Result<std::vector<TargetView>>(uint32_t object_id, int count)>;
+
+enum class AnalysisStage {
+  Offline,   // the estimate; nothing was asked yet
+  Asked,     // the model has the question
+  Repaired,  // its answer would not do; it was told why
+  Finished,
+};
+
+// What passed between the model and the gate in one turn.
+struct AnalysisTurn {
+  AnalysisQuestion question;  // of a repair: empty
+  std::string repair;         // what the model was told; empty for a question
+  RawAnswer answer;
+  std::string error;  // why the answer would not do; empty when it did
+};
+
+struct AnalysisUpdate {
+  size_t index = 0;  // into the targets
+  uint32_t object_id = 0;
+  AnalysisStage stage = AnalysisStage::Offline;
+  v1::PhysicalParameters parameters;  // the best that is known now
+  // Of Finished. Refused, with a message, also when the model could not be asked at all.
+  Judgement judgement;
+  v1::AnalysisRecord record;  // model, prompt, gate, tokens; empty when no answer came
+  std::vector<AnalysisTurn> turns;
+  bool cached = false;
+  bool cancelled = false;
+};
+
+// How far back an object may see its neighbours' final answers: object i is told those of objects up to i -
+// kContextLag, and offline estimates of the rest, so that what is asked does not depend on how fast answers
+// come. It is also the most objects that are in flight at once.
+inline constexpr size_t kContextLag = 4;
+inline constexpr size_t kMaxNeighbours = 12;
+
+struct AnalysisOptions {
+  int views = 1;                 // 1 or 3; more than one is a vote
+  AnswerCache* cache = nullptr;  // outlives the call
+  std::string prompt_version;    // part of what a cached answer belongs to
+};
+
+struct AnalysisSummary {
+  size_t objects = 0, accepted = 0, review = 0, refused = 0, failed = 0, cached = 0;
+  std::int64_t prompt_tokens = 0, completion_tokens = 0;
+  double cost_usd = 0;
+  std::string failure;  // the first reason why the model could not be asked; empty when it always could
+};
+
+// Blocks until every object is finished or `stop` is requested, which ends it within milliseconds. Never call
+// it on the simulation's thread. `endpoint` may be nullptr: everything stays offline. `update` is called by
+// one thread at a time, for every object first with Offline (before this asks anything) and last with
+// Finished. Given the same answers, the same result to the bit, however they come.
+AnalysisSummary analyze_scene(std::span<const AnalysisTarget> targets, ModelEndpoint* endpoint,
+                              const TargetViews& views, const AnalysisOptions& options,
+                              const std::function<void(const AnalysisUpdate&)>& update,
+                              std::stop_token stop = {});
+
+}  // namespace livegs

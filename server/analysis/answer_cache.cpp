@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "analysis/answer_cache.h"
+
+#include <nlohmann/json.hpp>
+
+#include "core/clock.h"
+#include "core/file.h"
+#include "core/log.h"
+
+namespace livegs {
+namespace {
+
+constexpr size_t kMaxCachedBytes = 1 << 20;
+
+nlohmann::json to_json(const RawAnswer& answer) {
+  return {{"json", answer.json},
+          {"model", answer.model},
+          {"prompt_version", answer.prompt_version},
+          {"prompt_tokens", answer.prompt_tokens},
+          {"completion_tokens", answer.completion_tokens},
+          {"cost_usd", answer.cost_usd},
+          {"wall_s", answer.wall_s}};
+}
+
+std::optional<RawAnswer> from_json(const nlohmann::json& json) {
+  if (!json.is_object() || !json.contains("json") || !json["json"].is_string()) return std::nullopt;
+  const auto text = [&](const char* name) {
+    const auto found = json.find(name);
+    return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
+  };
+  const auto number = [&](const char* name) {
+    const auto found = json.find(name);
+    return found != json.end() && found->is_number() ? found->get<double>() : 0.0;
+  };
+  RawAnswer answer;
+  answer.json = text("json");
+  answer.model = text("model");
+  answer.prompt_version = text("prompt_version");
+  answer.prompt_tokens = static_cast<std::int64_t>(number("prompt_tokens"));
+  answer.completion_tokens = static_cast<std::int64_t>(number("completion_tokens"));
+  answer.cost_usd = number("cost_usd");
+  answer.wall_s = number("wall_s");
+  return answer;
+}
+
+}  // namespace
+
+AnswerCache::AnswerCache(std::filesystem::path folder, std::function<int64_t()> clock_ns)
+    : folder_(std::move(folder)), clock_ns_(clock_ns ? std::move(clock_ns) : now_ns) {}
+
+std::optional<RawAnswer> AnswerCache::answer(const std::string& key) const {
+  std::lock_guard lock(mutex_);
+  if (const auto found = answers_.find(key); found != answers_.end()) return found->second;
+  if (folder_.empty()) return std::nullopt;
+  const auto text = read_text_file(folder_ / (key + ".json"), kMaxCachedBytes);
+  if (!text) return std::nullopt;
+  auto answer = from_json(nlohmann::json::parse(*text, nullptr, false));
+  if (answer) answers_[key] = *answer;
+  return answer;
+}
+
+std::optional<std::string> AnswerCache::failure(const std::string& key) const {
+  std::lock_guard lock(mutex_);
+  const auto found = failures_.find(key);
+  if (found == failures_.end() || found->second.first <= clock_ns_()) return std::nullopt;
+  return found->second.second;
+}
+
+void AnswerCache::keep(const std::string& key, const RawAnswer& answer) {
+  std::lock_guard lock(mutex_);
+  answers_[key] = answer;
+  failures_.erase(key);
+  if (folder_.empty()) return;
+  std::error_code ignored;
+  std::filesystem::create_directories(folder_, ignored);
+  const std::string text = to_json(answer).dump(1, ' ', false, nlohmann::json::error_handler_t::replace);
+  if (auto written = write_file_atomically(folder_ / (key + ".json"), text); !written) {
+    log_debug("analysis: the answer is not kept for later: %s", written.error().message.c_str());
+  }
+}
+
+void AnswerCache::keep_failure(const std::string& key, const std::string& message) {
+  std::lock_guard lock(mutex_);
+  failures_[key] = {clock_ns_() + kFailure_ns, message};
+}
+
+}  // namespace livegs

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "analysis/endpoint_choice.h"
+
+#include <cstdlib>
+
+#include "analysis/model_endpoint.h"
+
+namespace livegs {
+
+std::filesystem::path cache_folder() {
+  const char* cache = std::getenv("XDG_CACHE_HOME");
+  if (cache && *cache) return std::filesystem::path(cache) / "livegs";
+  const char* home = std::getenv("HOME");
+  return home && *home ? std::filesystem::path(home) / ".cache" / "livegs" : std::filesystem::path();
+}
+
+Result<std::unique_ptr<ModelEndpoint>> choose_endpoint(const EndpointChoice& choice) {
+  const bool told = !choice.url.empty() || !choice.model.empty() || !choice.record.empty();
+  if (choice.offline && (told || !choice.recorded.empty())) {
+    return invalid_argument(
+        "--offline: asks nobody; leave it out, or leave out --endpoint, --model, --record and --recorded");
+  }
+  if (!choice.recorded.empty() && told) {
+    return invalid_argument("--recorded: replays a folder; leave out --endpoint, --model and --record");
+  }
+  std::unique_ptr<ModelEndpoint> none;
+  if (choice.offline) return none;
+  if (!choice.recorded.empty()) return open_recorded_endpoint(choice.recorded, nullptr);
+  auto settings = endpoint_settings_from_environment();
+  if (!settings && !told) return none;
+  if (!settings) {
+    settings.emplace();
+    if (const char* key = std::getenv("OPENAI_API_KEY")) settings->api_key = Secret(key);
+  }
+  // A key that belongs to another address stays at home.
+  if (!choice.url.empty() && std::getenv("OPENAI_BASE_URL") && settings->base_url != choice.url)
+    settings->api_key = {};
+  if (!choice.url.empty()) settings->base_url = choice.url;
+  if (!choice.model.empty()) settings->model = choice.model;
+  if (settings->base_url.empty()) {
+    return invalid_argument(
+        "--record, --model: no endpoint is set; give --endpoint URL or set OPENAI_BASE_URL");
+  }
+  if (const auto folder = cache_folder(); !folder.empty())
+    settings->quirks_file = folder / "endpoint_quirks.json";
+  auto live = open_model_endpoint(std::move(*settings));
+  if (!live || choice.record.empty()) return live;
+  return open_recorded_endpoint(choice.record, std::move(*live));
+}
+
+}  // namespace livegs

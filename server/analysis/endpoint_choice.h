@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "analysis/exchange.h"
+#include "core/result.h"
+
+namespace livegs {
+
+// What a person said about which model to ask; what is left empty comes from the environment
+// (OPENAI_BASE_URL, LIVEGS_MODEL, OPENAI_API_KEY).
+struct EndpointChoice {
+  bool offline = false;  // ask nobody
+  std::string url, model;
+  std::filesystem::path recorded;  // answers of this folder and no others
+  std::filesystem::path record;    // ask, and keep the answers here
+};
+
+// nullptr when nobody is to be asked. Touches no network. Errors are the user's words.
+Result<std::unique_ptr<ModelEndpoint>> choose_endpoint(const EndpointChoice& choice);
+
+// Where this user's caches go: $XDG_CACHE_HOME/livegs or ~/.cache/livegs; empty when neither is set.
+std::filesystem::path cache_folder();
+
+}  // namespace livegs

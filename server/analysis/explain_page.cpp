@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "analysis/explain_page.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/physics_values.h"
+
+namespace livegs {
+namespace {
+
+// The policy forbids scripts and everything from elsewhere, should an escape ever be missed.
+constexpr const char* kHead = R"(<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; img-src data:; style-src 'unsafe-inline'">
+<meta name="viewport" content="width=device-width">
+<style>
+body { font: 15px/1.45 system-ui, sans-serif; color: #222; max-width: 70em; margin: 2em auto; padding: 0 1em; }
+h1 { font-size: 1.5em; margin-bottom: 0; } h2 { font-size: 1.15em; margin-top: 2em; }
+table { border-collapse: collapse; } td, th { text-align: left; padding: .2em .8em .2em 0; vertical-align: top; }
+td.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+tr + tr td { border-top: 1px solid #ddd; }
+pre { background: #f4f4f2; padding: .8em; overflow-x: auto; white-space: pre-wrap; overflow-wrap: anywhere; }
+figure { display: inline-block; margin: 0 1em 1em 0; } figure img { max-width: 24em; max-height: 24em; border: 1px solid #ccc; }
+figcaption { color: #555; } .verdict { font-weight: 600; } .off { color: #777; }
+.bar { position: relative; width: 12em; height: .7em; background: #eee; } .bar span { position: absolute; top: 0; bottom: 0; }
+</style>
+)";
+
+std::string escaped(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      case '\'':
+        result += "&#39;";
+        break;
+      default:
+        result += static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t' ? ' ' : c;
+    }
+  }
+  return result;
+}
+
+std::string base64(std::string_view bytes) {
+  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    uint32_t three = 0;
+    for (size_t k = 0; k < 3; ++k) {
+      three = three << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    }
+    for (size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? kDigits[three >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+const char* source_text(v1::EstimatedValue::Source source) {
+  switch (source) {
+    case v1::EstimatedValue::OFFLINE:
+      return "offline estimate";
+    case v1::EstimatedValue::MODEL:
+      return "model";
+    case v1::EstimatedValue::SCENE:
+      return "scene";
+    case v1::EstimatedValue::PERSON:
+      return "person";
+    case v1::EstimatedValue::DEFAULT:
+      return "default";
+    default:
+      return "";
+  }
+}
+
+// Where one range lies beside the other, on a logarithmic scale; grey before, blue after.
+std::string range_bar(const v1::EstimatedValue& before, const v1::EstimatedValue& after) {
+  if (!(before.low() > 0) || !(after.low() > 0)) return "";
+  const double low = std::log(std::min(before.low(), after.low())),
+               high = std::log(std::max(before.high(), after.high()));
+  if (!(high > low)) return "";
+  const auto span = [&](const v1::EstimatedValue& value, const char* colour) {
+    const double left = 100 * (std::log(value.low()) - low) / (high - low);
+    const double width = std::max(1.0, 100 * (std::log(value.high()) - std::log(value.low())) / (high - low));
+    return "<span style=\"left:" + number(left) + "%;width:" + number(width) + "%;background:" + colour +
+           "\"></span>";
+  };
+  return "<div class=\"bar\">" + span(before, "#bbb") + span(after, "#3b7dd8aa") + "</div>";
+}
+
+std::string size_text(const ObjectFacts& facts) {
+  const Eigen::Vector3d& size = facts.mesh.size_m;
+  return number(size.x()) + " x " + number(size.y()) + " x " + number(size.z()) + " m, " +
+         (facts.scale_known ? "measured" : "the scale is a guess");
+}
+
+struct Shown {
+  const char* title;
+  const char* unit;
+  double factor;
+};
+Shown shown(std::string_view name) {
+  if (name == "mass_kg") return {"mass", "g", 1e3};
+  if (name == "youngs_modulus_pa") return {"Young's modulus E", "MPa", 1e-6};
+  if (name == "poisson_ratio") return {"Poisson ratio", "", 1};
+  if (name == "structure_coefficient") return {"structure coefficient s", "", 1};
+  if (name == "deformation_resistance") return {"deformation resistance d_R, of s E", "", 1};
+  if (name == "plasticity") return {"plasticity", "", 1};
+  if (name == "damping") return {"damping", "", 1};
+  if (name == "friction") return {"friction", "", 1};
+  if (name == "restitution") return {"restitution", "", 1};
+  if (name == "wall_thickness_m") return {"wall thickness", "mm", 1e3};
+  return {"break impulse", "N s", 1};
+}
+
+std::string value_rows(const v1::PhysicalParameters& offline, const v1::PhysicalParameters& now) {
+  std::string rows;
+  for (const PhysicsValue& value : physics_values()) {
+    const v1::EstimatedValue &before = (offline.*value.get)(), &after = (now.*value.get)();
+    if (!(now.*value.has)()) continue;
+    const auto [title, unit, factor] = shown(value.name);
+    rows += "<tr><td>" + std::string(title) + "</td><td class=\"n\">" + number(after.best() * factor) + " " +
+            unit + "</td><td class=\"n\">" + number(after.low() * factor) + " to " +
+            number(after.high() * factor) + "</td><td>" + range_bar(before, after) +
+            "</td><td class=\"n off\">" + number(before.best() * factor) + "</td><td>" +
+            source_text(after.source()) + "</td><td>" + escaped(after.reason()) + "</td></tr>\n";
+  }
+  return rows;
+}
+
+std::string turn_section(const AnalysisTurn& turn, size_t index) {
+  std::string html = "<h2>Turn " + std::to_string(index + 1) +
+                     (turn.repair.empty() ? ": the question" : ": a repair") + "</h2>\n";
+  for (const AnalysisImage& image : turn.question.images) {
+    const bool known = image.media_type == "image/png" || image.media_type == "image/jpeg";
+    html += "<figure>";
+    if (known) {
+      html += "<img src=\"data:" + image.media_type + ";base64," + base64(image.bytes) + "\" alt=\"" +
+              escaped(image.caption) + "\">";
+    }
+    html += "<figcaption>" + escaped(image.caption) + "</figcaption></figure>\n";
+  }
+  if (!turn.repair.empty()) html += "<p>The model was told:</p><pre>" + escaped(turn.repair) + "</pre>\n";
+  if (!turn.question.slots.empty()) {
+    html += "<table>\n";
+    for (const auto& [slot, value] : turn.question.slots) {
+      html += "<tr><td>" + escaped(slot) + "</td><td>" + escaped(value) + "</td></tr>\n";
+    }
+    html += "</table>\n";
+  }
+  if (!turn.answer.transcript.empty()) {
+    html +=
+        "<details><summary>The prompt and the exchange, as they were sent (pictures left "
+        "out)</summary><pre>" +
+        escaped(turn.answer.transcript) + "</pre></details>\n";
+  }
+  html += "<p>Answer of " + escaped(turn.answer.model) + ", as it came:</p><pre>" +
+          escaped(turn.answer.json) + "</pre>\n";
+  html += turn.error.empty() ? "<p>The gate read it.</p>\n"
+                             : "<p>The gate would not have it: " + escaped(turn.error) + "</p>\n";
+  return html;
+}
+
+}  // namespace
+
+std::string explain_page(const AnalysisTarget& target, const AnalysisUpdate& update) {
+  const v1::PhysicalParameters& now = update.parameters;
+  const std::string name = escaped(shown_text(target.facts->name, 80));
+  std::string html = kHead;
+  html += "<title>" + name + "</title></head><body>\n<h1>" + name + "</h1>\n";
+  html += "<p>" + size_text(*target.facts) + ". Taken for " + escaped(now.label()) + " of " +
+          escaped(now.material()) + ", confidence " + number(now.confidence()) + ".</p>\n";
+  const Verdict verdict = update.judgement.verdict;
+  html +=
+      "<p class=\"verdict\">" +
+      std::string(verdict == Verdict::Accepted ? "The model's answer was accepted."
+                  : verdict == Verdict::NeedsReview
+                      ? "The model's answer needs review; the offline estimate stays."
+                  : update.turns.empty() ? "No model was heard; the offline estimate stays."
+                                         : "The model's answer was refused; the offline estimate stays.") +
+      "</p>\n";
+  if (!update.judgement.message.empty()) html += "<p>" + escaped(update.judgement.message) + "</p>\n";
+  html +=
+      "<h2>Values</h2>\n<table>\n<tr><th></th><th>value</th><th>90 % range</th><th>before (grey), now "
+      "(blue)</th>"
+      "<th>before</th><th>source</th><th>reason</th></tr>\n" +
+      value_rows(target.offline, now) + "</table>\n";
+  html += "<p>Behaves " + escaped(v1::Physics::Behavior_Name(now.behavior())) + ": " +
+          escaped(now.behavior_reason()) + "<br>Filled " + escaped(v1::Physics::Fill_Name(now.fill())) +
+          ": " + escaped(now.fill_reason()) + "<br>Fragile: " + (now.fragile() ? "yes" : "no") + "</p>\n";
+  if (verdict == Verdict::NeedsReview) {
+    html += "<h2>The proposal</h2>\n<table>\n" + value_rows(target.offline, update.judgement.proposal) +
+            "</table>\n";
+  }
+  html += "<h2>What the gate did</h2>\n<ul>\n";
+  for (const std::string& change : update.judgement.changes) html += "<li>" + escaped(change) + "</li>\n";
+  if (update.judgement.changes.empty()) html += "<li>nothing</li>\n";
+  html += "</ul>\n";
+  for (size_t i = 0; i < update.turns.size(); ++i) html += turn_section(update.turns[i], i);
+  const v1::AnalysisRecord& record = update.record;
+  if (!update.turns.empty()) {
+    html += "<h2>Where it came from</h2>\n<table>\n";
+    const std::pair<const char*, std::string> rows[] = {
+        {"model", record.model()},
+        {"endpoint", record.endpoint()},
+        {"prompt", record.prompt_version()},
+        {"views", std::to_string(record.views())},
+        {"tokens", std::to_string(record.prompt_tokens()) + " in, " +
+                       std::to_string(record.completion_tokens()) + " out"},
+        {"cost", record.cost_usd() > 0 ? number(record.cost_usd()) + " USD" : "unknown"},
+        {"wall time", update.cached ? "kept from before" : number(record.wall_s()) + " s"},
+        {"question", record.question_hash()},
+        {"answer", record.answer_hash()}};
+    for (const auto& [title, text] : rows) {
+      html += "<tr><td>" + std::string(title) + "</td><td>" + escaped(text) + "</td></tr>\n";
+    }
+    html += "</table>\n";
+  }
+  return html + "</body></html>\n";
+}
+
+}  // namespace livegs

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "analysis/analyze_scene.h"
+
+namespace livegs {
+
+// One object's analysis as one self-contained HTML page, for a person: the views, what was asked, the raw
+// answer, what the gate did, and the values with their ranges. Nothing in it is fetched or run: pictures are
+// data URLs, and all text that came from a model, a file or a person is escaped. Precondition: stage
+// Finished.
+std::string explain_page(const AnalysisTarget& target, const AnalysisUpdate& update);
+
+}  // namespace livegs
