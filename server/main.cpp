@@ -11,10 +11,12 @@
 #include <optional>
 #include <string>
 
+#include "analysis/endpoint_choice.h"
 #include "core/clock.h"
 #include "core/log.h"
 #include "core/parallel_for.h"
 #include "scene/scene.h"
+#include "session/live_analysis.h"
 #include "session/live_server.h"
 #include "session/run_summary.h"
 #include "session/simulation_loop.h"
@@ -31,6 +33,8 @@ struct Options {
   bool print_port = false;
   bool wait_for_client = false;
   bool verbose = false;
+  livegs::EndpointChoice endpoint;
+  int views = 1;
 };
 
 int report(const livegs::Error& error) {
@@ -69,6 +73,9 @@ int run(const Options& options) {
   set_log_level(options.verbose ? LogLevel::Debug : LogLevel::Info);
   set_thread_count(options.threads);
 
+  auto endpoint = choose_endpoint(options.endpoint);
+  if (!endpoint) return report(endpoint.error());
+
   // The port first: it is refused at once, and clients that come early are told to wait.
   auto server = LiveServer::listen(options.listen);
   if (!server) return report(server.error());
@@ -83,8 +90,18 @@ int run(const Options& options) {
   log_info("scene %s: %zu objects, built in %.1f s", scene->name().c_str(), scene->objects().size(),
            seconds_from_ns(now_ns() - begun_ns));
 
+  auto analysed = SceneAnalysis::of(*scene, *endpoint != nullptr);
+  if (!analysed) return report(analysed.error());
   SimulationLoop loop(std::move(*scene), (*server)->ticks());
+  LiveAnalysisOptions analysis_options;
+  analysis_options.views = options.views;
+  // What was recorded is asked again each time, so that a recording is a whole one.
+  if (options.endpoint.recorded.empty() && options.endpoint.record.empty() && !cache_folder().empty()) {
+    analysis_options.answers = cache_folder() / "answers";
+  }
+  LiveAnalysis analysis(std::move(*analysed), std::move(*endpoint), loop, analysis_options);
   (*server)->open(loop.scene(), loop);
+  (*server)->open_analysis(analysis);
   log_info("ready: livegs-client 127.0.0.1:%d", (*server)->port());
   if (options.print_port) {
     std::printf("%d\n", (*server)->port());
@@ -97,6 +114,7 @@ int run(const Options& options) {
   }
   if (reason.empty()) {
     loop.start();
+    analysis.begin();
     const int64_t end_ns = now_ns() + static_cast<int64_t>(options.seconds * 1e9);
     reason = wait_for_signal(signals, [&] { return options.seconds > 0 && now_ns() >= end_ns; });
     if (reason.empty()) reason = "the server has run for its time";
@@ -129,6 +147,15 @@ int main(int argc, char** argv) {
   app.add_flag("--print-port", options.print_port, "Print the port on standard output once clients may join");
   app.add_flag("--wait-for-client", options.wait_for_client,
                "Let the first tick wait until a client streams");
+  app.add_option("--endpoint", options.endpoint.url,
+                 "A server that speaks OpenAI's chat completions, to be asked what things are made of; default: "
+                 "OPENAI_BASE_URL, with LIVEGS_MODEL and OPENAI_API_KEY. Without one, offline estimates are used");
+  app.add_option("--model", options.endpoint.model, "The model to ask for, instead of LIVEGS_MODEL");
+  app.add_option("--recorded", options.endpoint.recorded, "Replay the answers of this folder instead of asking")
+      ->check(CLI::ExistingDirectory);
+  app.add_option("--record", options.endpoint.record, "Keep the answers in this folder, for --recorded");
+  app.add_option("--views", options.views, "Looks at each object; 3 are put to the vote")->check(CLI::IsMember({1, 3}));
+  app.add_flag("--offline", options.endpoint.offline, "Ask nobody, whatever is set");
   app.add_flag("--verbose", options.verbose, "Log what the simulation does every second");
   app.set_version_flag("--version", LIVEGS_VERSION);
   try {

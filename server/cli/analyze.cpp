@@ -1,86 +1,234 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <google/protobuf/util/json_util.h>
+#include <signal.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <thread>
 
+#include "analysis/endpoint_choice.h"
+#include "analysis/explain_page.h"
+#include "analysis/physics_file.h"
 #include "cli/commands.h"
-#include "scene/build_object.h"
+#include "cli/parameters_table.h"
+#include "core/file.h"
+#include "core/log.h"
+#include "scene/scene_analysis.h"
 
 namespace livegs {
 namespace {
 
+namespace fs = std::filesystem;
+
 struct AnalyzeCommand {
-  std::filesystem::path asset;
+  fs::path path, explain;
   std::string name, up;
   double scale = 0;
-  bool json = false;
+  bool json = false, write = false, no_cache = false;
+  int views = 1;
+  EndpointChoice endpoint;
 };
 
-const char* source_text(v1::EstimatedValue::Source source) {
-  switch (source) {
-    case v1::EstimatedValue::OFFLINE:
-      return "offline";
-    case v1::EstimatedValue::MODEL:
-      return "model";
-    case v1::EstimatedValue::SCENE:
-      return "scene";
-    case v1::EstimatedValue::PERSON:
-      return "person";
-    case v1::EstimatedValue::DEFAULT:
-      return "default";
-    default:
-      return "unknown";
-  }
+bool is_scene(const fs::path& path) {
+  std::error_code ignored;
+  return path.string().ends_with(".scene.json") ||
+         (fs::is_directory(path, ignored) && !fs::exists(path / "meta.json", ignored));
 }
 
-void print_value(const char* name, const v1::EstimatedValue& value, double factor, const char* unit) {
-  std::printf("%-22s %10.4g %-4s %9.4g to %-9.4g %-8s %s\n", name, value.best() * factor, unit,
-              value.low() * factor, value.high() * factor, source_text(value.source()),
-              value.reason().c_str());
-}
-
-void print_parameters(const v1::PhysicalParameters& p) {
-  std::printf("taken for              %s, of %s (confidence %.2f)\n", p.label().c_str(), p.material().c_str(),
-              p.confidence());
-  std::printf("behaves                %s: %s\n", v1::Physics::Behavior_Name(p.behavior()).c_str(),
-              p.behavior_reason().c_str());
-  std::printf("filled                 %s: %s\n", v1::Physics::Fill_Name(p.fill()).c_str(),
-              p.fill_reason().c_str());
-  std::printf("fragile                %s\n", p.fragile() ? "yes" : "no");
-  print_value("longest side", p.longest_side_m(), 1, "m");
-  print_value("mass", p.mass_kg(), 1, "kg");
-  print_value("wall thickness", p.wall_thickness_m(), 1e3, "mm");
-  print_value("Young's modulus", p.youngs_modulus_pa(), 1e-6, "MPa");
-  print_value("Poisson ratio", p.poisson_ratio(), 1, "");
-  print_value("structure coefficient", p.structure_coefficient(), 1, "");
-  print_value("deformation resistance", p.deformation_resistance(), 1, "");
-  print_value("plasticity", p.plasticity(), 1, "");
-  print_value("damping", p.damping(), 1, "");
-  print_value("friction", p.friction(), 1, "");
-  print_value("restitution", p.restitution(), 1, "");
-  if (p.fragile()) print_value("break impulse", p.break_impulse_n_s(), 1, "N s");
-}
-
-int run(const AnalyzeCommand& options) {
-  v1::Object object;
-  object.set_asset(std::filesystem::absolute(options.asset).string());
+Result<Scene> load(const AnalyzeCommand& options) {
+  SceneOptions still;
+  still.cut_fragile = false;
+  if (is_scene(options.path)) return Scene::load(options.path, still);
+  v1::Scene file;
+  v1::Object& object = *file.add_objects();
+  object.set_asset(fs::absolute(options.path).string());
   object.set_name(options.name);
   object.set_up(options.up);
   if (options.scale > 0) object.set_scale(options.scale);
-  auto built = build_object(object, "", 0, options.asset.filename().string(), WorldSettings{});
-  if (!built) return report(built.error());
+  return Scene::build(file, "", options.path.filename().string(), still);
+}
+
+Result<nlohmann::ordered_json> to_json(const v1::PhysicalParameters& parameters) {
+  google::protobuf::util::JsonPrintOptions print;
+  print.preserve_proto_field_names = true;
+  std::string text;
+  if (!google::protobuf::util::MessageToJsonString(parameters, &text, print).ok()) {
+    return Error{ErrorCode::Internal, "the answer could not be written as JSON"};
+  }
+  return nlohmann::ordered_json::parse(text);
+}
+
+// A name as a file's: letters, digits, dots, dashes; the rest is underscores.
+std::string file_name(const std::string& name) {
+  std::string result;
+  for (const char c : name) {
+    const bool plain =
+        (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-' || c == '.';
+    result += plain ? c : '_';
+  }
+  return result.empty() || result.front() == '.' ? "_" + result : result;
+}
+
+const char* verdict_text(const AnalysisUpdate& update) {
+  if (update.turns.empty()) return "offline";
+  return update.judgement.verdict == Verdict::Accepted      ? "accepted"
+         : update.judgement.verdict == Verdict::NeedsReview ? "needs review"
+                                                            : "refused";
+}
+
+void tell_progress(const std::string& name, const AnalysisUpdate& update) {
+  switch (update.stage) {
+    case AnalysisStage::Offline:
+      break;
+    case AnalysisStage::Asked:
+      std::fprintf(stderr, "%s: asked\n", name.c_str());
+      break;
+    case AnalysisStage::Repaired:
+      std::fprintf(stderr, "%s: would not do, asked again: %s\n", name.c_str(),
+                   update.turns.back().error.c_str());
+      break;
+    case AnalysisStage::Finished:
+      std::fprintf(stderr, "%s: %s%s%s%s\n", name.c_str(), verdict_text(update),
+                   update.cached ? ", kept from before" : "", update.judgement.message.empty() ? "" : ": ",
+                   update.judgement.message.c_str());
+  }
+}
+
+struct Analysed {
+  const SceneAnalysis::Object* object = nullptr;
+  AnalysisUpdate update;
+  v1::PhysicalParameters parameters;
+};
+
+// What the object has after this: the answer in place of what its sidecar holds, under a person's edits and
+// the author's words.
+Result<v1::PhysicalParameters> outcome(const SceneAnalysis::Object& object, const AnalysisUpdate& update) {
+  v1::PhysicsFile file;
+  if (!object.physics_file.empty()) {
+    auto kept = read_physics_file(object.physics_file);
+    if (!kept) return kept.error();
+    file = std::move(*kept);
+  }
+  if (update.judgement.verdict == Verdict::Accepted) *file.mutable_physics() = update.parameters;
+  std::string note;
+  auto layered = layered_physics(file, object.written, *object.target.facts, note);
+  if (!note.empty()) log_warn("%s: %s", object.name.c_str(), note.c_str());
+  if (layered) *layered->mutable_longest_side_m() = object.target.offline.longest_side_m();
+  return layered;
+}
+
+// What a model found is never overwritten by an estimate.
+Result<void> keep(const SceneAnalysis::Object& object, const AnalysisUpdate& update, bool asked) {
+  if (object.physics_file.empty()) return {};
+  if (update.judgement.verdict == Verdict::NeedsReview) {
+    return log_proposal(object.physics_file, update.judgement.proposal, update.record);
+  }
+  if (update.judgement.verdict != Verdict::Accepted) {
+    auto present = read_physics_file(object.physics_file);
+    if (!present) return present.error();
+    if (asked || !present->analysis().model().empty()) return {};
+  }
+  auto kept = apply_analysis(object.physics_file, update.parameters, update.record);
+  if (!kept) return kept.error();
+  std::fprintf(stderr, "%s: kept in %s\n", object.name.c_str(), object.physics_file.c_str());
+  return {};
+}
+
+Result<void> explain(const fs::path& folder, const SceneAnalysis::Object& object,
+                     const AnalysisUpdate& update) {
+  std::error_code made;
+  fs::create_directories(folder, made);
+  const fs::path page = folder / (file_name(object.name) + ".html");
+  return write_file_atomically(page, explain_page(object.target, update));
+}
+
+int print(const AnalyzeCommand& options, const std::vector<Analysed>& all) {
+  const bool scene = is_scene(options.path);
   if (options.json) {
-    google::protobuf::util::JsonPrintOptions print;
-    print.add_whitespace = true;
-    print.preserve_proto_field_names = true;
-    std::string text;
-    if (!google::protobuf::util::MessageToJsonString(built->drawn.physics, &text, print).ok()) {
-      return report({ErrorCode::Internal, "the answer could not be written as JSON"});
+    nlohmann::ordered_json objects = nlohmann::ordered_json::array();
+    for (const Analysed& one : all) {
+      auto json = to_json(one.parameters);
+      if (!json) return report(json.error());
+      if (!scene) {
+        std::printf("%s\n", json->dump(1).c_str());
+        return 0;
+      }
+      objects.push_back({{"object", one.object->name},
+                         {"verdict", verdict_text(one.update)},
+                         {"message", one.update.judgement.message},
+                         {"model", one.update.record.model()},
+                         {"physics", std::move(*json)}});
     }
-    std::fputs(text.c_str(), stdout);
+    std::printf("%s\n", nlohmann::ordered_json{{"objects", std::move(objects)}}.dump(1).c_str());
+  } else if (scene) {
+    print_table_head();
+    for (const Analysed& one : all) print_table_row(one.object->name, one.parameters);
   } else {
-    print_parameters(built->drawn.physics);
+    for (const Analysed& one : all) print_parameters(one.parameters);
+  }
+  return 0;
+}
+
+int run(const AnalyzeCommand& options) {
+  auto endpoint = choose_endpoint(options.endpoint);
+  if (!endpoint) return report(endpoint.error());
+  set_log_level(LogLevel::Warn);
+  auto scene = load(options);
+  if (!scene) return report(scene.error());
+  auto analysis = SceneAnalysis::of(*scene, *endpoint != nullptr);
+  if (!analysis) return report(analysis.error());
+  const auto targets =
+      analysis->targets(is_scene(options.path) ? std::vector<std::string>{}
+                                               : std::vector<std::string>{analysis->objects()[0].name});
+  if (!targets) return report(targets.error());
+  const auto object_of = [&](uint32_t id) {
+    return &*std::find_if(analysis->objects().begin(), analysis->objects().end(),
+                          [&](const auto& one) { return one.target.object_id == id; });
+  };
+
+  const bool replays = !options.endpoint.recorded.empty() || !options.endpoint.record.empty();
+  const fs::path answers =
+      options.no_cache || replays || cache_folder().empty() ? fs::path() : cache_folder() / "answers";
+  AnswerCache cache(answers);
+  AnalysisOptions asked;
+  asked.views = options.views;
+  asked.cache = &cache;
+  std::vector<Analysed> all(targets->size());
+  const AnalysisSummary summary =
+      analyze_scene(*targets, endpoint->get(), analysis->views(), asked, [&](const AnalysisUpdate& update) {
+        Analysed& one = all[update.index];
+        one.object = object_of(update.object_id);
+        one.update = update;
+        if (*endpoint) tell_progress(one.object->name, update);
+      });
+  for (Analysed& one : all) {
+    auto parameters = outcome(*one.object, one.update);
+    if (!parameters) return report(parameters.error());
+    one.parameters = std::move(*parameters);
+    if (options.write) {
+      if (auto kept = keep(*one.object, one.update, *endpoint != nullptr); !kept) return report(kept.error());
+    }
+    if (!options.explain.empty()) {
+      if (auto explained = explain(options.explain, *one.object, one.update); !explained)
+        return report(explained.error());
+    }
+  }
+  if (const int code = print(options, all); code != 0) return code;
+  if (*endpoint) {
+    std::fprintf(
+        stderr,
+        "%zu objects: %zu accepted, %zu for review, %zu refused, %zu without answer; %lld + %lld tokens",
+        summary.objects, summary.accepted, summary.review, summary.refused, summary.failed,
+        static_cast<long long>(summary.prompt_tokens), static_cast<long long>(summary.completion_tokens));
+    if (summary.cost_usd > 0) std::fprintf(stderr, ", %.4f USD", summary.cost_usd);
+    std::fputc('\n', stderr);
+    // It was to be asked, and answered nobody.
+    if (summary.failed == summary.objects && summary.objects > 0) {
+      return report({ErrorCode::Unavailable, summary.failure + "; what is printed are offline estimates"});
+    }
   }
   return 0;
 }
@@ -90,12 +238,32 @@ int run(const AnalyzeCommand& options) {
 void add_analyze(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<AnalyzeCommand>();
   CLI::App* command =
-      app.add_subcommand("analyze", "Work out what an object is made of, with ranges and reasons");
-  command->add_option("ASSET", options->asset, "A splat asset")->required();
-  command->add_option("--name", options->name, "What it shows; the file's name when left out");
+      app.add_subcommand("analyze", "Work out what objects are made of, with ranges and reasons");
+  command->add_option("SCENE_OR_ASSET", options->path, "A *.scene.json, a folder of assets, or a splat asset")
+      ->required();
+  command->add_option("--name", options->name, "What the asset shows; the file's name when left out");
   command->add_option("--scale", options->scale, "Metres per unit of the asset; guessed when left out");
   command->add_option("--up", options->up, "The asset's up axis: x -x y -y z -z")->default_str("-y");
-  command->add_flag("--json", options->json, "Print livegs.v1.PhysicalParameters as JSON");
+  command->add_flag("--json", options->json,
+                    "Print JSON: livegs.v1.PhysicalParameters, of a scene one an object");
+  command->add_option(
+      "--endpoint", options->endpoint.url,
+      "A server that speaks OpenAI's chat completions; default: OPENAI_BASE_URL, with OPENAI_API_KEY. "
+      "Without one, offline estimates");
+  command->add_option("--model", options->endpoint.model, "The model to ask for; default: LIVEGS_MODEL");
+  command
+      ->add_option("--recorded", options->endpoint.recorded,
+                   "Replay the answers of this folder instead of asking")
+      ->check(CLI::ExistingDirectory);
+  command->add_option("--record", options->endpoint.record,
+                      "Keep the answers in this folder, for --recorded");
+  command->add_option("--views", options->views, "Looks at each object; 3 are put to the vote")
+      ->check(CLI::IsMember({1, 3}));
+  command->add_flag("--offline", options->endpoint.offline, "Ask nobody, whatever is set");
+  command->add_flag("--no-cache", options->no_cache, "Ask also what was answered before");
+  command->add_option("--explain", options->explain,
+                      "Write one HTML page an object: views, prompt, raw answer, what the gate did, values");
+  command->add_flag("--write", options->write, "Keep the values beside the assets, as NAME.physics.json");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -162,7 +162,7 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
     const SceneObject& drawn = scene.add_drawn(std::move(one.drawn), object_from_asset);
     if (const auto* rigid = std::get_if<RigidBodyDescription>(&one.body)) {
       scene.cuttable_[drawn.id] = {one.cut_mesh, one.fine_mesh};
-      if (rigid->material.fragile) scene.begin_cut(drawn);
+      if (rigid->material.fragile && options.cut_fragile) scene.begin_cut(drawn);
     }
     log_notes(scene.objects_.back());
   }
@@ -287,6 +287,40 @@ void Scene::step() {
   follow_breaks();
 }
 
+Result<void> Scene::take_physics(SceneObject& object, v1::PhysicalParameters physics) {
+  if (auto set = world_->set_material(object.id, to_material(physics)); !set) return set;
+  object.physics = std::move(physics);
+  object.mass_kg = object.physics.mass_kg().best();
+  note_elastic(object);
+  if (object.fragility) {
+    const Material& material = *world_->material(object.id);
+    object.fragility->break_impulse_n_s = material.break_impulse_n_s;
+    object.fragility->drop_height_m = drop_height_m(material, world_->settings().gravity_m_s2.norm());
+  }
+  changes_.changed.push_back(object.id);
+  cut_anew(object);
+  return {};
+}
+
+Result<std::vector<std::string>> Scene::set_physics(uint32_t object_id, v1::PhysicalParameters physics) {
+  const Material* present = world_->material(object_id);
+  if (!present || !find(object_id)) return not_found("object " + std::to_string(object_id) + ": is gone");
+  SceneObject& object = drawn(object_id);
+  std::vector<std::string> later;
+  const v1::Physics::Behavior built = object.physics.behavior();
+  if (physics.behavior() != built) {
+    later.push_back("behavior: it stays " + v1::Physics::Behavior_Name(built) + " until the scene is loaded anew, then it is " +
+                    v1::Physics::Behavior_Name(physics.behavior()));
+    physics.set_behavior(built);
+    physics.set_behavior_reason(later.back());
+  }
+  if (physics.fragile() && !object.fragility && !cuttable_.contains(object_id)) {
+    later.push_back("fragile: it cannot break until the scene is loaded anew");
+  }
+  if (auto taken = take_physics(object, std::move(physics)); !taken) return taken.error();
+  return later;
+}
+
 void Scene::apply(const v1::Event& event, uint64_t event_id) {
   const auto vector = [](const Numbers& numbers) {
     return vector_value(numbers, Eigen::Vector3d::Zero(), "").value();
@@ -314,21 +348,10 @@ void Scene::apply(const v1::Event& event, uint64_t event_id) {
                  merged.error().message.c_str());
         break;
       }
-      if (auto set = world_->set_material(object->id, to_material(*merged)); !set) {
+      if (auto set = take_physics(*object, std::move(*merged)); !set) {
         log_warn("%s: set_physics at %.3f s: %s", object->name.c_str(), event.time_s(),
                  set.error().message.c_str());
-        break;
       }
-      object->physics = std::move(*merged);
-      object->mass_kg = object->physics.mass_kg().best();
-      note_elastic(*object);
-      if (object->fragility) {
-        const Material& material = *world_->material(object->id);
-        object->fragility->break_impulse_n_s = material.break_impulse_n_s;
-        object->fragility->drop_height_m = drop_height_m(material, world_->settings().gravity_m_s2.norm());
-      }
-      changes_.changed.push_back(object->id);
-      cut_anew(*object);
       break;
     }
     case v1::Event::kReleaseRegion: {

@@ -68,6 +68,7 @@ struct SceneOptions {
   bool sleep = true;
   uint64_t seed = 1;            // of the cuts of fragile objects
   bool wait_for_pieces = true;  // before load() returns; else they break only once their pieces are made
+  bool cut_fragile = true;      // false: nothing breaks, for those who only look
 };
 
 // A scene that runs. One thread owns it. `objects` grows when a ball is shot and shrinks when one is taken
@@ -101,6 +102,10 @@ class Scene {
   const SceneObject& shoot_ball(const Eigen::Vector3d& from_m, const Eigen::Vector3d& velocity_m_s);
   static constexpr size_t kMaxBalls = 16;
 
+  // What an object is made of from the next tick on. It goes on as the kind of body it was built as: what of this holds
+  // only once the scene is loaded anew is told, a line each.
+  Result<std::vector<std::string>> set_physics(uint32_t object_id, v1::PhysicalParameters physics);
+
   // Ids of objects that came, went or changed (broke, were cut, had their physics set) since the last call, for clients
   // that are connected.
   struct Changes {
@@ -111,6 +116,7 @@ class Scene {
  private:
   Scene();
   void apply(const v1::Event& event, uint64_t event_id);
+  Result<void> take_physics(SceneObject& object, v1::PhysicalParameters physics);  // of the same behaviour
   void note_elastic(SceneObject& drawn) const;  // what its elastic body turned out to be
   // Fragile objects: begins to cut them, takes what is done, and follows those that broke.
   void begin_cut(const SceneObject& drawn);

@@ -131,6 +131,8 @@ void LiveServer::open(const Scene& scene, InputSink& inputs) {
   open(scene.name(), scene.world().settings().rate_hz, objects, inputs);
 }
 
+void LiveServer::open_analysis(AnalysisControl& analysis) { parts_->service.set_analysis(&analysis); }
+
 void LiveServer::shut_down(const std::string& reason) {
   if (parts_->shut_down) return;
   parts_->shut_down = true;

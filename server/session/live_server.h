@@ -7,6 +7,7 @@
 
 #include "core/result.h"
 #include "scene/scene.h"
+#include "session/analysis_control.h"
 #include "session/frame_publisher.h"
 #include "session/stepped_tick.h"
 
@@ -36,6 +37,8 @@ class LiveServer {
   void open(const std::string& scene_name, double rate_hz, std::span<const SceneObject* const> objects,
             InputSink& inputs);
   void open(const Scene& scene, InputSink& inputs);
+  // From now on clients may analyse and edit what things are made of. `analysis` outlives shut_down().
+  void open_analysis(AnalysisControl& analysis);
 
   // Tells every client, waits for their streams to end, at most a second, then ends them. More than once is
   // fine.

@@ -5,6 +5,7 @@
 
 #include "core/clock.h"
 #include "core/log.h"
+#include "session/analysis_call.h"
 #include "session/asset_call.h"
 #include "session/grpc_status.h"
 #include "session/hand_controls.h"
@@ -24,6 +25,16 @@ std::string printable(const std::string& name) {
     if (std::isprint(static_cast<unsigned char>(c)) == 0) c = '?';
   }
   return text;
+}
+
+Error no_analysis() {
+  return {ErrorCode::Unavailable, "the scene is still being built, or this server edits nothing"};
+}
+
+grpc::Status answer(Result<v1::PhysicsReply> result, v1::PhysicsReply& reply) {
+  if (!result) return to_status(result.error());
+  reply = std::move(*result);
+  return grpc::Status::OK;
 }
 
 }  // namespace
@@ -86,6 +97,33 @@ grpc::ServerUnaryReactor* LiveService::AnalyzeObject(grpc::CallbackServerContext
                                                      v1::AnalyzeObjectReply* reply) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   reactor->Finish(analyze(*request, *reply));
+  return reactor;
+}
+
+grpc::ServerWriteReactor<v1::AnalysisProgress>* LiveService::AnalyzeScene(
+    grpc::CallbackServerContext*, const v1::AnalyzeSceneRequest* request) {
+  return new AnalysisCall(analysis_, *request);
+}
+
+grpc::ServerUnaryReactor* LiveService::SetPhysics(grpc::CallbackServerContext* context,
+                                                  const v1::SetPhysicsRequest* request,
+                                                  v1::PhysicsReply* reply) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  AnalysisControl* analysis = analysis_;
+  reactor->Finish(answer(analysis ? analysis->set_physics(request->object(), request->physics())
+                                  : Result<v1::PhysicsReply>(no_analysis()),
+                         *reply));
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* LiveService::UndoPhysics(grpc::CallbackServerContext* context,
+                                                   const v1::UndoPhysicsRequest* request,
+                                                   v1::PhysicsReply* reply) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  AnalysisControl* analysis = analysis_;
+  reactor->Finish(answer(analysis ? analysis->undo_physics(request->object(), request->redo())
+                                  : Result<v1::PhysicsReply>(no_analysis()),
+                         *reply));
   return reactor;
 }
 

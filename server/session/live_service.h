@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <atomic>
+
 #include "livegs/v1/session.grpc.pb.h"
+#include "session/analysis_control.h"
 #include "session/asset_store.h"
 #include "session/session_table.h"
 
@@ -10,9 +13,11 @@ namespace livegs {
 // livegs.v1.LiveGs over gRPC's callback API. Every call answers from the session table and the asset store;
 // none waits for the simulation.
 class LiveService final
-    : public v1::LiveGs::WithRawCallbackMethod_Stream<v1::LiveGs::WithCallbackMethod_GetServerInfo<
-          v1::LiveGs::WithCallbackMethod_Join<v1::LiveGs::WithCallbackMethod_FetchAsset<
-              v1::LiveGs::WithCallbackMethod_AnalyzeObject<v1::LiveGs::Service>>>>> {
+    : public v1::LiveGs::WithRawCallbackMethod_Stream<
+          v1::LiveGs::WithCallbackMethod_GetServerInfo<v1::LiveGs::WithCallbackMethod_Join<
+              v1::LiveGs::WithCallbackMethod_FetchAsset<v1::LiveGs::WithCallbackMethod_AnalyzeObject<
+                  v1::LiveGs::WithCallbackMethod_AnalyzeScene<v1::LiveGs::WithCallbackMethod_SetPhysics<
+                      v1::LiveGs::WithCallbackMethod_UndoPhysics<v1::LiveGs::Service>>>>>>>> {
  public:
   LiveService(SessionTable& table, const AssetStore& assets) : table_(table), assets_(assets) {}
 
@@ -28,6 +33,17 @@ class LiveService final
   grpc::ServerUnaryReactor* AnalyzeObject(grpc::CallbackServerContext* context,
                                           const v1::AnalyzeObjectRequest* request,
                                           v1::AnalyzeObjectReply* reply) override;
+  grpc::ServerWriteReactor<v1::AnalysisProgress>* AnalyzeScene(
+      grpc::CallbackServerContext* context, const v1::AnalyzeSceneRequest* request) override;
+  grpc::ServerUnaryReactor* SetPhysics(grpc::CallbackServerContext* context,
+                                       const v1::SetPhysicsRequest* request,
+                                       v1::PhysicsReply* reply) override;
+  grpc::ServerUnaryReactor* UndoPhysics(grpc::CallbackServerContext* context,
+                                        const v1::UndoPhysicsRequest* request,
+                                        v1::PhysicsReply* reply) override;
+
+  // From now on clients may analyse and edit; nullptr: no more. It outlives the calls.
+  void set_analysis(AnalysisControl* analysis) { analysis_ = analysis; }
 
  private:
   grpc::Status join(const std::string& peer, const v1::JoinRequest& request, v1::JoinReply& reply);
@@ -35,6 +51,7 @@ class LiveService final
 
   SessionTable& table_;
   const AssetStore& assets_;
+  std::atomic<AnalysisControl*> analysis_ = nullptr;
 };
 
 }  // namespace livegs

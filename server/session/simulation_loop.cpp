@@ -80,7 +80,22 @@ void SimulationLoop::run() {
   }
 }
 
+void SimulationLoop::post(std::function<void(Scene&)> change) {
+  std::lock_guard lock(mutex_);
+  posted_.push_back(std::move(change));
+}
+
+void SimulationLoop::apply_changes() {
+  std::vector<std::function<void(Scene&)>> changes;
+  {
+    std::lock_guard lock(mutex_);
+    changes.swap(posted_);
+  }
+  for (const auto& change : changes) change(scene_);
+}
+
 void SimulationLoop::tick() {
+  apply_changes();
   apply_inputs();
   const int64_t begun_ns = now_ns();
   scene_.step();

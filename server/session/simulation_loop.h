@@ -48,6 +48,10 @@ class SimulationLoop : public InputSink {
   void hear(SessionNumber session, std::span<const InputSample> samples) override;
   void forget(SessionNumber session) override;
 
+  // Changes the scene at the beginning of the next tick, on the loop's thread, in the order of the calls. Any thread;
+  // returns at once. What is posted after the last tick is dropped.
+  void post(std::function<void(Scene&)> change);
+
   // Precondition: not running.
   const Scene& scene() const { return scene_; }
   SimulationSummary summary() const;  // any thread
@@ -61,6 +65,7 @@ class SimulationLoop : public InputSink {
 
   void run();
   void tick();
+  void apply_changes();
   void apply_inputs();
   SteppedTick stepped_tick(int64_t stepped_ns, double step_ms);
   void log_every_second(int64_t now_ns);
@@ -71,7 +76,8 @@ class SimulationLoop : public InputSink {
   HandControls controls_;                      // the loop's thread only
   std::map<SessionNumber, uint64_t> applied_;  // newest sequence applied; the loop's thread only
 
-  std::mutex mutex_;  // guards mailboxes_ and gone_
+  std::mutex mutex_;  // guards mailboxes_, gone_ and posted_
+  std::vector<std::function<void(Scene&)>> posted_;
   std::map<SessionNumber, Mailbox> mailboxes_;
   std::vector<SessionNumber> gone_;
 

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "analysis/analyze_scene.h"
+#include "core/result.h"
+#include "scene/scene.h"
+
+namespace livegs {
+
+// What an analysis needs to know of a scene, as it stood when this was made: objects, facts, and kernels to
+// draw. Made on the thread that owns the scene; afterwards any thread, whatever becomes of the scene.
+class SceneAnalysis {
+ public:
+  // Without kernels no views can be made, and nothing large is copied.
+  static Result<SceneAnalysis> of(const Scene& scene, bool with_kernels = true);
+
+  // Objects whose behaviour the scene leaves open (AUTO), in the scene's order; with names: those, whatever
+  // they are. NotFound names one that is not there or cannot be analysed.
+  Result<std::vector<AnalysisTarget>> targets(const std::vector<std::string>& names = {}) const;
+  struct Object {
+    std::string name;     // in the scene
+    v1::Physics written;  // its author's words
+    std::filesystem::path physics_file;
+    AnalysisTarget target;
+  };
+  const std::vector<Object>& objects() const;
+
+  // Pictures of an object from around it: the scene with its outline, and the object alone. Outlives this.
+  TargetViews views() const;
+
+ private:
+  struct Snapshot;
+  std::shared_ptr<const Snapshot> snapshot_;  // shared with the views that are being made
+};
+
+// Longest side of the pictures, in pixels.
+inline constexpr int kViewLongSide_px = 768;
+
+// The layers of what is known of an object: the offline estimate, what its sidecar holds, the scene author's
+// words. `note` as of with_physics_file.
+Result<v1::PhysicalParameters> layered_physics(const v1::PhysicsFile& file, const v1::Physics& written,
+                                               const ObjectFacts& facts, std::string& note);
+
+}  // namespace livegs

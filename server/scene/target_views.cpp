@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/target_views.h"
+
+#include "analysis/object_views.h"
+#include "scene/scene_analysis.h"
+#include "splat/image.h"
+
+namespace livegs {
+namespace {
+
+Result<AnalysisImage> png_of(const Image& image, const char* caption) {
+  auto bytes = encode_png(image);
+  if (!bytes) return bytes.error();
+  return AnalysisImage{caption, "image/png",
+                       std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size())};
+}
+
+}  // namespace
+
+Result<std::vector<TargetView>> target_views(const ViewedScene& scene, uint32_t object_id, int count) {
+  std::vector<DrawnObject> drawn;
+  for (const ViewedScene::Object& object : scene.objects) {
+    drawn.push_back({object.asset.get(), &object.kernels, object.object_id});
+  }
+  ViewOptions options;
+  options.long_side_px = kViewLongSide_px;
+  options.view_count = count;
+  auto views = object_views(drawn, object_id, options);
+  if (!views) return views.error();
+  std::vector<TargetView> targets;
+  for (const ObjectView& view : *views) {
+    auto outlined = png_of(view.outlined, "the scene, the object outlined");
+    auto cutout = png_of(view.cutout, "the object alone");
+    if (!outlined) return outlined.error();
+    if (!cutout) return cutout.error();
+    targets.push_back({{std::move(*outlined), std::move(*cutout)}, describe_camera(view)});
+  }
+  return targets;
+}
+
+}  // namespace livegs

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "analysis/analyze_scene.h"
+#include "gaussian/posed_kernels.h"
+
+namespace livegs {
+
+// Kernels of a scene at one moment.
+struct ViewedScene {
+  struct Object {
+    uint32_t object_id = 0;
+    std::shared_ptr<const GaussianAsset> asset;
+    PosedKernels kernels;
+  };
+  std::vector<Object> objects;
+};
+
+// `count` looks at an object, best first, as PNG: the scene with the object outlined, and the object alone
+// over white. Deterministic; any thread.
+Result<std::vector<TargetView>> target_views(const ViewedScene& scene, uint32_t object_id, int count);
+
+}  // namespace livegs

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "livegs/v1/session.pb.h"
+
+namespace livegs {
+
+// What clients may do to the physics of a running scene. Any thread; no call waits for the simulation or for
+// a model.
+class AnalysisControl {
+ public:
+  virtual ~AnalysisControl() = default;
+
+  // `progress` is called from the analysis's thread, one at a time, and returns false when nobody listens any
+  // more; `ended` once, last, unless this fails. No names: every object whose behaviour is AUTO.
+  using Progress = std::function<bool(const v1::AnalysisProgress&)>;
+  virtual Result<void> analyze(std::vector<std::string> objects, Progress progress,
+                               std::function<void()> ended) = 0;
+
+  virtual Result<v1::PhysicsReply> set_physics(const std::string& object, const v1::Physics& physics) = 0;
+  virtual Result<v1::PhysicsReply> undo_physics(const std::string& object, bool redo) = 0;
+};
+
+}  // namespace livegs

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/decided_physics.h"
+
+#include "analysis/physics_file.h"
+
+namespace livegs {
+
+template <class OnDisk, class InMemory>
+Result<v1::PhysicsFile> DecidedPhysics::change(const OnDisk& on_disk, const InMemory& in_memory,
+                                               std::string& note) {
+  std::lock_guard lock(mutex_);
+  if (!file_.empty()) {
+    auto changed = on_disk();
+    if (changed || changed.error().code != ErrorCode::PermissionDenied) return changed;
+    note = changed.error().message + "; they hold until the server ends";
+    if (auto kept = read_physics_file(file_)) course_ = {std::move(*kept)};
+    at_ = 0;
+    file_.clear();
+  }
+  return in_memory();
+}
+
+Result<v1::PhysicsFile> DecidedPhysics::apply(const v1::PhysicalParameters& physics,
+                                              const v1::AnalysisRecord& record, std::string& note) {
+  return change([&] { return apply_analysis(file_, physics, record); },
+                [&]() -> Result<v1::PhysicsFile> {
+                  v1::PhysicsFile next = course_[at_];
+                  *next.mutable_physics() = physics;
+                  *next.mutable_analysis() = record;
+                  course_.resize(++at_);
+                  course_.push_back(next);
+                  return next;
+                },
+                note);
+}
+
+Result<v1::PhysicsFile> DecidedPhysics::edit(const v1::Physics& edits, std::string& note) {
+  return change([&] { return edit_physics(file_, edits); },
+                [&]() -> Result<v1::PhysicsFile> {
+                  v1::PhysicsFile next = course_[at_];
+                  merge_edits(*next.mutable_edits(), edits);
+                  course_.resize(++at_);
+                  course_.push_back(next);
+                  return next;
+                },
+                note);
+}
+
+Result<v1::PhysicsFile> DecidedPhysics::step(bool redo, std::string& note) {
+  return change([&] { return redo ? redo_physics(file_) : undo_physics(file_); },
+                [&]() -> Result<v1::PhysicsFile> {
+                  if (redo ? at_ + 1 >= course_.size() : at_ == 0) {
+                    return not_found(std::string("there is nothing to ") + (redo ? "redo" : "undo"));
+                  }
+                  at_ += redo ? 1 : -1;
+                  return course_[at_];
+                },
+                note);
+}
+
+void DecidedPhysics::propose(const v1::PhysicalParameters& physics, const v1::AnalysisRecord& record) {
+  std::lock_guard lock(mutex_);
+  if (!file_.empty()) (void)log_proposal(file_, physics, record);
+}
+
+Result<v1::PhysicsFile> DecidedPhysics::present() const {
+  std::lock_guard lock(mutex_);
+  if (file_.empty()) return course_[at_];
+  return read_physics_file(file_);
+}
+
+}  // namespace livegs

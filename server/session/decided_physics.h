@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "livegs/v1/physics.pb.h"
+
+namespace livegs {
+
+// What was decided about one object of a running scene: in its sidecar, or, for what has none and where the
+// folder cannot be written, in memory until the server ends. Any thread.
+class DecidedPhysics {
+ public:
+  explicit DecidedPhysics(std::filesystem::path file) : file_(std::move(file)) {}
+
+  // Each gives what holds from now on. `note` says, once, that it is not kept on disk.
+  Result<v1::PhysicsFile> apply(const v1::PhysicalParameters& physics, const v1::AnalysisRecord& record,
+                                std::string& note);
+  Result<v1::PhysicsFile> edit(const v1::Physics& edits, std::string& note);
+  Result<v1::PhysicsFile> step(bool redo, std::string& note);
+  void propose(const v1::PhysicalParameters& physics, const v1::AnalysisRecord& record);
+  Result<v1::PhysicsFile> present() const;
+
+ private:
+  template <class OnDisk, class InMemory>
+  Result<v1::PhysicsFile> change(const OnDisk& on_disk, const InMemory& in_memory, std::string& note);
+
+  mutable std::mutex mutex_;    // guards all below
+  std::filesystem::path file_;  // empty: in memory
+  std::vector<v1::PhysicsFile> course_ = std::vector<v1::PhysicsFile>(1);
+  size_t at_ = 0;
+};
+
+}  // namespace livegs

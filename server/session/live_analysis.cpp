@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/live_analysis.h"
+
+#include <pthread.h>
+
+#include "analysis/physics_file.h"
+#include "core/log.h"
+
+namespace livegs {
+namespace {
+
+v1::AnalysisProgress::Stage stage_of(AnalysisStage stage) {
+  switch (stage) {
+    case AnalysisStage::Asked:
+      return v1::AnalysisProgress::ASKED;
+    case AnalysisStage::Repaired:
+      return v1::AnalysisProgress::REPAIRED;
+    case AnalysisStage::Finished:
+      return v1::AnalysisProgress::FINISHED;
+    default:
+      return v1::AnalysisProgress::OFFLINE;
+  }
+}
+
+v1::AnalysisProgress::Verdict verdict_of(const AnalysisUpdate& update) {
+  if (update.turns.empty()) return v1::AnalysisProgress::NOT_ASKED;
+  switch (update.judgement.verdict) {
+    case Verdict::Accepted:
+      return v1::AnalysisProgress::ACCEPTED;
+    case Verdict::NeedsReview:
+      return v1::AnalysisProgress::NEEDS_REVIEW;
+    default:
+      return v1::AnalysisProgress::REFUSED;
+  }
+}
+
+}  // namespace
+
+LiveAnalysis::LiveAnalysis(SceneAnalysis scene, std::unique_ptr<ModelEndpoint> endpoint, SimulationLoop& loop,
+                           const LiveAnalysisOptions& options)
+    : scene_(std::move(scene)),
+      endpoint_(std::move(endpoint)),
+      loop_(loop),
+      options_(options),
+      cache_(options.answers) {
+  for (const SceneAnalysis::Object& object : scene_.objects()) {
+    known_[object.target.object_id] = {&object, std::make_unique<DecidedPhysics>(object.physics_file)};
+  }
+  thread_ = std::jthread([this](std::stop_token stop) { run(stop); });
+}
+
+LiveAnalysis::~LiveAnalysis() = default;
+
+void LiveAnalysis::begin() {
+  std::vector<std::string> names;
+  for (const auto& [id, known] : known_) {
+    if (known.object->written.behavior() != v1::Physics::AUTO) continue;
+    const auto kept = known.decided->present();
+    if (kept && kept->analysis().model().empty()) names.push_back(known.object->name);
+  }
+  if (!endpoint_ || names.empty()) return;
+  log_info("analysis: %s is asked about %zu objects", endpoint_->state().name.c_str(), names.size());
+  if (auto begun = analyze(
+          names, [](const auto&) { return true; }, [] {});
+      !begun) {
+    log_warn("analysis: %s", begun.error().message.c_str());
+  }
+}
+
+Result<void> LiveAnalysis::analyze(std::vector<std::string> objects, Progress progress,
+                                   std::function<void()> ended) {
+  auto targets = scene_.targets(objects);
+  if (!targets) return targets.error();
+  std::lock_guard lock(mutex_);
+  if (requests_.size() >= kMaxWaiting) {
+    return Error{ErrorCode::TooLarge,
+                 std::to_string(kMaxWaiting) + " analyses are waiting already; try again later"};
+  }
+  requests_.push_back({std::move(*targets), std::move(progress), std::move(ended)});
+  changed_.notify_one();
+  return {};
+}
+
+void LiveAnalysis::run(std::stop_token stop) {
+  pthread_setname_np(pthread_self(), "analysis");
+  for (;;) {
+    std::optional<Request> request;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, stop, [&] { return !requests_.empty(); });
+      if (requests_.empty()) return;
+      request = std::move(requests_.front());
+      requests_.pop_front();
+    }
+    work(*request, stop);
+    request->ended();
+  }
+}
+
+void LiveAnalysis::work(const Request& request, std::stop_token stop) {
+  AnalysisOptions options;
+  options.views = options_.views;
+  options.cache = &cache_;
+  uint32_t finished = 0;
+  bool heard = true;
+  const AnalysisSummary summary = analyze_scene(
+      request.targets, endpoint_.get(), scene_.views(), options,
+      [&](const AnalysisUpdate& update) {
+        const Known& known = known_.at(update.object_id);
+        v1::AnalysisProgress progress;
+        progress.set_object(known.object->name);
+        progress.set_stage(stage_of(update.stage));
+        progress.set_objects(static_cast<uint32_t>(request.targets.size()));
+        progress.set_message(update.judgement.message);
+        *progress.mutable_record() = update.record;
+        if (update.stage == AnalysisStage::Finished) {
+          ++finished;
+          progress.set_verdict(verdict_of(update));
+          if (progress.verdict() == v1::AnalysisProgress::NEEDS_REVIEW) {
+            *progress.mutable_proposal() = update.judgement.proposal;
+            known.decided->propose(update.judgement.proposal, update.record);
+          }
+          if (progress.verdict() == v1::AnalysisProgress::ACCEPTED) {
+            if (const std::string note = land(update); !note.empty()) progress.set_message(note);
+          }
+        }
+        progress.set_finished(finished);
+        std::string ignored;
+        const auto present = known.decided->present();
+        const auto layered =
+            present ? layered_physics(*present, known.object->written, *known.object->target.facts, ignored)
+                    : Result<v1::PhysicalParameters>(present.error());
+        *progress.mutable_parameters() = layered ? *layered : update.parameters;
+        if (heard) heard = request.progress(progress);
+      },
+      stop);
+  if (endpoint_) {
+    log_info(
+        "analysis: %zu objects: %zu accepted (%zu kept from before), %zu for review, %zu refused, %zu "
+        "without answer; "
+        "%lld tokens in, %lld out",
+        summary.objects, summary.accepted, summary.cached, summary.review, summary.refused, summary.failed,
+        static_cast<long long>(summary.prompt_tokens), static_cast<long long>(summary.completion_tokens));
+  }
+}
+
+std::string LiveAnalysis::land(const AnalysisUpdate& update) {
+  const Known& known = known_.at(update.object_id);
+  std::string note;
+  auto file = known.decided->apply(update.parameters, update.record, note);
+  if (!file) return file.error().message;
+  if (!note.empty()) log_warn("analysis: %s", note.c_str());
+  auto applied = apply(known, *file, note);
+  if (!applied) return applied.error().message;
+  return applied->warnings_size() > 0 ? applied->warnings(0) : "";
+}
+
+Result<v1::PhysicsReply> LiveAnalysis::apply(const Known& known, const v1::PhysicsFile& file,
+                                             std::string note) {
+  v1::PhysicsReply reply;
+  if (!note.empty()) reply.add_warnings(note);
+  std::string size_note;
+  auto layered = layered_physics(file, known.object->written, *known.object->target.facts, size_note);
+  if (!layered) return layered.error();
+  if (!size_note.empty()) reply.add_warnings(size_note);
+  *layered->mutable_longest_side_m() = known.object->target.offline.longest_side_m();
+  reply.set_object(known.object->name);
+  *reply.mutable_parameters() = *layered;
+  loop_.post(
+      [id = known.object->target.object_id, name = known.object->name, physics = *layered](Scene& scene) {
+        const auto set = scene.set_physics(id, physics);
+        if (!set) return log_warn("%s: %s", name.c_str(), set.error().message.c_str());
+        for (const std::string& later : *set) log_warn("%s: %s", name.c_str(), later.c_str());
+      });
+  return reply;
+}
+
+Result<LiveAnalysis::Known*> LiveAnalysis::find(const std::string& name) {
+  auto targets = scene_.targets({name});
+  if (!targets) return targets.error();
+  return &known_.at(targets->front().object_id);
+}
+
+Result<v1::PhysicsReply> LiveAnalysis::set_physics(const std::string& object, const v1::Physics& physics) {
+  auto known = find(object);
+  if (!known) return known.error();
+  if (auto checked = check_scene_physics(physics); !checked) {
+    return Error{checked.error().code, "physics." + checked.error().message};
+  }
+  std::string note;
+  auto file = (*known)->decided->edit(physics, note);
+  if (!file) return file.error();
+  return apply(**known, *file, note);
+}
+
+Result<v1::PhysicsReply> LiveAnalysis::undo_physics(const std::string& object, bool redo) {
+  auto known = find(object);
+  if (!known) return known.error();
+  std::string note;
+  auto file = (*known)->decided->step(redo, note);
+  if (!file) return file.error();
+  return apply(**known, *file, note);
+}
+
+}  // namespace livegs

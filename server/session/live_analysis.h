@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "analysis/answer_cache.h"
+#include "scene/scene_analysis.h"
+#include "session/analysis_control.h"
+#include "session/decided_physics.h"
+#include "session/simulation_loop.h"
+
+namespace livegs {
+
+struct LiveAnalysisOptions {
+  int views = 1;
+  std::filesystem::path answers;  // where accepted answers are kept between runs; empty: in memory
+};
+
+// The analysis of a scene that is running. It has threads of its own that stand behind the simulation's; what
+// it finds changes the scene at a tick boundary, one object as one change. Requests are worked off one after
+// the other.
+class LiveAnalysis final : public AnalysisControl {
+ public:
+  // `endpoint` may be nullptr: everything stays offline. `loop` outlives this.
+  LiveAnalysis(SceneAnalysis scene, std::unique_ptr<ModelEndpoint> endpoint, SimulationLoop& loop,
+               const LiveAnalysisOptions& options = {});
+  ~LiveAnalysis() override;  // cancels, within milliseconds
+
+  // Asks about every AUTO object that no model's values are kept for yet. Returns at once.
+  void begin();
+
+  Result<void> analyze(std::vector<std::string> objects, Progress progress,
+                       std::function<void()> ended) override;
+  Result<v1::PhysicsReply> set_physics(const std::string& object, const v1::Physics& physics) override;
+  Result<v1::PhysicsReply> undo_physics(const std::string& object, bool redo) override;
+
+ private:
+  struct Known {
+    const SceneAnalysis::Object* object;
+    std::unique_ptr<DecidedPhysics> decided;
+  };
+  struct Request {
+    std::vector<AnalysisTarget> targets;
+    Progress progress;
+    std::function<void()> ended;
+  };
+  static constexpr size_t kMaxWaiting = 8;
+
+  void run(std::stop_token stop);
+  void work(const Request& request, std::stop_token stop);
+  // Takes an answer into the object's decided values and the scene; empty, or why not.
+  std::string land(const AnalysisUpdate& update);
+  // What the object has with `file`, brought into the scene at the next tick.
+  Result<v1::PhysicsReply> apply(const Known& known, const v1::PhysicsFile& file, std::string note);
+  Result<Known*> find(const std::string& name);
+
+  SceneAnalysis scene_;
+  std::unique_ptr<ModelEndpoint> endpoint_;
+  SimulationLoop& loop_;
+  LiveAnalysisOptions options_;
+  AnswerCache cache_;
+  std::map<uint32_t, Known> known_;  // not changed after construction
+
+  std::mutex mutex_;  // guards requests_
+  std::condition_variable_any changed_;
+  std::deque<Request> requests_;
+  std::jthread thread_;
+};
+
+}  // namespace livegs

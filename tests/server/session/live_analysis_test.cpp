@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: Apache-2.0
+// The analysis of a scene that runs, with a model that the test makes up.
+#include "session/live_analysis.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "analysis/physics_file.h"
+#include "scratch_folder.h"
+#include "server/analysis/fake_endpoint.h"
+#include "server/session/raw_client.h"
+#include "server/session/tick_log.h"
+#include "session/live_server.h"
+
+namespace livegs {
+namespace {
+
+using v1::EstimatedValue;
+
+// A block and a sponge whose physics are left open, and a box whose are told.
+Scene open_scene(const ScratchFolder& folder, double rate_hz = 90) {
+  std::string points = "x,y,z\n";
+  for (int i = 0; i < 64; ++i) {
+    points += std::to_string(0.02 * (i % 4)) + "," + std::to_string(0.02 * (i / 4 % 4)) + "," +
+              std::to_string(0.02 * (i / 16)) + "\n";
+  }
+  folder.write("sponge.csv", points);
+  const auto path = folder.write("open.scene.json", R"({
+    "substeps": 4, "environment": { "colliders": [ { "plane": {} } ] },
+    "objects": [
+      { "name": "wood block", "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } }, "pose": { "position_m": [0, 0.05, 0] } },
+      { "name": "told", "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } }, "pose": { "position_m": [1, 0.05, 0] },
+        "physics": { "behavior": "RIGID", "mass_kg": 1.0 } },
+      { "name": "sponge", "points": "sponge.csv", "pose": { "position_m": [-1, 0.01, 0] } } ] })");
+  SceneOptions options;
+  options.rate_hz = rate_hz;
+  auto scene = Scene::load(path, options);
+  EXPECT_TRUE(scene) << scene.error().message;
+  return std::move(*scene);
+}
+
+// 450 g for the block, 20 g for the sponge.
+Result<std::string> weigh(const AnalysisQuestion& question, const ToolBox&, int) {
+  const bool block = question.slots.at("name") == "wood block";
+  const double grams = block ? 450 : 20;
+  return nlohmann::json{
+      {"name", block ? "block" : "sponge"},
+      {"evidence", "grain"},
+      {"fill", "solid"},
+      {"parts", {{{"name", "all"}, {"material_id", block ? "softwood" : "kitchen sponge"}, {"share", 1}}}},
+      {"behaviour", block ? "rigid" : "elastic"},
+      {"mass_g", {{"low", grams * 0.9}, {"best", grams}, {"high", grams * 1.1}}},
+      {"young_mpa", nullptr},
+      {"structure_s", nullptr},
+      {"plasticity", nullptr},
+      {"fragile", false},
+      {"friction", 0.4},
+      {"restitution", 0.3},
+      {"confidence", 0.9}}
+      .dump();
+}
+
+class LiveAnalysisTest : public ::testing::Test {
+ protected:
+  // `say` null: no endpoint.
+  void start(FakeEndpoint::Say say, std::chrono::milliseconds delay = std::chrono::milliseconds(0)) {
+    Scene scene = open_scene(folder);
+    for (const SceneObject& object : scene.objects()) {
+      ids[object.name] = object.id;
+      offline_kg[object.name] = object.physics.mass_kg().best();
+    }
+    auto analysed = SceneAnalysis::of(scene);
+    ASSERT_TRUE(analysed) << analysed.error().message;
+    loop = std::make_unique<SimulationLoop>(std::move(scene), log);
+    std::unique_ptr<FakeEndpoint> made;
+    if (say) made = std::make_unique<FakeEndpoint>(std::move(say));
+    if (made) made->delay = [delay](const std::string&) { return delay; };
+    endpoint = made.get();
+    analysis = std::make_unique<LiveAnalysis>(std::move(*analysed), std::move(made), *loop);
+    loop->start();
+  }
+  // Waits for a tick in which the object changed to what `enough` accepts.
+  bool changes_to(const std::string& name, const std::function<bool(const SceneObject&)>& enough) {
+    return log.wait([&](const std::vector<SteppedTick>& ticks) {
+      for (const SteppedTick& tick : ticks) {
+        for (const SceneObject& object : tick.changed) {
+          if (object.id == ids.at(name) && enough(object)) return true;
+        }
+      }
+      return false;
+    });
+  }
+  size_t changes_of(const std::string& name) {
+    size_t count = 0;
+    for (const SteppedTick& tick : log.ticks()) {
+      for (const SceneObject& object : tick.changed) count += object.id == ids.at(name) ? 1 : 0;
+    }
+    return count;
+  }
+
+  ScratchFolder folder;
+  TickLog log;
+  std::map<std::string, uint32_t> ids;
+  std::map<std::string, double> offline_kg;
+  std::unique_ptr<SimulationLoop> loop;
+  FakeEndpoint* endpoint = nullptr;
+  std::unique_ptr<LiveAnalysis> analysis;
+};
+
+bool by_model(const SceneObject& object) {
+  return object.physics.mass_kg().source() == EstimatedValue::MODEL;
+}
+
+TEST_F(LiveAnalysisTest, WhatIsAcceptedLandsAtATickAsOneChange) {
+  start(weigh);
+  analysis->begin();
+  ASSERT_TRUE(changes_to("wood block", by_model));
+  ASSERT_TRUE(changes_to("sponge", by_model));
+  EXPECT_EQ(changes_of("wood block"), 1u);
+  EXPECT_EQ(changes_of("told"), 0u);  // its behaviour is told: nobody was asked
+  for (const std::string& line : endpoint->asked()) EXPECT_EQ(line.find("told <"), std::string::npos) << line;
+  loop->stop();
+  const SceneObject* block = loop->scene().find("wood block");
+  EXPECT_EQ(block->mass_kg, block->physics.mass_kg().best());
+  EXPECT_EQ(loop->scene().world().material(block->id)->mass_kg, block->mass_kg);
+  // Between the model's 450 g and the estimate.
+  EXPECT_GE(block->mass_kg, std::min(0.45, offline_kg["wood block"]) - 1e-9);
+  EXPECT_LE(block->mass_kg, std::max(0.45, offline_kg["wood block"]) + 1e-9);
+  // And stays beside its asset: the next start asks nothing.
+  const auto kept = read_physics_file(folder / "sponge.physics.json");
+  ASSERT_TRUE(kept);
+  EXPECT_EQ(kept->analysis().model(), "fake-1");
+  EXPECT_TRUE(by_model(*open_scene(folder).find("sponge")));
+}
+
+TEST_F(LiveAnalysisTest, AnEditIsLockedAndCanBeUndoneAndRedone) {
+  start(weigh);
+  for (const char* name : {"wood block", "sponge"}) {  // in memory, in a file
+    v1::Physics edit;
+    edit.set_mass_kg(0.7);
+    const auto edited = analysis->set_physics(name, edit);
+    ASSERT_TRUE(edited) << edited.error().message;
+    EXPECT_EQ(edited->parameters().mass_kg().source(), EstimatedValue::PERSON);
+    ASSERT_TRUE(changes_to(name, [](const SceneObject& one) { return one.physics.mass_kg().best() == 0.7; }));
+
+    bool ended = false;
+    std::mutex mutex;
+    std::condition_variable changed;
+    v1::AnalysisProgress last;
+    ASSERT_TRUE(analysis->analyze(
+        {name},
+        [&](const v1::AnalysisProgress& progress) {
+          last = progress;
+          return true;
+        },
+        [&] {
+          std::lock_guard lock(mutex);
+          ended = true;
+          changed.notify_all();
+        }));
+    std::unique_lock lock(mutex);
+    ASSERT_TRUE(changed.wait_for(lock, kPatience, [&] { return ended; }));
+    EXPECT_EQ(last.verdict(), v1::AnalysisProgress::ACCEPTED) << last.message();
+    EXPECT_EQ(last.parameters().mass_kg().best(), 0.7);  // locked
+    EXPECT_EQ(last.parameters().friction().source(), EstimatedValue::MODEL);
+
+    ASSERT_TRUE(analysis->undo_physics(name, false));  // the analysis
+    const auto undone = analysis->undo_physics(name, false);
+    ASSERT_TRUE(undone);
+    EXPECT_EQ(undone->parameters().mass_kg().source(), EstimatedValue::OFFLINE);
+    const auto redone = analysis->undo_physics(name, true);
+    ASSERT_TRUE(redone);
+    EXPECT_EQ(redone->parameters().mass_kg().best(), 0.7);
+    ASSERT_TRUE(analysis->undo_physics(name, false));
+    EXPECT_EQ(analysis->undo_physics(name, false).error().code, ErrorCode::NotFound);
+  }
+}
+
+TEST_F(LiveAnalysisTest, BadEditsNameTheField) {
+  start(nullptr);
+  v1::Physics edit;
+  edit.set_friction(-1);
+  EXPECT_EQ(analysis->set_physics("wood block", edit).error().message,
+            "physics.friction: is -1; it must be between 0 and 2");
+  edit.set_friction(0.5);
+  EXPECT_NE(analysis->set_physics("hat", edit).error().message.find("it has: wood block, told, sponge"),
+            std::string::npos);
+}
+
+TEST_F(LiveAnalysisTest, WhatCannotChangeWhileItRunsIsTold) {
+  start(nullptr);
+  v1::Physics edit;
+  edit.set_behavior(v1::Physics::ELASTIC);
+  edit.set_friction(0.77);
+  ASSERT_TRUE(analysis->set_physics("wood block", edit));
+  ASSERT_TRUE(changes_to("wood block", [](const SceneObject& one) {
+    return one.physics.friction().best() == 0.77 && one.physics.behavior() == v1::Physics::RIGID &&
+           one.physics.behavior_reason().find("loaded anew") != std::string::npos;
+  }));
+}
+
+TEST_F(LiveAnalysisTest, AHangDelaysNeitherTheTicksNorTheEnd) {
+  start(weigh, std::chrono::minutes(10));
+  analysis->begin();
+  ASSERT_TRUE(log.wait([&](const auto& ticks) { return ticks.size() > 20; }));
+  analysis.reset();  // within milliseconds: else this test runs into its time limit
+  EXPECT_EQ(changes_of("wood block"), 0u);
+}
+
+// Over gRPC, as clients see it.
+TEST_F(LiveAnalysisTest, ClientsFollowAnalysesAndEdit) {
+  auto listening = LiveServer::listen("127.0.0.1:0");
+  ASSERT_TRUE(listening);
+  auto server = std::move(*listening);
+  start(weigh);
+  loop->stop();
+  server->open(loop->scene(), *loop);
+  RawClient client(server->port());
+  const auto set = [&](const char* object, double mass_kg, v1::PhysicsReply& reply) {
+    grpc::ClientContext context;
+    set_patience(context);
+    v1::SetPhysicsRequest request;
+    request.set_object(object);
+    request.mutable_physics()->set_mass_kg(mass_kg);
+    return client.stub().SetPhysics(&context, request, &reply);
+  };
+  v1::PhysicsReply reply;
+  EXPECT_EQ(set("wood block", 1, reply).error_code(), grpc::StatusCode::UNAVAILABLE);
+  server->open_analysis(*analysis);
+  {
+    grpc::ClientContext context;
+    set_patience(context);
+    const auto stream = client.stub().AnalyzeScene(&context, {});
+    std::vector<v1::AnalysisProgress> all;
+    for (v1::AnalysisProgress progress; stream->Read(&progress);) all.push_back(progress);
+    EXPECT_TRUE(stream->Finish().ok());
+    ASSERT_EQ(all.size(), 6u);  // offline, asked, finished of two
+    EXPECT_EQ(all[0].stage(), v1::AnalysisProgress::OFFLINE);
+    EXPECT_EQ(all[1].stage(), v1::AnalysisProgress::OFFLINE);
+    EXPECT_EQ(all[5].stage(), v1::AnalysisProgress::FINISHED);
+    EXPECT_EQ(all[5].finished(), 2u);
+    EXPECT_EQ(all[5].objects(), 2u);
+    EXPECT_EQ(all[5].verdict(), v1::AnalysisProgress::ACCEPTED);
+    EXPECT_EQ(all[5].record().model(), "fake-1");
+  }
+  {
+    grpc::ClientContext context;
+    set_patience(context);
+    v1::AnalyzeSceneRequest request;
+    request.add_objects("hat");
+    const auto stream = client.stub().AnalyzeScene(&context, request);
+    v1::AnalysisProgress progress;
+    EXPECT_FALSE(stream->Read(&progress));
+    EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::NOT_FOUND);
+  }
+  EXPECT_TRUE(set("wood block", 0.6, reply).ok());
+  EXPECT_EQ(reply.parameters().mass_kg().best(), 0.6);
+  EXPECT_EQ(set("wood block", -1, reply).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  grpc::ClientContext context;
+  set_patience(context);
+  v1::UndoPhysicsRequest undo;
+  undo.set_object("wood block");
+  EXPECT_TRUE(client.stub().UndoPhysics(&context, undo, &reply).ok());
+  EXPECT_EQ(reply.parameters().mass_kg().source(), EstimatedValue::MODEL);
+  server->shut_down("done");
+}
+
+TEST_F(LiveAnalysisTest, AServerShutsDownWhileAModelHangs) {
+  auto listening = LiveServer::listen("127.0.0.1:0");
+  ASSERT_TRUE(listening);
+  auto server = std::move(*listening);
+  start(weigh, std::chrono::minutes(10));
+  loop->stop();
+  server->open(loop->scene(), *loop);
+  server->open_analysis(*analysis);
+  RawClient client(server->port());
+  grpc::ClientContext context;
+  const auto stream = client.stub().AnalyzeScene(&context, {});
+  v1::AnalysisProgress progress;
+  for (int i = 0; i < 4; ++i) ASSERT_TRUE(stream->Read(&progress));
+  EXPECT_EQ(progress.stage(), v1::AnalysisProgress::ASKED);
+  server->shut_down("done");
+  EXPECT_FALSE(stream->Read(&progress));
+  EXPECT_FALSE(stream->Finish().ok());
+}
+
+}  // namespace
+}  // namespace livegs
