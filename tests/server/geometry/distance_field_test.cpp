@@ -127,5 +127,15 @@ TEST(DistanceField, AnAbsurdCellIsWidened) {
   EXPECT_NEAR(field.sample({0, 0.55, 0}).distance_m, 0.05, 1e-6);
 }
 
+// Nothing beyond the grid is read, whatever is asked.
+TEST(DistanceField, OfWhatIsNoNumberIsNone) {
+  const DistanceField field(box_mesh({1, 1, 1}), 0.1, 0.1);
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  EXPECT_TRUE(std::isnan(field.sample({nan, 0.2, 0.3}).distance_m));
+  EXPECT_TRUE(std::isnan(field.sample({0.1, 0.2, nan}).distance_m));
+  EXPECT_FALSE(std::isfinite(field.sample({infinity, 0, 0}).distance_m));
+  EXPECT_FALSE(std::isfinite(field.sample({0, -infinity, 0}).distance_m));
+}
+
 }  // namespace
 }  // namespace livegs
