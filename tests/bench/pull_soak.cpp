@@ -3,7 +3,8 @@
 // (simulated) if not told. The sample scene's six objects, a box and a soft block; every half second on average a spring
 // takes a random point of a random object and draws it somewhere else in the room for up to a second, now and then a ball
 // is shot. One row a simulated minute; fixed seed, so the motion is the same every time, the times are not. `tick_cpu`: of
-// all threads, milliseconds; 11.1 are a frame. Leaves with 1 at the first number that is not finite.
+// all threads, milliseconds; 11.1 are a frame. Leaves with 1 at the first number that is not finite. Progress goes to
+// the error stream.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -163,6 +164,11 @@ int main(int count, char** arguments) {
       (void)scene->world().take_events();
       reach = std::max(reach, reach_m(*scene, tick));
       if (!std::isfinite(reach)) break;
+      if (i % (5 * kRate_hz) == 0) {
+        const BodyEnergy energy = scene->world().energy();
+        std::fprintf(stderr, "%d s: last tick %.1f ms, %zu bodies, kinetic %.3g J, elastic %.3g J, reach %.2f m\n", tick / kRate_hz,
+                     ticks_ms.back(), scene->world().bodies().size(), energy.kinetic_j, energy.elastic_j, reach);
+      }
     }
     std::sort(ticks_ms.begin(), ticks_ms.end());
     size_t asleep = 0;
