@@ -14,6 +14,7 @@ namespace {
 
 // Items a block: some tens of microseconds of a light pass, far above what handing out a block costs.
 constexpr size_t kBlock = 2048;
+static_assert(kBlock % kMaxPassGroupSize == 0);
 
 static_assert(__STDCPP_DEFAULT_NEW_ALIGNMENT__ >= 16);
 
