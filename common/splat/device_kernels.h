@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "compute/backend.h"
+#include "gaussian/posed_kernels.h"
+
+namespace livegs {
+
+// The kernels of one asset where passes run. They lie in parts, so that no buffer is larger than a device
+// binds: 128 MiB on lavapipe, which is 1.4 million kernels with three bands. 68 bytes a kernel, and up to 92
+// for its bands.
+class DeviceKernels {
+ public:
+  // `backend` outlives the kernels.
+  static Result<DeviceKernels> create(Backend& backend, const GaussianAsset& asset);
+  ~DeviceKernels();
+  DeviceKernels(DeviceKernels&& other) noexcept;
+  DeviceKernels& operator=(DeviceKernels&& other) noexcept;
+
+  // Where the kernels are now. Of the asset's size.
+  Result<void> pose(const PosedKernels& kernels);
+
+  // What project_splats reads, for kernels [first, first + count).
+  struct Part {
+    uint32_t first = 0, count = 0;
+    BufferId posed{}, looks{}, bands{};
+  };
+  const std::vector<Part>& parts() const { return parts_; }
+
+  uint32_t size() const { return size_; }
+  int sh_degree() const { return sh_degree_; }
+  uint32_t sh_row_words() const { return sh_row_words_; }
+  bool antialiased() const { return antialiased_; }
+  size_t device_bytes() const { return device_bytes_; }
+
+  static constexpr uint32_t kMaxPartKernels = uint32_t{1} << 20;
+
+ private:
+  explicit DeviceKernels(Backend& backend) : backend_(&backend) {}
+  Result<BufferId> make_buffer(size_t bytes);
+  Result<void> make_part(const GaussianAsset& asset, uint32_t first, uint32_t count);
+
+  Backend* backend_;
+  std::vector<Part> parts_;
+  uint32_t size_ = 0;
+  int sh_degree_ = 0;
+  uint32_t sh_row_words_ = 0;
+  bool antialiased_ = false;
+  size_t device_bytes_ = 0;
+};
+
+}  // namespace livegs

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "splat/camera.h"
+#include "splat/device_kernels.h"
+#include "splat/key_sorter.h"
+#include "splat/rasterise.h"
+
+namespace livegs {
+
+// What one frame draws: the splats of all objects in one set, for one eye or two, and the one order in which
+// both eyes draw them. Buffers are kept and grow with the scene: 52 bytes a kernel for one eye, 88 for two.
+class FrameSplats {
+ public:
+  struct Options {
+    DepthOrder order = DepthOrder::Distance;  // from between the eyes
+    int max_sh_degree = 3;
+    float max_radius_px = 0;  // as eye_view has it
+  };
+
+  explicit FrameSplats(Backend& backend) : backend_(&backend) {}
+  ~FrameSplats();
+  FrameSplats(const FrameSplats&) = delete;
+  FrameSplats& operator=(const FrameSplats&) = delete;
+
+  // Culls, projects and shades all kernels for one eye or two. TooLarge when the device cannot hold them all.
+  Result<void> project(std::span<const DeviceKernels* const> objects, std::span<const Camera> eyes,
+                       const Options& options);
+  // Nearest first. Call after project.
+  Result<void> sort();
+
+  // After sort: places in rows(), and how many of them are drawn.
+  BufferId order() const { return sorter_->values(); }
+  BufferId counted() const { return sorter_->counted(); }
+  // SplatRow by place, of eye 0 or 1. With one eye the second is a buffer of one row.
+  BufferId rows(int eye) const { return rows_[eye]; }
+
+  uint32_t kernel_count() const { return kernel_count_; }
+  size_t device_bytes() const { return device_bytes_; }
+
+ private:
+  Result<void> make_room(uint32_t kernels, size_t eyes);
+  void release();
+
+  Backend* backend_;
+  std::optional<KeySorter> sorter_;
+  BufferId views_{}, rows_[2]{};
+  uint32_t rows_held_[2]{};
+  uint32_t kernel_count_ = 0;
+  size_t device_bytes_ = 0;
+};
+
+}  // namespace livegs

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// spherical_harmonics.cpp in GLSL. Included after the buffer `bands_of`, which holds coefficients as half floats.
+
+const float kShDc = 0.28209479;
+
+float half_at(uint first_word, uint i) {
+  const vec2 pair = unpackHalf2x16(bands_of[first_word + i / 2]);
+  return i % 2 == 0 ? pair.x : pair.y;
+}
+
+// All bands above the first at a unit direction, not clamped.
+vec3 bands_towards(vec3 direction, uint degree, uint first_word) {
+  const float x = direction.x, y = direction.y, z = direction.z;
+  const float xx = x * x, yy = y * y, zz = z * z;
+  const float bands[15] = float[15](
+      -0.48860251 * y, 0.48860251 * z, -0.48860251 * x,
+      1.09254843 * x * y, -1.09254843 * y * z, 0.31539157 * (2.0 * zz - xx - yy), -1.09254843 * x * z,
+      0.54627422 * (xx - yy),
+      -0.59004359 * y * (3.0 * xx - yy), 2.89061144 * x * y * z, -0.45704580 * y * (4.0 * zz - xx - yy),
+      0.37317633 * z * (2.0 * zz - 3.0 * xx - 3.0 * yy), -0.45704580 * x * (4.0 * zz - xx - yy),
+      1.44530572 * z * (xx - yy), -0.59004359 * x * (xx - 3.0 * yy));
+  const uint count = (degree + 1) * (degree + 1) - 1;
+  vec3 sum = vec3(0.0);
+  for (uint b = 0; b < count; ++b) {
+    sum += bands[b] *
+           vec3(half_at(first_word, 3 * b), half_at(first_word, 3 * b + 1), half_at(first_word, 3 * b + 2));
+  }
+  return sum;
+}
