@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
 
 #include "analysis/estimate.h"
 #include "analysis/kind_mass.h"
 #include "analysis/knowledge.h"
 #include "analysis/object_kinds.h"
+#include "core/format_text.h"
 
 // Label first, then geometry, then colour: a name with written priors halves the error that geometry alone
 // leaves, and hollowness matters more than density. object_kinds and kind_mass are in that order; each value
@@ -21,16 +21,6 @@ using v1::EstimatedValue;
 // do, since hands cannot bend the rest visibly and the solver would spend its substeps on nothing.
 constexpr double kRigidYoungs_pa = 200e6;
 constexpr double kStiffYoungs_pa = 20e6;
-
-std::string text(const char* format, ...) __attribute__((format(printf, 1, 2)));
-std::string text(const char* format, ...) {
-  char buffer[480];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(buffer, sizeof buffer, format, arguments);
-  va_end(arguments);
-  return buffer;
-}
 
 void set(EstimatedValue& value, const Span3& span, std::string reason) {
   value.set_low(std::min(span.low, span.best));
@@ -68,14 +58,15 @@ Guess guess_by_name(const Kinds& kinds, const ObjectFacts& facts) {
   guess.material = guess.kind.material ? guess.kind.material : &material_row(guess.kind.row->material);
   guess.wall_m = guess.kind.row->wall_m;
   guess.confidence = (kinds.material.row ? 0.6 : 0.55) * (0.5 + 0.5 * guess.kind.probability);
-  guess.reason = text("the name \"%s\" says %s; ", facts.name.c_str(), kinds.match.alias.c_str());
+  guess.reason = format_text("the name \"%s\" says %s; ", facts.name.c_str(), kinds.match.alias.c_str());
   if (label == kinds.match.row->label) {
-    guess.reason += text("a %s is usually %s", kinds.match.alias.c_str(), guess.material->name.c_str());
-  } else {
     guess.reason +=
-        text("its size and shape are those of a %s, usually %s", label.c_str(), guess.material->name.c_str());
+        format_text("a %s is usually %s", kinds.match.alias.c_str(), guess.material->name.c_str());
+  } else {
+    guess.reason += format_text("its size and shape are those of a %s, usually %s", label.c_str(),
+                                guess.material->name.c_str());
   }
-  if (guess.kind.probability < 0.995) guess.reason += text(" (%.0f %%)", 100 * guess.kind.probability);
+  if (guess.kind.probability < 0.995) guess.reason += format_text(" (%.0f %%)", 100 * guess.kind.probability);
   return guess;
 }
 
@@ -97,11 +88,11 @@ Guess guess_by_looks(const Kinds& kinds, const ObjectFacts& facts) {
   }
   guess.wall_m = guess.kind.row->wall_m;
   guess.confidence = 0.1 + 0.25 * best;
-  guess.reason = text("no name tells; of things of its size and shape, like a %s, %.0f %% are of it",
-                      guess.kind.row->label.c_str(), 100 * best);
+  guess.reason = format_text("no name tells; of things of its size and shape, like a %s, %.0f %% are of it",
+                             guess.kind.row->label.c_str(), 100 * best);
   if (kinds.material.row && guess.material->material_class == kinds.material.row->material_class) {
     guess.confidence = 0.4;
-    guess.reason = text("the name \"%s\" says %s", facts.name.c_str(), guess.material->name.c_str());
+    guess.reason = format_text("the name \"%s\" says %s", facts.name.c_str(), guess.material->name.c_str());
   }
   return guess;
 }
@@ -132,9 +123,10 @@ v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
   const Span3 wall_m = facts.solid ? Span3{} : guess.wall_m;
   answer.set_fill(facts.solid ? v1::Physics::SOLID : row.fill);
   answer.set_fill_reason(facts.solid ? "shapes and points are solid unless the scene says otherwise"
-                         : by_name   ? text("a %s usually is", row.label.c_str())
-                                     : text("as a %s is; openness %.2f, filled share of the hull %.2f",
-                                            row.label.c_str(), facts.mesh.openness, facts.mesh.solidity));
+                         : by_name
+                             ? format_text("a %s usually is", row.label.c_str())
+                             : format_text("as a %s is; openness %.2f, filled share of the hull %.2f",
+                                           row.label.c_str(), facts.mesh.openness, facts.mesh.solidity));
   if (!facts.solid && by_name) set_parts(guess.kind, answer);
 
   const Span3 structure = row.structure_coefficient;
@@ -144,29 +136,30 @@ v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
   const bool soft = soft_by_nature(material);
   const bool rigid = stiffness.best > kRigidYoungs_pa || (stiffness.best > kStiffYoungs_pa && !soft);
   answer.set_behavior(rigid ? v1::Physics::RIGID : v1::Physics::ELASTIC);
-  answer.set_behavior_reason(text("E* = s E = %.3g MPa, %s", stiffness.best * 1e-6,
-                                  rigid ? "too stiff to deform visibly" : "soft enough to deform visibly"));
+  answer.set_behavior_reason(
+      format_text("E* = s E = %.3g MPa, %s", stiffness.best * 1e-6,
+                  rigid ? "too stiff to deform visibly" : "soft enough to deform visibly"));
 
   set(*answer.mutable_wall_thickness_m(), wall_m,
-      wall_m.best > 0 ? text("%s; the mesh's mean wall is %.3g mm",
-                             by_name ? "usual for its kind" : "a guess", facts.mesh.mean_wall_m * 1e3)
+      wall_m.best > 0 ? format_text("%s; the mesh's mean wall is %.3g mm",
+                                    by_name ? "usual for its kind" : "a guess", facts.mesh.mean_wall_m * 1e3)
                       : "not a shell");
   const MassEstimate mass = mass_of_kinds(kinds, facts);
   set(*answer.mutable_mass_kg(), mass.mass_kg, mass.reason);
-  const std::string of_material = text("%s; %s", material.name.c_str(), guess.reason.c_str());
+  const std::string of_material = format_text("%s; %s", material.name.c_str(), guess.reason.c_str());
   set(*answer.mutable_youngs_modulus_pa(), material.youngs_modulus_pa, of_material);
   set(*answer.mutable_poisson_ratio(), around(material.poisson_ratio, 0.1, 0.0, 0.49), material.name);
   set(*answer.mutable_structure_coefficient(), structure,
       structure.best < 1 ? "thin or hollow things bend more easily than their material" : "bulk");
   set(*answer.mutable_plasticity(), around(material.plasticity, 0.4, 0.0, 1.0),
-      text("%s; keeps a dent like %s", material.name.c_str(),
-           nearest_plasticity_level(material.plasticity).references.c_str()));
+      format_text("%s; keeps a dent like %s", material.name.c_str(),
+                  nearest_plasticity_level(material.plasticity).references.c_str()));
   set(*answer.mutable_damping(), around(material.loss_factor, 0.5, 0.0, 2.0),
-      text("loss factor of %s", material.material_class.c_str()));
+      format_text("loss factor of %s", material.material_class.c_str()));
   set(*answer.mutable_friction(), around(material.friction, 0.3, 0.0, 2.0),
-      text("%s on common surfaces", material.name.c_str()));
+      format_text("%s on common surfaces", material.name.c_str()));
   set(*answer.mutable_restitution(), around(material.restitution, 0.3, 0.0, 1.0),
-      text("%s on a hard floor", material.name.c_str()));
+      format_text("%s on a hard floor", material.name.c_str()));
   set(*answer.mutable_deformation_resistance(),
       {deformation_resistance(stiffness.low), deformation_resistance(stiffness.best),
        deformation_resistance(stiffness.high)},
@@ -175,7 +168,7 @@ v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
     // Falls of 0.2, 0.5 and 1.2 m onto a hard floor: the speeds at which such things usually break.
     const double mass_kg = answer.mass_kg().best();
     set(*answer.mutable_break_impulse_n_s(), {2.0 * mass_kg, 3.1 * mass_kg, 4.9 * mass_kg},
-        text("%s things break in falls of about half a metre", material.material_class.c_str()));
+        format_text("%s things break in falls of about half a metre", material.material_class.c_str()));
   }
   return answer;
 }

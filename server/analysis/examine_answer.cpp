@@ -4,6 +4,7 @@
 
 #include "analysis/gate.h"
 #include "analysis/mass_model.h"
+#include "core/format_text.h"
 
 // What an answer says of itself, held together: units, physics, consistency (steps 5 to 7 of the gate).
 
@@ -34,12 +35,6 @@ bool within(double value, const Span3& range, double slack) {
 
 Span3 times(const Span3& span, double factor) {
   return {span.low * factor, span.best * factor, span.high * factor};
-}
-
-std::string text(const char* format, double a, double b, double c = 0) {
-  char line[240];
-  std::snprintf(line, sizeof line, format, a, b, c);
-  return line;
 }
 
 // The moduli of all its materials.
@@ -88,9 +83,9 @@ void mend_units(Answer& answer, const ObjectFacts& facts, const v1::PhysicalPara
   if (mass != 1 && kMassRange_kg.holds(answer.mass_kg.low * mass) &&
       kMassRange_kg.holds(answer.mass_kg.high * mass)) {
     answer.changes.push_back(
-        text("mass_g.best: %g g was taken for another unit and read as %g g, as its materials and "
-             "its size say",
-             answer.mass_kg.best * 1e3, answer.mass_kg.best * mass * 1e3));
+        format_text("mass_g.best: %g g was taken for another unit and read as %g g, as its materials and "
+                    "its size say",
+                    answer.mass_kg.best * 1e3, answer.mass_kg.best * mass * 1e3));
     answer.mass_kg = times(answer.mass_kg, mass);
   }
   if (!answer.youngs_modulus_pa) return;
@@ -101,9 +96,9 @@ void mend_units(Answer& answer, const ObjectFacts& facts, const v1::PhysicalPara
   if (young != 1 && kYoungsRange_pa.holds(answer.youngs_modulus_pa->low * young) &&
       kYoungsRange_pa.holds(answer.youngs_modulus_pa->high * young)) {
     answer.changes.push_back(
-        text("young_mpa.best: %g MPa was taken for another unit and read as %g MPa, as its material "
-             "says",
-             answer.youngs_modulus_pa->best * 1e-6, answer.youngs_modulus_pa->best * young * 1e-6));
+        format_text("young_mpa.best: %g MPa was taken for another unit and read as %g MPa, as its material "
+                    "says",
+                    answer.youngs_modulus_pa->best * 1e-6, answer.youngs_modulus_pa->best * young * 1e-6));
     answer.youngs_modulus_pa = times(*answer.youngs_modulus_pa, young);
   }
 }
@@ -115,15 +110,15 @@ std::optional<Error> check_physics(const Answer& answer, const ObjectFacts& fact
   const double most_kg = kDensest_kg_m3 * solid_m3 * slack, least_kg = kLightest_kg_m3 * box_m3 / slack;
   if (solid_m3 > 0 && answer.mass_kg.best > most_kg) {
     return invalid_data(
-        text("mass_g.best: %g g in %.3g cm3 is denser than any material; at most %.3g g is possible. "
-             "Check the unit and the size",
-             answer.mass_kg.best * 1e3, solid_m3 * 1e6, most_kg * 1e3));
+        format_text("mass_g.best: %g g in %.3g cm3 is denser than any material; at most %.3g g is possible. "
+                    "Check the unit and the size",
+                    answer.mass_kg.best * 1e3, solid_m3 * 1e6, most_kg * 1e3));
   }
   if (box_m3 > 0 && answer.mass_kg.best < least_kg) {
     return invalid_data(
-        text("mass_g.best: %g g in a box of %.3g cm3 is lighter than air; at least %.3g g is needed. "
-             "Check the unit and the size",
-             answer.mass_kg.best * 1e3, box_m3 * 1e6, least_kg * 1e3));
+        format_text("mass_g.best: %g g in a box of %.3g cm3 is lighter than air; at least %.3g g is needed. "
+                    "Check the unit and the size",
+                    answer.mass_kg.best * 1e3, box_m3 * 1e6, least_kg * 1e3));
   }
   return std::nullopt;
 }
@@ -141,9 +136,9 @@ std::optional<Error> make_consistent(Answer& answer) {
   const std::string& name = answer.parts.front().material->name;
   if (answer.youngs_modulus_pa && !within(answer.youngs_modulus_pa->best, material, kMaterialSlack)) {
     return invalid_data("young_mpa.best: " +
-                        text("%g MPa does not fit the materials named, which have %.3g to %.3g MPa",
-                             answer.youngs_modulus_pa->best * 1e-6, material.low * 1e-6,
-                             material.high * 1e-6) +
+                        format_text("%g MPa does not fit the materials named, which have %.3g to %.3g MPa",
+                                    answer.youngs_modulus_pa->best * 1e-6, material.low * 1e-6,
+                                    material.high * 1e-6) +
                         " (" + name + "); thinness belongs in structure_s");
   }
   // Where no modulus is given, the stiffest part holds the rest.
@@ -155,12 +150,12 @@ std::optional<Error> make_consistent(Answer& answer) {
   if (answer.behavior == Physics::ELASTIC && stiffness > kRigidYoungs_pa) {
     answer.behavior = Physics::RIGID;
     answer.changes.push_back(
-        text("behaviour: elastic was changed to rigid, since s E = %.3g MPa is above %g MPa",
-             stiffness * 1e-6, kRigidYoungs_pa * 1e-6));
+        format_text("behaviour: elastic was changed to rigid, since s E = %.3g MPa is above %g MPa",
+                    stiffness * 1e-6, kRigidYoungs_pa * 1e-6));
   } else if (answer.behavior == Physics::RIGID && stiffness < 0.05 * kSoftYoungs_pa && !answer.fragile) {
     return invalid_data("behaviour: " +
-                        text("rigid does not fit s E = %.3g MPa, which a hand deforms (below %g MPa)",
-                             stiffness * 1e-6, 0.05 * kSoftYoungs_pa * 1e-6) +
+                        format_text("rigid does not fit s E = %.3g MPa, which a hand deforms (below %g MPa)",
+                                    stiffness * 1e-6, 0.05 * kSoftYoungs_pa * 1e-6) +
                         "; say elastic, or give the stiffness of what makes it rigid");
   }
   if (answer.fragile) {

@@ -5,6 +5,7 @@
 
 #include "analysis/gate.h"
 #include "core/assert.h"
+#include "core/format_text.h"
 
 namespace livegs {
 namespace {
@@ -91,16 +92,11 @@ Answer vote(std::span<const Answer> answers) {
   std::vector<double> confidences;
   for (const Answer& answer : answers) confidences.push_back(answer.confidence);
   result.confidence = median(confidences);
-  char line[120];
-  std::snprintf(
-      line, sizeof line, "%zu views were asked; mass_g from %.4g to %.4g, their median is %.4g",
-      answers.size(),
-      std::min_element(masses.begin(), masses.end(), [](auto& a, auto& b) { return a.best < b.best; })->best *
-          1e3,
-      std::max_element(masses.begin(), masses.end(), [](auto& a, auto& b) { return a.best < b.best; })->best *
-          1e3,
-      result.mass_kg.best * 1e3);
-  result.changes.push_back(line);
+  const auto [least, most] = std::minmax_element(
+      masses.begin(), masses.end(), [](const Span3& a, const Span3& b) { return a.best < b.best; });
+  result.changes.push_back(format_text("%zu views were asked; mass_g from %.4g to %.4g, their median is %.4g",
+                                       answers.size(), least->best * 1e3, most->best * 1e3,
+                                       result.mass_kg.best * 1e3));
   return result;
 }
 

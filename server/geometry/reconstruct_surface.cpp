@@ -4,9 +4,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 
+#include "core/format_text.h"
 #include "geometry/alpha_complex.h"
 #include "geometry/convex_hull.h"
 #include "geometry/drop_specks.h"
@@ -35,8 +35,8 @@ constexpr int kRadiusTries = 7;
 constexpr double kLeastCovered = 0.8;
 // A larger radius that joins all pieces is taken if it swells the body no more than this.
 constexpr double kMostSwelling = 1.25;
-// A rigid body stands on its lowest points, so a few strays under a captured base would make it rock and fall: a
-// voxel of the coarse surface with less than this part of the usual number of kernels is left out.
+// A rigid body stands on its lowest points, so a few strays under a captured base would make it rock and
+// fall: a voxel of the coarse surface with less than this part of the usual number of kernels is left out.
 constexpr double kLeastVoxelShare = 0.15;
 // A hull thinner than a ball of this radius, over a diagonal of 1, is taken for flat.
 constexpr double kLeastVolume = 1e-7;
@@ -44,12 +44,6 @@ constexpr double kLeastVolume = 1e-7;
 constexpr double kLeastBoxEdge = 0.02;
 // Edge of the box put in place of a single place in space, for want of any other length.
 constexpr double kPointBox_m = 0.01;
-
-std::string text(const char* format, auto... values) {
-  char line[160];
-  std::snprintf(line, sizeof line, format, values...);
-  return line;
-}
 
 void add_note(std::string& note, const std::string& more) { note += (note.empty() ? "" : "; ") + more; }
 
@@ -134,7 +128,8 @@ Result<Surface> reconstruct_surface(std::span<const Eigen::Vector3d> points_m,
     surface.mesh = box_mesh(Eigen::Vector3d::Constant(kPointBox_m));
     for (auto& vertex : surface.mesh.vertices_m) vertex += bounds.center();
     surface.source = SurfaceSource::Box;
-    surface.note = text("all %zu points lie in one place: a box of %g m", points_m.size(), kPointBox_m);
+    surface.note =
+        format_text("all %zu points lie in one place: a box of %g m", points_m.size(), kPointBox_m);
     return surface;
   }
 
@@ -150,14 +145,15 @@ Result<Surface> reconstruct_surface(std::span<const Eigen::Vector3d> points_m,
   double radius = options.alpha_radius;
   if (complex.dimension() == 2) {
     complex.thicken_plane(kSheetThickness * radius);
-    add_note(surface.note, text("flat: given a thickness of %.3g m", kSheetThickness * radius * diagonal_m));
+    add_note(surface.note,
+             format_text("flat: given a thickness of %.3g m", kSheetThickness * radius * diagonal_m));
   }
   if (complex.dimension() == 3) {
     const double gap = complex.median_gap();
     const double least_radius = kGapsPerRadius * gap;
     if (least_radius > radius && gap > voxel && surface.note.empty()) {  // a gap below that is thinning's own
-      add_note(surface.note, text("points are %.3g m apart, too far for a radius of %.3g m", gap * diagonal_m,
-                                  radius * diagonal_m));
+      add_note(surface.note, format_text("points are %.3g m apart, too far for a radius of %.3g m",
+                                         gap * diagonal_m, radius * diagonal_m));
       radius = least_radius;
     }
     body = alpha_body(complex, radius);
@@ -168,13 +164,13 @@ Result<Surface> reconstruct_surface(std::span<const Eigen::Vector3d> points_m,
     surface.source =
         body->radius > options.alpha_radius ? SurfaceSource::LargerAlphaShape : SurfaceSource::AlphaShape;
     if (surface.source == SurfaceSource::LargerAlphaShape) {
-      add_note(surface.note, text("alpha radius %.3g m instead of %.3g m to hold the points together",
-                                  surface.alpha_radius_m, options.alpha_radius * diagonal_m));
+      add_note(surface.note, format_text("alpha radius %.3g m instead of %.3g m to hold the points together",
+                                         surface.alpha_radius_m, options.alpha_radius * diagonal_m));
     }
-    if (body->pieces > 1) add_note(surface.note, text("in %d pieces", body->pieces));
+    if (body->pieces > 1) add_note(surface.note, format_text("in %d pieces", body->pieces));
     if (body->dropped.count > 0) {
-      add_note(surface.note, text("%d specks dropped, %.2g of the volume", body->dropped.count,
-                                  body->dropped.volume_share));
+      add_note(surface.note, format_text("%d specks dropped, %.2g of the volume", body->dropped.count,
+                                         body->dropped.volume_share));
     }
   } else {
     surface.note.clear();
@@ -182,11 +178,12 @@ Result<Surface> reconstruct_surface(std::span<const Eigen::Vector3d> points_m,
     if (signed_volume_m3(surface.mesh) >= kLeastVolume) {
       surface.source = SurfaceSource::ConvexHull;
       surface.note =
-          text("no alpha shape up to %.3g m holds the points: their convex hull", radius * diagonal_m);
+          format_text("no alpha shape up to %.3g m holds the points: their convex hull", radius * diagonal_m);
     } else {
       surface.source = SurfaceSource::Box;
       surface.mesh = principal_box(cloud);
-      surface.note = text("the %zu points lie on a line or a sliver: a box round them", points_m.size());
+      surface.note =
+          format_text("the %zu points lie on a line or a sliver: a box round them", points_m.size());
     }
   }
   for (auto& vertex : surface.mesh.vertices_m) vertex = bounds.center() + diagonal_m * vertex;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/elastic_report.h"
 
-#include <cstdio>
+#include "core/format_text.h"
 
 namespace livegs {
 namespace {
@@ -18,13 +18,6 @@ v1::ElasticAccuracy::Band band_message(ElasticBand band) {
       break;
   }
   return v1::ElasticAccuracy::UNKNOWN;
-}
-
-template <class... Values>
-std::string text(const char* format, Values... values) {
-  char line[256];
-  std::snprintf(line, sizeof line, format, values...);
-  return line;
 }
 
 }  // namespace
@@ -47,22 +40,22 @@ v1::ElasticAccuracy accuracy_message(const ElasticAccuracy& accuracy) {
 }
 
 std::string accuracy_line(const ElasticAccuracy& accuracy) {
-  std::string line = text("E %.3g Pa %s", accuracy.youngs_modulus_pa, name_of(accuracy.band));
-  if (accuracy.clipped) line += text(" to %.3g Pa", accuracy.reached_youngs_modulus_pa);
+  std::string line = format_text("E %.3g Pa %s", accuracy.youngs_modulus_pa, name_of(accuracy.band));
+  if (accuracy.clipped) line += format_text(" to %.3g Pa", accuracy.reached_youngs_modulus_pa);
   if (accuracy.modulus_ratio_high > 0) {
-    line += text(" (%.3g to %.3g of it)", accuracy.modulus_ratio_low, accuracy.modulus_ratio_high);
+    line += format_text(" (%.3g to %.3g of it)", accuracy.modulus_ratio_low, accuracy.modulus_ratio_high);
   }
-  if (accuracy.cell_width_m > 0) line += text("; cells %.3g mm", 1e3 * accuracy.cell_width_m);
-  line += text("%s %d substeps", accuracy.cell_width_m > 0 ? "," : ";", accuracy.substeps);
-  if (accuracy.cell_width_m > 0) line += text(", Courant %.2f", accuracy.courant);
-  line += text("; %zu nodes, %zu particles, %.0f kB", accuracy.nodes, accuracy.particles,
-               1e-3 * static_cast<double>(accuracy.bytes));
+  if (accuracy.cell_width_m > 0) line += format_text("; cells %.3g mm", 1e3 * accuracy.cell_width_m);
+  line += format_text("%s %d substeps", accuracy.cell_width_m > 0 ? "," : ";", accuracy.substeps);
+  if (accuracy.cell_width_m > 0) line += format_text(", Courant %.2f", accuracy.courant);
+  line += format_text("; %zu nodes, %zu particles, %.0f kB", accuracy.nodes, accuracy.particles,
+                      1e-3 * static_cast<double>(accuracy.bytes));
   return line;
 }
 
 std::optional<std::string> accuracy_warning(const ElasticAccuracy& accuracy) {
   if (!accuracy.clipped) return std::nullopt;
-  return text(
+  return format_text(
       "stiffness clipped from %.3g to %.3g Pa, the most that cells of %.3g mm reach in %d substeps; a higher "
       "rate or a rigid body would be stiffer",
       accuracy.youngs_modulus_pa, accuracy.reached_youngs_modulus_pa, 1e3 * accuracy.cell_width_m,

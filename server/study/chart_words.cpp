@@ -3,30 +3,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
+
+#include "core/format_text.h"
 
 namespace livegs::study {
 
-std::string text(const char* format, ...) {
-  char buffer[1024];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(buffer, sizeof buffer, format, arguments);
-  va_end(arguments);
-  return buffer;
-}
-
 std::string error_text(double error, const std::string& unit) {
   if (!std::isfinite(error)) return "no finite result";
-  if (unit != "relative" && unit != "absolute") return text("%.2g %s", error, unit.c_str());
-  if (error > 10) return text("a factor of %.2g", 1 + error);
-  return text("%.2g %%", 100 * error);
+  if (unit != "relative" && unit != "absolute") return format_text("%.2g %s", error, unit.c_str());
+  if (error > 10) return format_text("a factor of %.2g", 1 + error);
+  return format_text("%.2g %%", 100 * error);
 }
 
 namespace {
 
-std::string cost(double ms) { return ms < 100 ? text("%.2g ms", ms) : text("%.0f ms", ms); }
+std::string cost(double ms) { return ms < 100 ? format_text("%.2g ms", ms) : format_text("%.0f ms", ms); }
 
 // Costs nearer to each other than this are the machine's noise.
 constexpr double kSameCost = 1.15;
@@ -56,14 +47,14 @@ std::string who_wins(const Panel& panel) {
     words += "Nothing meets the bar. ";
   } else {
     const Contender& first = ranked.front();
-    words += text("Cheapest: `%s` at %d substeps, %s of CPU a simulated second (error %s)",
-                  first.curve->label.c_str(), first.point.substeps, cost(first.point.cost_ms).c_str(),
-                  error_text(first.point.error, panel.unit).c_str());
+    words += format_text("Cheapest: `%s` at %d substeps, %s of CPU a simulated second (error %s)",
+                         first.curve->label.c_str(), first.point.substeps, cost(first.point.cost_ms).c_str(),
+                         error_text(first.point.error, panel.unit).c_str());
     for (size_t i = 1; i < ranked.size(); ++i) {
       const double times = ranked[i].point.cost_ms / first.point.cost_ms;
-      words += text("%s `%s` at %d, %s", i == 1 ? "; then" : ",", ranked[i].curve->label.c_str(),
-                    ranked[i].point.substeps,
-                    times < kSameCost ? "as dear" : text("%.2g times the cost", times).c_str());
+      words += format_text("%s `%s` at %d, %s", i == 1 ? "; then" : ",", ranked[i].curve->label.c_str(),
+                           ranked[i].point.substeps,
+                           times < kSameCost ? "as dear" : format_text("%.2g times the cost", times).c_str());
     }
     words += ". ";
   }
@@ -71,13 +62,13 @@ std::string who_wins(const Panel& panel) {
   for (const Curve& curve : panel.curves) {
     if (curve.cheapest_within(panel.bar)) continue;
     const CurvePoint best = curve.best();
-    losers += text("%s `%s` (best: %s at %d)", losers.empty() ? "" : ",", curve.label.c_str(),
-                   error_text(best.error, panel.unit).c_str(), best.substeps);
+    losers += format_text("%s `%s` (best: %s at %d)", losers.empty() ? "" : ",", curve.label.c_str(),
+                          error_text(best.error, panel.unit).c_str(), best.substeps);
   }
   if (!losers.empty()) words += "Never within the bar:" + losers + ". ";
   if (panel.chosen) {
     const ElasticAccuracy& a = panel.chosen_accuracy;
-    words += text(
+    words += format_text(
         "Left to itself at 4 substeps the program takes %.3g mm cells and %d substeps: error %s for %s%s.",
         1e3 * a.cell_width_m, a.substeps, error_text(panel.chosen->error, panel.unit).c_str(),
         cost(panel.chosen->cost_ms).c_str(), a.clipped ? ", and says that the stiffness is clipped" : "");

@@ -7,8 +7,6 @@
 
 namespace livegs::study {
 
-__attribute__((format(printf, 1, 2))) std::string text(const char* format, ...);
-
 // "1.2 %", "a factor of 20", "0.3 m/s", "no finite result".
 std::string error_text(double error, const std::string& unit);
 

@@ -3,6 +3,7 @@
 
 #include <cstdio>
 
+#include "core/format_text.h"
 #include "study/chart_words.h"
 
 namespace livegs::study {
@@ -89,15 +90,15 @@ std::string rigid_csv(const std::vector<RigidRow>& rows) {
     const Cost& cost = row.outcome.cost;
     const double work = static_cast<double>(row.outcome.bodies) * static_cast<double>(cost.substeps);
     for (const Measurement& m : row.outcome.measurements) {
-      lines += text("%s,%s,none,cpu,%s,%g,%d,%zu,0,%zu,%.2f,%.4f,%.6g,%s,%g,", row.scene->name.c_str(),
-                    engine_name(row.setup.engine).c_str(),
-                    row.setup.engine == RigidEngine::Bullet ? "float" : "double", row.setup.rate_hz,
-                    row.setup.substeps, row.outcome.bodies, row.outcome.bodies,
-                    work > 0.0 ? 1e9 * cost.cpu_s / work : 0.0, cost.wall_s, m.error, m.unit.c_str(), m.bar);
-      lines += text("%s,%.9g,%.9g,%s,,,,,%d,,,,,,%.6g,%.6g,%.6g,%d,%g,%s\n", m.quantity.c_str(), m.measured,
-                    m.reference, "rigid", row.setup.substeps, cost.simulated_s, cost.cpu_s,
-                    cost.cpu_ns_per_simulated_s(), row.outcome.end == RunEnd::NotANumber ? 0 : 1,
-                    row.setup.parameter, name_of(row.outcome.end));
+      lines += format_text(
+          "%s,%s,none,cpu,%s,%g,%d,%zu,0,%zu,%.2f,%.4f,%.6g,%s,%g,", row.scene->name.c_str(),
+          engine_name(row.setup.engine).c_str(), row.setup.engine == RigidEngine::Bullet ? "float" : "double",
+          row.setup.rate_hz, row.setup.substeps, row.outcome.bodies, row.outcome.bodies,
+          work > 0.0 ? 1e9 * cost.cpu_s / work : 0.0, cost.wall_s, m.error, m.unit.c_str(), m.bar);
+      lines += format_text("%s,%.9g,%.9g,%s,,,,,%d,,,,,,%.6g,%.6g,%.6g,%d,%g,%s\n", m.quantity.c_str(),
+                           m.measured, m.reference, "rigid", row.setup.substeps, cost.simulated_s, cost.cpu_s,
+                           cost.cpu_ns_per_simulated_s(), row.outcome.end == RunEnd::NotANumber ? 0 : 1,
+                           row.setup.parameter, name_of(row.outcome.end));
     }
   }
   return lines;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/format_text.h"
 #include "study/chart_words.h"
 #include "study/rigid_chart.h"
 
@@ -11,10 +12,10 @@ std::string accidents(const RigidChartScene& scene, const std::vector<RigidRow>&
   for (const RigidRow& row : rows) {
     if (row.scene != &scene || row.outcome.end == RunEnd::Well) continue;
     words += words.empty() ? "- Did not come through: " : ", ";
-    words += text("`%s` at %d", engine_name(row.setup.engine).c_str(), row.setup.substeps);
+    words += format_text("`%s` at %d", engine_name(row.setup.engine).c_str(), row.setup.substeps);
     if (scene.parameters.size() > 1)
-      words += " with " + text(scene.parameter_text.c_str(), row.setup.parameter);
-    words += text(" (%s)", name_of(row.outcome.end));
+      words += " with " + format_text(scene.parameter_text.c_str(), row.setup.parameter);
+    words += format_text(" (%s)", name_of(row.outcome.end));
   }
   return words.empty() ? words : words + ".\n";
 }

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+namespace livegs {
+
+// What std::printf would print, as a string of any length; the compiler checks the arguments. Any thread.
+__attribute__((format(printf, 1, 2))) std::string format_text(const char* format, ...);
+
+}  // namespace livegs
