@@ -73,23 +73,6 @@ std::string number(double value) {
   return text;
 }
 
-const char* source_text(v1::EstimatedValue::Source source) {
-  switch (source) {
-    case v1::EstimatedValue::OFFLINE:
-      return "offline estimate";
-    case v1::EstimatedValue::MODEL:
-      return "model";
-    case v1::EstimatedValue::SCENE:
-      return "scene";
-    case v1::EstimatedValue::PERSON:
-      return "person";
-    case v1::EstimatedValue::DEFAULT:
-      return "default";
-    default:
-      return "";
-  }
-}
-
 // Where one range lies beside the other, on a logarithmic scale; grey before, blue after.
 std::string range_bar(const v1::EstimatedValue& before, const v1::EstimatedValue& after) {
   if (!(before.low() > 0) || !(after.low() > 0)) return "";
@@ -140,7 +123,7 @@ std::string value_rows(const v1::PhysicalParameters& offline, const v1::Physical
             unit + "</td><td class=\"n\">" + number(after.low() * factor) + " to " +
             number(after.high() * factor) + "</td><td>" + range_bar(before, after) +
             "</td><td class=\"n off\">" + number(before.best() * factor) + "</td><td>" +
-            source_text(after.source()) + "</td><td>" + escaped(after.reason()) + "</td></tr>\n";
+            source_name(after.source()) + "</td><td>" + escaped(after.reason()) + "</td></tr>\n";
   }
   return rows;
 }

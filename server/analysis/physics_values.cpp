@@ -26,4 +26,21 @@ std::span<const PhysicsValue> physics_values() {
 
 #undef LIVEGS_VALUE
 
+const char* source_name(v1::EstimatedValue::Source source) {
+  switch (source) {
+    case v1::EstimatedValue::OFFLINE:
+      return "offline";
+    case v1::EstimatedValue::MODEL:
+      return "model";
+    case v1::EstimatedValue::SCENE:
+      return "scene";
+    case v1::EstimatedValue::PERSON:
+      return "person";
+    case v1::EstimatedValue::DEFAULT:
+      return "default";
+    default:
+      return "unknown";
+  }
+}
+
 }  // namespace livegs

@@ -18,4 +18,8 @@ struct PhysicsValue {
 };
 std::span<const PhysicsValue> physics_values();
 
+// Who said a value, in a word for a person: "offline" (the offline estimator), "model", "scene", "person",
+// "default", "unknown".
+const char* source_name(v1::EstimatedValue::Source source);
+
 }  // namespace livegs

@@ -3,29 +3,14 @@
 
 #include <cstdio>
 
+#include "analysis/physics_values.h"
+
 namespace livegs {
 namespace {
 
-const char* source_text(v1::EstimatedValue::Source source) {
-  switch (source) {
-    case v1::EstimatedValue::OFFLINE:
-      return "offline";
-    case v1::EstimatedValue::MODEL:
-      return "model";
-    case v1::EstimatedValue::SCENE:
-      return "scene";
-    case v1::EstimatedValue::PERSON:
-      return "person";
-    case v1::EstimatedValue::DEFAULT:
-      return "default";
-    default:
-      return "unknown";
-  }
-}
-
 void print_value(const char* name, const v1::EstimatedValue& value, double factor, const char* unit) {
   std::printf("%-22s %10.4g %-4s %9.4g to %-9.4g %-8s %s\n", name, value.best() * factor, unit,
-              value.low() * factor, value.high() * factor, source_text(value.source()),
+              value.low() * factor, value.high() * factor, source_name(value.source()),
               value.reason().c_str());
 }
 
@@ -65,7 +50,7 @@ void print_table_row(const std::string& name, const v1::PhysicalParameters& p) {
   std::printf("%-20s %-18s %-20s %-8s %10.4g  %-21s %10.3g %6.3f %-8s %-8s %.2f\n", name.c_str(),
               p.label().c_str(), p.material().c_str(), v1::Physics::Behavior_Name(p.behavior()).c_str(),
               p.mass_kg().best() * 1e3, range, stiffness_pa * 1e-6, p.deformation_resistance().best(),
-              p.fragile() ? "yes" : "no", source_text(p.mass_kg().source()), p.confidence());
+              p.fragile() ? "yes" : "no", source_name(p.mass_kg().source()), p.confidence());
 }
 
 }  // namespace livegs
