@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "analysis/answer.h"
+#include "analysis/json_text.h"
 
 namespace livegs {
 namespace {
@@ -33,26 +34,6 @@ bool is_utf8(std::string_view text) {
   return true;
 }
 
-// Where the braces that open at `begin` close; npos when they never do. `depth` is the deepest nesting.
-size_t closing_brace(std::string_view text, size_t begin, int& depth) {
-  int open = 0;
-  bool quoted = false;
-  for (size_t i = begin; i < text.size(); ++i) {
-    const char c = text[i];
-    if (quoted) {
-      if (c == '\\') ++i;
-      if (c == '"') quoted = false;
-    } else if (c == '"') {
-      quoted = true;
-    } else if (c == '{' || c == '[') {
-      depth = std::max(depth, ++open);
-    } else if ((c == '}' || c == ']') && --open == 0) {
-      return i;
-    }
-  }
-  return std::string_view::npos;
-}
-
 }  // namespace
 
 Result<json> answer_object(std::string_view text) {
@@ -67,15 +48,14 @@ Result<json> answer_object(std::string_view text) {
   // Each search for a closing brace may run to the end, so their number is bounded.
   int searches = 0;
   for (size_t at = text.find('{'); at != std::string_view::npos && searches < 64; ++searches) {
-    int depth = 0;
-    const size_t end = closing_brace(text, at, depth);
+    const auto [end, depth] = json_extent(text, at, kMaxAnswerDepth);
     size_t next = at + 1;
     if (depth > kMaxAnswerDepth) {
       too_deep = true;
     } else if (end != std::string_view::npos) {
-      json object = json::parse(text.substr(at, end - at + 1), nullptr, false);
+      json object = json::parse(text.substr(at, end - at), nullptr, false);
       if (object.is_object()) {
-        next = end + 1;
+        next = end;
         if (object.contains("mass_g")) {
           if (found && *found != object) {
             return invalid_data(

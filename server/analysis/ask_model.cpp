@@ -89,7 +89,7 @@ void ask_model(const AnalysisTarget& target, const std::vector<SceneObjectFacts>
   for (const TargetView& look : *looks) {
     if (stop.stop_requested()) break;
     AnalysisQuestion question;
-    question.slots = fact_slots(*target.facts, target.offline, neighbours, nullptr);
+    question.slots = fact_slots(*target.facts, target.offline, neighbours);
     question.slots["camera"] = look.camera;
     question.images = look.images;
     const std::string key = question_hash(question, target, neighbours, state, options.prompt_version);

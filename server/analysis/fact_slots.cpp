@@ -2,52 +2,41 @@
 #include "analysis/fact_slots.h"
 
 #include <algorithm>
-#include <cstdarg>
-#include <cstdio>
 #include <vector>
 
 #include "analysis/object_kinds.h"
+#include "core/format_text.h"
 
 namespace livegs {
 namespace {
 
 constexpr size_t kNearestMaterials = 3;
 
-std::string text(const char* format, ...) __attribute__((format(printf, 1, 2)));
-std::string text(const char* format, ...) {
-  char buffer[400];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(buffer, sizeof buffer, format, arguments);
-  va_end(arguments);
-  return buffer;
-}
-
 std::string range(const v1::EstimatedValue& value, double factor, const char* unit) {
-  return text("%.4g %s (%.4g to %.4g)", factor * value.best(), unit, factor * value.low(),
-              factor * value.high());
+  return format_text("%.4g %s (%.4g to %.4g)", factor * value.best(), unit, factor * value.low(),
+                     factor * value.high());
 }
 
 std::string mesh_text(const MeshFacts& mesh) {
   const Eigen::Vector3d box_cm = 100 * sorted_box_m(mesh);
-  std::string line = text(
+  std::string line = format_text(
       "smallest box %.3g x %.3g x %.3g cm, encloses %.4g cm3, surface %.4g cm2, mean wall 2V/A %.3g mm, "
       "%.0f %% of its convex hull",
       box_cm[0], box_cm[1], box_cm[2], 1e6 * mesh.volume_m3, 1e4 * mesh.area_m2, 1e3 * mesh.mean_wall_m,
       100 * mesh.solidity);
-  if (mesh.openness > 0.15) line += text(", open to look into (%.0f %%)", 100 * mesh.openness);
+  if (mesh.openness > 0.15) line += format_text(", open to look into (%.0f %%)", 100 * mesh.openness);
   if (mesh.thin_sheet > 0.3) line += ", a thin sheet";
   if (mesh.rod > 0.3) line += ", a rod";
-  if (mesh.piece_count > 1) line += text(", %d pieces", mesh.piece_count);
+  if (mesh.piece_count > 1) line += format_text(", %d pieces", mesh.piece_count);
   return line + "; thin walls are drawn thicker than they are";
 }
 
 std::string looks_text(const AppearanceFacts& look) {
-  return text("mean colour #%02x%02x%02x, saturation %.2f, spread of hue %.2f rad, opacity %.2f, gloss %.2f",
-              static_cast<int>(255 * look.mean_rgb.x() + 0.5f),
-              static_cast<int>(255 * look.mean_rgb.y() + 0.5f),
-              static_cast<int>(255 * look.mean_rgb.z() + 0.5f), look.saturation, look.hue_spread,
-              look.mean_opacity, look.gloss);
+  return format_text(
+      "mean colour #%02x%02x%02x, saturation %.2f, spread of hue %.2f rad, opacity %.2f, gloss %.2f",
+      static_cast<int>(255 * look.mean_rgb.x() + 0.5f), static_cast<int>(255 * look.mean_rgb.y() + 0.5f),
+      static_cast<int>(255 * look.mean_rgb.z() + 0.5f), look.saturation, look.hue_spread, look.mean_opacity,
+      look.gloss);
 }
 
 std::string neighbours_text(std::span<const SceneObjectFacts> neighbours) {
@@ -56,12 +45,12 @@ std::string neighbours_text(std::span<const SceneObjectFacts> neighbours) {
   for (size_t i = 0; i < told; ++i) {
     const SceneObjectFacts& other = neighbours[neighbours.size() - 1 - i];  // newest first
     if (!lines.empty()) lines += '\n';
-    lines += text("- %.80s: ", other.name.c_str());
-    if (other.mass_kg > 0) lines += text("%.4g g, ", 1e3 * other.mass_kg);
+    lines += format_text("- %.80s: ", other.name.c_str());
+    if (other.mass_kg > 0) lines += format_text("%.4g g, ", 1e3 * other.mass_kg);
     if (!other.material.empty()) lines += other.material + ", ";
     if (!other.behavior.empty()) lines += other.behavior + ", ";
-    lines += text("%.3g x %.3g x %.3g m, %.3g m away%s", other.size_m.x(), other.size_m.y(), other.size_m.z(),
-                  other.distance_m, other.analysed ? "" : " (estimated offline)");
+    lines += format_text("%.3g x %.3g x %.3g m, %.3g m away%s", other.size_m.x(), other.size_m.y(),
+                         other.size_m.z(), other.distance_m, other.analysed ? "" : " (estimated offline)");
   }
   return lines;
 }
@@ -77,11 +66,11 @@ std::string materials_text(const Kinds& kinds) {
   std::string lines;
   for (const MaterialRow* row : nearest) {
     if (!lines.empty()) lines += '\n';
-    lines +=
-        text("- %s (%s): %.4g to %.4g kg/m3, Young's modulus %.3g MPa (%.3g to %.3g), plasticity %.2g%s",
-             row->name.c_str(), row->material_class.c_str(), row->density_kg_m3.low, row->density_kg_m3.high,
-             1e-6 * row->youngs_modulus_pa.best, 1e-6 * row->youngs_modulus_pa.low,
-             1e-6 * row->youngs_modulus_pa.high, row->plasticity, row->fragile ? ", fragile" : "");
+    lines += format_text(
+        "- %s (%s): %.4g to %.4g kg/m3, Young's modulus %.3g MPa (%.3g to %.3g), plasticity %.2g%s",
+        row->name.c_str(), row->material_class.c_str(), row->density_kg_m3.low, row->density_kg_m3.high,
+        1e-6 * row->youngs_modulus_pa.best, 1e-6 * row->youngs_modulus_pa.low,
+        1e-6 * row->youngs_modulus_pa.high, row->plasticity, row->fragile ? ", fragile" : "");
   }
   return lines;
 }
@@ -89,23 +78,22 @@ std::string materials_text(const Kinds& kinds) {
 }  // namespace
 
 std::map<std::string, std::string> fact_slots(const ObjectFacts& facts, const v1::PhysicalParameters& offline,
-                                              std::span<const SceneObjectFacts> neighbours,
-                                              const ObjectView* view) {
+                                              std::span<const SceneObjectFacts> neighbours) {
   std::map<std::string, std::string> slots;
   if (!facts.name.empty()) slots["name"] = facts.name;
   const Eigen::Vector3d& size = facts.mesh.size_m;
-  slots["size"] = text("%.3g x %.3g x %.3g m along its axes, y upwards", size.x(), size.y(), size.z());
+  slots["size"] = format_text("%.3g x %.3g x %.3g m along its axes, y upwards", size.x(), size.y(), size.z());
   slots["scale"] =
       facts.scale_known ? "known, metric" : "a guess: sizes may be off by a factor of two, masses by eight";
   slots["mesh"] = mesh_text(facts.mesh);
   if (facts.appearance.mean_opacity > 0) slots["looks"] = looks_text(facts.appearance);
-  if (view) slots["camera"] = describe_camera(*view);
   if (!neighbours.empty()) slots["neighbours"] = neighbours_text(neighbours);
   slots["materials"] = materials_text(object_kinds(facts));
-  slots["offline"] = text("%s of %s, mass %s, %s, confidence %.2f; ", offline.label().c_str(),
-                          offline.material().c_str(), range(offline.mass_kg(), 1e3, "g").c_str(),
-                          v1::Physics::Behavior_Name(offline.behavior()).c_str(), offline.confidence()) +
-                     offline.mass_kg().reason();
+  slots["offline"] =
+      format_text("%s of %s, mass %s, %s, confidence %.2f; ", offline.label().c_str(),
+                  offline.material().c_str(), range(offline.mass_kg(), 1e3, "g").c_str(),
+                  v1::Physics::Behavior_Name(offline.behavior()).c_str(), offline.confidence()) +
+      offline.mass_kg().reason();
   return slots;
 }
 

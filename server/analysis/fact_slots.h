@@ -6,7 +6,6 @@
 #include <string>
 
 #include "analysis/estimate.h"
-#include "analysis/object_views.h"
 #include "analysis/tool_box.h"
 
 namespace livegs {
@@ -15,12 +14,11 @@ namespace livegs {
 inline constexpr size_t kToldNeighbours = 12;
 
 // What is known of an object, as text for the slots of prompts/user.md: name, size, scale, mesh, looks,
-// camera, neighbours, materials, offline. Slots of which nothing is known are left out. Sizes in metres and
-// centimetres, masses in grams, moduli in MPa, as a model is asked to answer. `neighbours` in the order they
-// were analysed, oldest first: the newest kToldNeighbours are told, a line each. `view` may be null. Names
-// are as given: who fills the prompt quotes them.
+// neighbours, materials, offline (not camera, which belongs to a view). Slots of which nothing is known are
+// left out. Sizes in metres and centimetres, masses in grams, moduli in MPa, as a model is asked to answer.
+// `neighbours` in the order they were analysed, oldest first: the newest kToldNeighbours are told, a line
+// each. Names are as given: who fills the prompt quotes them.
 std::map<std::string, std::string> fact_slots(const ObjectFacts& facts, const v1::PhysicalParameters& offline,
-                                              std::span<const SceneObjectFacts> neighbours,
-                                              const ObjectView* view);
+                                              std::span<const SceneObjectFacts> neighbours);
 
 }  // namespace livegs

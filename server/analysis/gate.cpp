@@ -4,9 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/format_text.h"
 #include "physics/material.h"
 
-// Prior and fusion (steps 8 and 9 of the gate), and the gate as a whole.
+// Prior and fusion: steps 8 and 9 of the gate.
 
 namespace livegs {
 namespace {
@@ -36,12 +37,6 @@ void set(EstimatedValue& value, const Span3& span, std::string reason) {
   value.set_high(std::max(span.high, span.best));
   value.set_source(EstimatedValue::MODEL);
   value.set_reason(std::move(reason));
-}
-
-std::string text(const char* format, double a, double b = 0, double c = 0, double d = 0) {
-  char line[240];
-  std::snprintf(line, sizeof line, format, a, b, c, d);
-  return line;
 }
 
 double deviation(const Span3& span) {
@@ -105,11 +100,11 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
   } else if (kMassRange_kg.holds(mass.best())) {
     const Span3 both = fuse(answer.mass_kg, span_of(mass), kMassRange_kg);
     set(mass, both,
-        text("%.4g g by the model and %.4g g by geometry and kind, weighed by their ranges; ",
-             answer.mass_kg.best * 1e3, mass.best() * 1e3) +
+        format_text("%.4g g by the model and %.4g g by geometry and kind, weighed by their ranges; ",
+                    answer.mass_kg.best * 1e3, mass.best() * 1e3) +
             model_says(answer));
-    changes.push_back(text("mass_g: %.4g fused with %.4g to %.4g", answer.mass_kg.best * 1e3,
-                           offline.mass_kg().best() * 1e3, both.best * 1e3));
+    changes.push_back(format_text("mass_g: %.4g fused with %.4g to %.4g", answer.mass_kg.best * 1e3,
+                                  offline.mass_kg().best() * 1e3, both.best * 1e3));
   } else {
     set(mass, answer.mass_kg, model_says(answer));
   }
@@ -119,11 +114,12 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
     if (answer.youngs_modulus_pa && same_class && kYoungsRange_pa.holds(young.best())) {
       const double prior = young.best();
       set(young, fuse(*answer.youngs_modulus_pa, span_of(young), kYoungsRange_pa),
-          text("%.3g MPa by the model, weighed with the table's %.3g MPa; ",
-               answer.youngs_modulus_pa->best * 1e-6, prior * 1e-6) +
+          format_text("%.3g MPa by the model, weighed with the table's %.3g MPa; ",
+                      answer.youngs_modulus_pa->best * 1e-6, prior * 1e-6) +
               material.name);
-      changes.push_back(text("young_mpa: %.4g fused with %.4g to %.4g", answer.youngs_modulus_pa->best * 1e-6,
-                             prior * 1e-6, young.best() * 1e-6));
+      changes.push_back(format_text("young_mpa: %.4g fused with %.4g to %.4g",
+                                    answer.youngs_modulus_pa->best * 1e-6, prior * 1e-6,
+                                    young.best() * 1e-6));
     } else if (answer.youngs_modulus_pa) {
       set(young, *answer.youngs_modulus_pa, "by the model; " + material.name);
     } else if (!same_class) {
@@ -176,7 +172,8 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
         "from E* = s E by the paper's map");
   }
   result.set_behavior(answer.behavior);
-  result.set_behavior_reason(text("E* = s E = %.3g MPa; ", s.best * e.best * 1e-6) + model_says(answer));
+  result.set_behavior_reason(format_text("E* = s E = %.3g MPa; ", s.best * e.best * 1e-6) +
+                             model_says(answer));
   result.set_fragile(answer.fragile);
   if (answer.fragile && !locked(result.break_impulse_n_s())) {
     // Falls of 0.2, 0.5 and 1.2 m, as the offline estimate has them.
@@ -194,8 +191,9 @@ std::string far_from_prior(const Answer& answer, const v1::PhysicalParameters& o
     return !within && std::abs(std::log(value / prior.best())) > std::log(kFarFromPrior);
   };
   if (!locked(mass) && mass.best() > 0 && far(answer.mass_kg.best, mass)) {
-    return text("mass_g.best: %.4g g is more than %g times away from the %.4g g that size and kind suggest",
-                answer.mass_kg.best * 1e3, kFarFromPrior, mass.best() * 1e3);
+    return format_text(
+        "mass_g.best: %.4g g is more than %g times away from the %.4g g that size and kind suggest",
+        answer.mass_kg.best * 1e3, kFarFromPrior, mass.best() * 1e3);
   }
   const EstimatedValue& young = offline.youngs_modulus_pa();
   if (!locked(young) && answer.youngs_modulus_pa && offline.confidence() >= kTellingConfidence &&
@@ -211,7 +209,7 @@ std::string far_from_prior(const Answer& answer, const v1::PhysicalParameters& o
     // Above E* = 200 MPa all things are rigid, and how much above does not matter.
     const bool both_rigid = told > 200e6 && prior.best() > 200e6;
     if (prior.best() > 0 && !both_rigid && far(told, prior)) {
-      return text(
+      return format_text(
           "young_mpa.best: s E = %.3g MPa is more than %g times away from the %.3g MPa that its kind "
           "suggests",
           told * 1e-6, kFarFromPrior, prior.best() * 1e-6);
@@ -231,17 +229,6 @@ Judgement weigh_answer(const Answer& answer, const ObjectFacts& facts,
   judgement.verdict = judgement.message.empty() ? Verdict::Accepted : Verdict::NeedsReview;
   judgement.parameters = judgement.message.empty() ? judgement.proposal : offline;
   return judgement;
-}
-
-Judgement judge_answer(std::string_view raw, const ObjectFacts& facts,
-                       const v1::PhysicalParameters& offline) {
-  auto answer = read_answer(raw);
-  if (answer) answer = examine_answer(std::move(*answer), facts, offline);
-  if (answer) return weigh_answer(*answer, facts, offline);
-  Judgement refused;
-  refused.parameters = offline;
-  refused.message = answer.error().message;
-  return refused;
 }
 
 }  // namespace livegs

@@ -3,7 +3,6 @@
 
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "analysis/answer.h"
@@ -38,11 +37,8 @@ struct Judgement {
 // turn.
 Result<Answer> examine_answer(Answer answer, const ObjectFacts& facts, const v1::PhysicalParameters& offline);
 
-// Steps 8 and 9: prior and fusion by inverse variance in log space.
+// Steps 8 and 9: prior and fusion by inverse variance in log space. `offline` is what the object has now.
 Judgement weigh_answer(const Answer& answer, const ObjectFacts& facts, const v1::PhysicalParameters& offline);
-
-// All of it. `offline` is what the object has now. Pure; any bytes; any thread.
-Judgement judge_answer(std::string_view raw, const ObjectFacts& facts, const v1::PhysicalParameters& offline);
 
 // One answer from several about the same object (views): medians, of logarithms for mass, Young's modulus and
 // s; the majority for the rest, the first of equals. The range of the mass covers what the answers disagree

@@ -22,6 +22,16 @@ using OrderedJson = nlohmann::ordered_json;
 
 inline constexpr int kMaxJsonDepth = 64;
 
+// Where the first object or array at or after `begin` ends, by its brackets alone: those in strings do not
+// count, and which kind closes which is left to the parser.
+struct JsonExtent {
+  std::size_t end = std::string_view::npos;  // one past the closing bracket; npos: it never closes
+  int depth = 0;                             // the deepest nesting up to there
+};
+// Gives up where more than `max_depth` brackets are open: depth is then max_depth + 1 and end npos. A closing
+// bracket before any that opens ends it too.
+JsonExtent json_extent(std::string_view text, std::size_t begin, int max_depth);
+
 Result<Json> parse_json(std::string_view text);
 
 // On one line; bytes that are not UTF-8 become U+FFFD.
@@ -36,9 +46,5 @@ std::optional<double> number_member(const Json& object, const char* key);
 // The object that a model wrote, out of its prose, code fences or thoughts: the last one that has the most of
 // `wanted` (also one level inside a wrapper). nullopt where there is no JSON object.
 std::optional<Json> find_json_object(std::string_view text, std::span<const std::string> wanted);
-
-// What is wrong with `value` by a schema of the portable strict subset (type, enum, properties, required,
-// additionalProperties, items, anyOf), naming the place: "mass_g.low: not a number". Empty when nothing is.
-std::string schema_complaint(const Json& value, const Json& schema);
 
 }  // namespace livegs

@@ -85,12 +85,11 @@ Result<PromptSet> PromptSet::load(const std::filesystem::path& folder) {
   if (!schema) return schema.error();
   put_materials(*schema);
   set.schema_ = std::move(*schema);
-  auto plain = parse_json(dump_json(set.schema_));
-  if (!plain || !member(*plain, "required") || !member(*plain, "required")->is_array()) {
+  const auto required = set.schema_.find("required");
+  if (required == set.schema_.end() || !required->is_array()) {
     return invalid_data("prompts/answer.schema.json: has no required properties");
   }
-  set.schema_to_check_ = std::move(*plain);
-  for (const OrderedJson& field : set.schema_["required"]) {
+  for (const OrderedJson& field : *required) {
     if (field.is_string()) set.fields_.push_back(field.get<std::string>());
   }
   auto examples = parse_file("examples.json", set.text("examples.json"));

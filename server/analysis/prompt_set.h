@@ -29,7 +29,6 @@ class PromptSet {
   std::string search(const std::map<std::string, std::string>& slots) const;
 
   const OrderedJson& answer_schema() const { return schema_; }
-  const Json& answer_schema_to_check() const { return schema_to_check_; }
   const std::vector<std::string>& answer_fields() const { return fields_; }
   const OrderedJson& tools() const { return tools_; }  // as a request has them
   int example_count() const { return static_cast<int>(examples_.size()); }
@@ -40,7 +39,6 @@ class PromptSet {
   std::map<std::string, std::string> texts_;
   std::string version_;
   OrderedJson schema_, tools_, examples_;
-  Json schema_to_check_;
   std::vector<std::string> fields_;
 };
 

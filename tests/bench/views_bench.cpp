@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
       if (!write_png(folder / (name + "_" + what + ".png"), *image)) return 1;
     }
     if (!object.facts) continue;
-    for (const auto& [slot, value] : fact_slots(*object.facts, object.physics, {}, &view)) {
+    for (const auto& [slot, value] : fact_slots(*object.facts, object.physics, {})) {
       std::printf("  %s: %s\n", slot.c_str(), value.c_str());
     }
   }

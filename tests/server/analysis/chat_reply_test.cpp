@@ -195,18 +195,5 @@ TEST(Secret, ItsPageIsLeftOutOfCoreFiles) {
   EXPECT_TRUE(left_out);
 }
 
-TEST(FindJsonObject, TakesTheObjectWithTheMostOfWhatIsWanted) {
-  const std::vector<std::string> wanted = {"mass_g", "fill"};
-  const auto found = [&](std::string_view text) {
-    const auto object = find_json_object(text, wanted);
-    return object ? dump_json(*object) : "";
-  };
-  EXPECT_EQ(found(R"(a {"mass_g":1,"fill":"s"} b {"x":1})"), R"({"fill":"s","mass_g":1})");
-  EXPECT_EQ(found(R"({"mass_g":1} then {"mass_g":2})"), R"({"mass_g":2})");  // the last of equals
-  EXPECT_EQ(found(R"({"a":"}{","mass_g":3})"), R"({"a":"}{","mass_g":3})");
-  EXPECT_EQ(found("none { here"), "");
-  EXPECT_EQ(found(std::string(100000, '{')), "");
-}
-
 }  // namespace
 }  // namespace livegs

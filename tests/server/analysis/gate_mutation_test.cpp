@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "analysis/gate.h"
 #include "server/analysis/answer_fixtures.h"
 #include "server/analysis/answer_mutations.h"
+#include "server/analysis/judge_answer.h"
 
 namespace livegs {
 namespace {

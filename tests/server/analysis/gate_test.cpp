@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "analysis/gate.h"
 #include "server/analysis/answer_fixtures.h"
+#include "server/analysis/judge_answer.h"
 
 namespace livegs {
 namespace {
