@@ -58,7 +58,8 @@ Result<void> SceneView::change(uint32_t object_id, std::shared_ptr<const Gaussia
   }
   auto bindings = bind_kernels(*asset, rest);
   if (!bindings) {
-    return Error{bindings.error().code, "object " + std::to_string(object_id) + ": " + bindings.error().message};
+    return Error{bindings.error().code,
+                 "object " + std::to_string(object_id) + ": " + bindings.error().message};
   }
   Object& object = objects_[object_id][rest.revision];
   object.asset = std::move(asset);
@@ -87,7 +88,8 @@ Result<void> SceneView::pose(const DriverFrame& frame) {
     if (found == objects_.end()) continue;
     std::map<uint32_t, Object>& revisions = found->second;
     // Shown moments ascend: what is older than this frame is not asked for again.
-    if (revisions.contains(drivers.revision)) revisions.erase(revisions.begin(), revisions.find(drivers.revision));
+    if (revisions.contains(drivers.revision))
+      revisions.erase(revisions.begin(), revisions.find(drivers.revision));
     Object& object = revisions.begin()->second;
     visible_.push_back(drivers.object_id);
     if (object.posed_by && same_drivers(*object.posed_by, drivers)) continue;

@@ -25,8 +25,8 @@ class SceneView {
   // Ties the kernels to their drivers: about 0.1 s for 300k kernels. An id that is there already is replaced.
   Result<void> add(uint32_t object_id, std::shared_ptr<const GaussianAsset> asset, RestBody rest,
                    bool environment);
-  // The same for an object that broke. Frames that name an earlier revision are drawn as before, until one of the new
-  // revision was; so are all frames if the revision is not a new one.
+  // The same for an object that broke. Frames that name an earlier revision are drawn as before, until one of
+  // the new revision was; so are all frames if the revision is not a new one.
   Result<void> change(uint32_t object_id, std::shared_ptr<const GaussianAsset> asset, RestBody rest,
                       bool environment);
   void remove(uint32_t object_id);

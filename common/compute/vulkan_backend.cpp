@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "compute/vulkan_commands.h"
 #include "compute/vulkan_handles.h"
 #include "compute/vulkan_memory.h"
 #include "compute/vulkan_pipeline.h"
@@ -19,7 +20,7 @@ namespace {
 constexpr VkDeviceSize kStagingBytes = VkDeviceSize{8} << 20;
 constexpr uint32_t kMaxRecordedDispatches = 256;  // then they run before the next is recorded
 
-class VulkanBackend final : public Backend {
+class VulkanBackend final : public Backend, public VulkanCommands {
  public:
   explicit VulkanBackend(std::shared_ptr<VulkanDevice> device)
       : device_(std::move(device)), handles_(device_->handles()), vk_(handles_.vk), memory_(handles_) {}
@@ -34,6 +35,9 @@ class VulkanBackend final : public Backend {
                         std::span<const std::byte> constants, uint32_t count) override;
   Result<void> submit() override;
   Result<void> read(BufferId buffer, std::span<std::byte> bytes) override;
+
+  Result<VkCommandBuffer> record() override;
+  VkBuffer buffer_of(BufferId buffer) const override;
 
  private:
   struct Buffer {
@@ -159,8 +163,8 @@ Result<BufferId> VulkanBackend::create_buffer(size_t bytes) {
   }
   auto info = vulkan_info<VkBufferCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO);
   info.size = bytes;
-  info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
-               VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
+               VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
   Buffer made{VK_NULL_HANDLE, {}, bytes};
   if (const VkResult result = vk_.CreateBuffer(handles_.device, &info, nullptr, &made.buffer);
       result != VK_SUCCESS) {
@@ -348,7 +352,20 @@ Result<void> VulkanBackend::dispatch(const Pass& pass, std::span<const BufferId>
 
 Result<void> VulkanBackend::submit() { return finish(); }
 
+Result<VkCommandBuffer> VulkanBackend::record() {
+  if (auto begun = begin(); !begun) return begun.error();
+  barrier();
+  return Result<VkCommandBuffer>(commands_);
+}
+
+VkBuffer VulkanBackend::buffer_of(BufferId buffer) const {
+  const auto found = buffers_.find(buffer);
+  return found == buffers_.end() ? VK_NULL_HANDLE : found->second.buffer;
+}
+
 }  // namespace
+
+VulkanCommands* vulkan_commands(Backend& backend) { return dynamic_cast<VulkanCommands*>(&backend); }
 
 Result<std::unique_ptr<Backend>> create_vulkan_backend(std::shared_ptr<VulkanDevice> device) {
   auto backend = std::make_unique<VulkanBackend>(std::move(device));

@@ -144,6 +144,7 @@ int preference(VkPhysicalDeviceType type) {
   }
 }
 
+// Multiview and dynamic rendering need no asking: Vulkan 1.3 demands both.
 bool has_features(const VulkanFunctions& vk, VkPhysicalDevice device) {
   auto features13 =
       vulkan_info<VkPhysicalDeviceVulkan13Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES);
@@ -160,14 +161,18 @@ bool has_limits(const VkPhysicalDeviceLimits& limits) {
          limits.maxComputeWorkGroupSize[0] >= kMaxPassGroupSize;
 }
 
-// The first queue family that can compute; a family that computes can copy.
-bool find_queue_family(const VulkanFunctions& vk, VkPhysicalDevice device, uint32_t& family) {
+// The first queue family that can compute and draw, else the first that can compute; either can copy.
+bool find_queue_family(const VulkanFunctions& vk, VkPhysicalDevice device, uint32_t& family, bool& draws) {
   uint32_t count = 0;
   vk.GetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
   vk.GetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
-  for (family = 0; family < count; ++family) {
-    if (families[family].queueFlags & VK_QUEUE_COMPUTE_BIT) return true;
+  for (const VkQueueFlags wanted :
+       {VkQueueFlags{VK_QUEUE_COMPUTE_BIT | VK_QUEUE_GRAPHICS_BIT}, VkQueueFlags{VK_QUEUE_COMPUTE_BIT}}) {
+    for (family = 0; family < count; ++family) {
+      draws = (wanted & VK_QUEUE_GRAPHICS_BIT) != 0;
+      if ((families[family].queueFlags & wanted) == wanted) return true;
+    }
   }
   return false;
 }
@@ -185,15 +190,17 @@ Result<void> choose_physical_device(VulkanHandles& handles) {
     VkPhysicalDeviceProperties properties;
     vk.GetPhysicalDeviceProperties(device, &properties);
     uint32_t family = 0;
+    bool draws = false;
     if (properties.apiVersion < VK_API_VERSION_1_3 || preference(properties.deviceType) <= best ||
         !has_features(vk, device) || !has_limits(properties.limits) ||
-        !find_queue_family(vk, device, family)) {
+        !find_queue_family(vk, device, family, draws)) {
       continue;
     }
     best = preference(properties.deviceType);
     handles.physical_device = device;
     handles.properties = properties;
     handles.queue_family = family;
+    handles.draws = draws;
   }
   if (best == 0) {
     return Error{ErrorCode::Unavailable, "vulkan: none of " + std::to_string(devices.size()) +
@@ -215,8 +222,13 @@ Result<void> create_device(VulkanHandles& handles) {
       vulkan_info<VkPhysicalDeviceVulkan13Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES);
   features13.synchronization2 = VK_TRUE;
   features13.maintenance4 = VK_TRUE;  // a group size by specialization constant is LocalSizeId in SPIR-V 1.6
+  features13.dynamicRendering = handles.draws ? VK_TRUE : VK_FALSE;
+  auto features11 =
+      vulkan_info<VkPhysicalDeviceVulkan11Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES);
+  features11.multiview = handles.draws ? VK_TRUE : VK_FALSE;
+  features11.pNext = &features13;
   auto info = vulkan_info<VkDeviceCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO);
-  info.pNext = &features13;
+  info.pNext = &features11;
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queue;
   if (const VkResult made = handles.vk.CreateDevice(handles.physical_device, &info, nullptr, &handles.device);
@@ -239,6 +251,7 @@ VulkanHandles::~VulkanHandles() {
 VulkanDevice::VulkanDevice(std::unique_ptr<VulkanHandles> handles) : handles_(std::move(handles)) {}
 VulkanDevice::~VulkanDevice() = default;
 
+bool VulkanDevice::can_draw() const { return handles_->draws; }
 const std::string& VulkanDevice::name() const { return handles_->name; }
 
 Result<std::shared_ptr<VulkanDevice>> VulkanDevice::create(const VulkanDeviceOptions& options) {

@@ -20,7 +20,7 @@ struct VulkanDeviceOptions {
   std::function<void(const std::string& message)> on_validation_message;
 };
 
-// A Vulkan 1.3 device with one queue that can compute. The loader is opened when it is first needed, so
+// A Vulkan 1.3 device with one queue that can compute, and draw where the device can at all. The loader is opened when it is first needed, so
 // programs start on machines without Vulkan.
 class VulkanDevice {
  public:
@@ -33,9 +33,10 @@ class VulkanDevice {
   VulkanDevice(const VulkanDevice&) = delete;
   VulkanDevice& operator=(const VulkanDevice&) = delete;
 
+  bool can_draw() const;
   const std::string& name() const;  // as the driver tells it: "llvmpipe (LLVM 15.0.6, 256 bits)"
 
-  // Inside the room.
+  // For this room and client/render.
   const VulkanHandles& handles() const { return *handles_; }
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Inside the room, for its .cpp files only: no other header shows Vulkan's.
+// For the .cpp files of this room and of client/render, which draws: no other header shows Vulkan's.
 
 #define VK_NO_PROTOTYPES
 #include <vulkan/vulkan.h>
@@ -27,7 +27,10 @@ namespace livegs {
   X(CreateCommandPool) X(DestroyCommandPool) X(ResetCommandPool) X(AllocateCommandBuffers)                 \
   X(BeginCommandBuffer) X(EndCommandBuffer) X(CmdPipelineBarrier2) X(CmdBindPipeline)                      \
   X(CmdBindDescriptorSets) X(CmdPushConstants) X(CmdDispatch) X(CmdCopyBuffer) X(QueueSubmit2)             \
-  X(CreateFence) X(DestroyFence) X(ResetFences) X(WaitForFences)
+  X(CreateFence) X(DestroyFence) X(ResetFences) X(WaitForFences) X(CreateImage) X(DestroyImage)            \
+  X(GetImageMemoryRequirements) X(BindImageMemory) X(CreateImageView) X(DestroyImageView)                  \
+  X(CreateGraphicsPipelines) X(CmdBeginRendering) X(CmdEndRendering) X(CmdSetViewport) X(CmdSetScissor)    \
+  X(CmdDraw) X(CmdDrawIndirect) X(CmdCopyImageToBuffer) X(GetPhysicalDeviceFormatProperties)
 // clang-format on
 
 struct VulkanFunctions {
@@ -58,6 +61,7 @@ struct VulkanHandles {
   VkDevice device = VK_NULL_HANDLE;
   VkQueue queue = VK_NULL_HANDLE;
   uint32_t queue_family = 0;
+  bool draws = false;  // the queue draws as well, and multiview and dynamic rendering are on
   std::string name;
 };
 

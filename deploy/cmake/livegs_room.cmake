@@ -90,20 +90,29 @@ function(livegs_embed_text target file constant)
   target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/embedded)
 endfunction()
 
-# livegs_add_pass(TARGET NAME)
-#   Compiles NAME.comp.glsl, beside the CMakeLists.txt, to SPIR-V in the build tree, where NAME.spv.h holds it as the
-#   array NAME_spirv. Shaders include with the room in the path, as C++ does.
-function(livegs_add_pass target name)
+# livegs_add_shader(TARGET NAME STAGE)
+#   Compiles NAME.STAGE.glsl (comp, vert or frag), beside the CMakeLists.txt, to SPIR-V in the build tree, where
+#   NAME.spv.h, or NAME_STAGE.spv.h if it is not comp, holds it as the array NAME[_STAGE]_spirv. Shaders include with the
+#   room in the path, as C++ does.
+function(livegs_add_shader target name stage)
   find_program(LIVEGS_GLSLANG glslangValidator REQUIRED)
-  set(source ${CMAKE_CURRENT_SOURCE_DIR}/${name}.comp.glsl)
+  set(source ${CMAKE_CURRENT_SOURCE_DIR}/${name}.${stage}.glsl)
+  if(NOT stage STREQUAL "comp")
+    string(APPEND name _${stage})
+  endif()
   set(header ${CMAKE_CURRENT_BINARY_DIR}/passes/${name}.spv.h)
   file(MAKE_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/passes)
   add_custom_command(OUTPUT ${header}
-    COMMAND ${LIVEGS_GLSLANG} --quiet --target-env vulkan1.3 -S comp -I${CMAKE_CURRENT_SOURCE_DIR}/..
-            --vn ${name}_spirv --depfile ${header}.d -o ${header} ${source}
+    COMMAND ${LIVEGS_GLSLANG} --quiet --target-env vulkan1.3 -S ${stage} -I${CMAKE_CURRENT_SOURCE_DIR}/..
+            -I${CMAKE_SOURCE_DIR}/common --vn ${name}_spirv --depfile ${header}.d -o ${header} ${source}
     DEPENDS ${source}
     DEPFILE ${header}.d
     VERBATIM)
   target_sources(${target} PRIVATE ${header})
   target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/passes)
+endfunction()
+
+# livegs_add_pass(TARGET NAME): the shader of a pass.
+function(livegs_add_pass target name)
+  livegs_add_shader(${target} ${name} comp)
 endfunction()

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/eye_images.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "core/parallel_for.h"
+#include "splat/half_float.h"
+
+namespace livegs {
+
+Result<std::unique_ptr<EyeImages>> EyeImages::create(const VulkanHandles& handles, VkFormat blended_format,
+                                                     int width, int height, int eyes) {
+  std::unique_ptr<EyeImages> images(new EyeImages(handles, blended_format, width, height, eyes));
+  constexpr VkImageUsageFlags kBoth = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+  if (auto made = images->make_layers(blended_format, kBoth | VK_IMAGE_USAGE_SAMPLED_BIT, images->blended_);
+      !made)
+    return made.error();
+  if (auto made = images->make_layers(kResolvedFormat, kBoth, images->resolved_); !made) return made.error();
+  if (auto made = images->make_readback(); !made) return made.error();
+  return Result<std::unique_ptr<EyeImages>>(std::move(images));
+}
+
+EyeImages::~EyeImages() {
+  const VulkanFunctions& vk = handles_.vk;
+  for (const Layers& layers : {blended_, resolved_}) {
+    vk.DestroyImageView(handles_.device, layers.view, nullptr);
+    for (const VkImageView view : layers.of_eye) vk.DestroyImageView(handles_.device, view, nullptr);
+    vk.DestroyImage(handles_.device, layers.image, nullptr);
+  }
+  vk.DestroyBuffer(handles_.device, readback_, nullptr);
+  vk.FreeMemory(handles_.device, readback_memory_, nullptr);
+}
+
+Result<void> EyeImages::make_layers(VkFormat format, VkImageUsageFlags usage, Layers& layers) {
+  const VulkanFunctions& vk = handles_.vk;
+  auto info = vulkan_info<VkImageCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO);
+  info.imageType = VK_IMAGE_TYPE_2D;
+  info.format = format;
+  info.extent = {static_cast<uint32_t>(width_), static_cast<uint32_t>(height_), 1};
+  info.mipLevels = 1;
+  info.arrayLayers = static_cast<uint32_t>(eyes_);
+  info.samples = VK_SAMPLE_COUNT_1_BIT;
+  info.tiling = VK_IMAGE_TILING_OPTIMAL;
+  info.usage = usage;
+  if (const VkResult made = vk.CreateImage(handles_.device, &info, nullptr, &layers.image);
+      made != VK_SUCCESS) {
+    return vulkan_error("vkCreateImage", made);
+  }
+  VkMemoryRequirements needs;
+  vk.GetImageMemoryRequirements(handles_.device, layers.image, &needs);
+  auto range = memory_.allocate(needs);
+  if (!range) return range.error();
+  if (const VkResult bound =
+          vk.BindImageMemory(handles_.device, layers.image, memory_.memory_of(*range), range->offset);
+      bound != VK_SUCCESS) {
+    return vulkan_error("vkBindImageMemory", bound);
+  }
+  for (int e = -1; e < eyes_; ++e) {
+    auto view = vulkan_info<VkImageViewCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO);
+    view.image = layers.image;
+    view.viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY;
+    view.format = format;
+    view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, static_cast<uint32_t>(std::max(e, 0)),
+                             static_cast<uint32_t>(e < 0 ? eyes_ : 1)};
+    VkImageView& made_view = e < 0 ? layers.view : layers.of_eye[e];
+    if (const VkResult made = vk.CreateImageView(handles_.device, &view, nullptr, &made_view);
+        made != VK_SUCCESS) {
+      return vulkan_error("vkCreateImageView", made);
+    }
+  }
+  return {};
+}
+
+Result<void> EyeImages::make_readback() {
+  const VulkanFunctions& vk = handles_.vk;
+  auto info = vulkan_info<VkBufferCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO);
+  info.size = blended_pixel_bytes() * static_cast<size_t>(width_) * height_ * eyes_;
+  info.usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  if (const VkResult made = vk.CreateBuffer(handles_.device, &info, nullptr, &readback_);
+      made != VK_SUCCESS) {
+    return vulkan_error("vkCreateBuffer", made);
+  }
+  VkMemoryRequirements needs;
+  vk.GetBufferMemoryRequirements(handles_.device, readback_, &needs);
+  constexpr VkMemoryPropertyFlags kCoherent =
+      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+  auto allocation = vulkan_info<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
+  allocation.allocationSize = needs.size;
+  if (!find_memory_type(handles_, needs.memoryTypeBits, kCoherent | VK_MEMORY_PROPERTY_HOST_CACHED_BIT,
+                        allocation.memoryTypeIndex) &&
+      !find_memory_type(handles_, needs.memoryTypeBits, kCoherent, allocation.memoryTypeIndex)) {
+    return Error{ErrorCode::Unavailable,
+                 "vulkan: the device has no memory the host can see; is the driver well?"};
+  }
+  if (const VkResult made = vk.AllocateMemory(handles_.device, &allocation, nullptr, &readback_memory_);
+      made != VK_SUCCESS) {
+    return vulkan_error("vkAllocateMemory", made);
+  }
+  if (const VkResult bound = vk.BindBufferMemory(handles_.device, readback_, readback_memory_, 0);
+      bound != VK_SUCCESS) {
+    return vulkan_error("vkBindBufferMemory", bound);
+  }
+  void* mapped = nullptr;
+  if (const VkResult done = vk.MapMemory(handles_.device, readback_memory_, 0, VK_WHOLE_SIZE, 0, &mapped);
+      done != VK_SUCCESS) {
+    return vulkan_error("vkMapMemory", done);
+  }
+  readback_bytes_ = static_cast<const std::byte*>(mapped);
+  return {};
+}
+
+void EyeImages::copy(VkCommandBuffer commands, VkImage image) {
+  VkBufferImageCopy region{};
+  region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, static_cast<uint32_t>(eyes_)};
+  region.imageExtent = {static_cast<uint32_t>(width_), static_cast<uint32_t>(height_), 1};
+  handles_.vk.CmdCopyImageToBuffer(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, readback_, 1,
+                                   &region);
+}
+
+void EyeImages::copy_resolved(VkCommandBuffer commands) { copy(commands, resolved_.image); }
+void EyeImages::copy_blended(VkCommandBuffer commands) { copy(commands, blended_.image); }
+
+namespace {
+
+// One image a layer; `to_floats` turns `count` values from `at` on.
+template <class ToFloats>
+void read_layers(int width, int height, int eyes, std::vector<Image>& images, const ToFloats& to_floats) {
+  images.resize(static_cast<size_t>(eyes));
+  const size_t row = size_t{4} * width;
+  for (size_t e = 0; e < images.size(); ++e) {
+    Image& image = images[e];
+    image.width = width;
+    image.height = height;
+    image.pixels.resize(row * height);
+    parallel_for(static_cast<size_t>(height), 32, [&](size_t begin, size_t end) {
+      to_floats((e * height + begin) * row, (end - begin) * row, image.pixels.data() + begin * row);
+    });
+  }
+}
+
+}  // namespace
+
+void EyeImages::read_resolved(std::vector<Image>& images) const {
+  read_layers(width_, height_, eyes_, images, [&](size_t at, size_t count, float* values) {
+    for (size_t i = 0; i < count; ++i)
+      values[i] = static_cast<float>(std::to_integer<int>(readback_bytes_[at + i])) / 255.0f;
+  });
+}
+
+void EyeImages::read_blended(std::vector<Image>& images) const {
+  read_layers(width_, height_, eyes_, images, [&](size_t at, size_t count, float* values) {
+    if (blended_format_ == VK_FORMAT_R32G32B32A32_SFLOAT) {
+      std::memcpy(values, readback_bytes_ + 4 * at, 4 * count);
+      return;
+    }
+    for (size_t i = 0; i < count; ++i) {
+      uint16_t half;
+      std::memcpy(&half, readback_bytes_ + 2 * (at + i), 2);
+      values[i] = float_of_half(half);
+    }
+  });
+}
+
+}  // namespace livegs

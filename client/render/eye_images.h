@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "compute/vulkan_handles.h"
+#include "compute/vulkan_memory.h"
+#include "splat/image.h"
+
+namespace livegs {
+
+// Two images of one layer an eye: what splats are blended into, and what the resolve writes; and memory
+// through which either comes back.
+class EyeImages {
+ public:
+  // blended_format: RGBA of 16- or 32-bit floats. width, height in px, eyes 1 or 2.
+  static Result<std::unique_ptr<EyeImages>> create(const VulkanHandles& handles, VkFormat blended_format,
+                                                   int width, int height, int eyes);
+  ~EyeImages();
+  EyeImages(const EyeImages&) = delete;
+  EyeImages& operator=(const EyeImages&) = delete;
+
+  static constexpr VkFormat kResolvedFormat = VK_FORMAT_R8G8B8A8_SRGB;
+
+  bool is_of(int width, int height, int eyes) const {
+    return width == width_ && height == height_ && eyes == eyes_;
+  }
+  int width() const { return width_; }
+  int height() const { return height_; }
+  int eyes() const { return eyes_; }
+  VkImage blended() const { return blended_.image; }
+  VkImageView blended_view() const { return blended_.view; }  // of all eyes
+  VkImage resolved() const { return resolved_.image; }
+  VkImageView resolved_view() const { return resolved_.view; }
+  // What a draw to `count` eyes from `first` on draws to: all of them, or one.
+  VkImageView blended_target(int first, int count) const { return target(blended_, first, count); }
+  VkImageView resolved_target(int first, int count) const { return target(resolved_, first, count); }
+
+  // Records a copy of one of the images, which is in TRANSFER_SRC_OPTIMAL.
+  void copy_resolved(VkCommandBuffer commands);
+  void copy_blended(VkCommandBuffer commands);
+  // What was copied, once the commands are done. Of the blended image: premultiplied colour, coverage.
+  void read_resolved(std::vector<Image>& images) const;
+  void read_blended(std::vector<Image>& images) const;
+
+ private:
+  struct Layers {
+    VkImage image = VK_NULL_HANDLE;
+    VkImageView view = VK_NULL_HANDLE;
+    VkImageView of_eye[2]{};
+  };
+
+  EyeImages(const VulkanHandles& handles, VkFormat blended_format, int width, int height, int eyes)
+      : handles_(handles),
+        memory_(handles),
+        blended_format_(blended_format),
+        width_(width),
+        height_(height),
+        eyes_(eyes) {}
+  VkImageView target(const Layers& layers, int first, int count) const {
+    return count == eyes_ ? layers.view : layers.of_eye[first];
+  }
+  Result<void> make_layers(VkFormat format, VkImageUsageFlags usage, Layers& layers);
+  Result<void> make_readback();
+  void copy(VkCommandBuffer commands, VkImage image);
+  size_t blended_pixel_bytes() const { return blended_format_ == VK_FORMAT_R32G32B32A32_SFLOAT ? 16 : 8; }
+
+  const VulkanHandles& handles_;
+  VulkanMemory memory_;  // for images alone, which may not lie beside buffers everywhere
+  VkFormat blended_format_;
+  int width_, height_, eyes_;
+  Layers blended_, resolved_;
+  VkBuffer readback_ = VK_NULL_HANDLE;
+  VkDeviceMemory readback_memory_ = VK_NULL_HANDLE;
+  const std::byte* readback_bytes_ = nullptr;
+};
+
+}  // namespace livegs

@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/splat_painter.h"
+
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "compute/vulkan_commands.h"
+#include "core/assert.h"
+#include "core/log.h"
+#include "draw_splats_frag.spv.h"
+#include "draw_splats_vert.spv.h"
+#include "render/draw_pipeline.h"
+#include "render/draw_splats_layout.h"
+#include "render/eye_images.h"
+#include "resolve_eyes_frag.spv.h"
+#include "resolve_eyes_vert.spv.h"
+
+namespace livegs {
+namespace {
+
+class VulkanSplatPainter final : public SplatPainter {
+ public:
+  VulkanSplatPainter(Backend& backend, VulkanCommands& commands, const VulkanHandles& handles)
+      : backend_(backend), commands_(commands), handles_(handles), draw_(handles), resolve_(handles) {}
+  ~VulkanSplatPainter() override { (void)backend_.submit(); }  // nothing recorded outlives what it names
+
+  Result<void> create(const Options& options);
+  Result<void> paint(const FrameSplats& frame, int width, int height, int eyes) override;
+  Result<void> resolve(const Eigen::Vector3f& background) override;
+  Result<void> read(std::vector<Image>& images) override;
+  Result<void> read_blended(std::vector<Image>& images) override;
+
+ private:
+  void transition(VkCommandBuffer commands, VkImage image, VkImageLayout from, VkImageLayout to);
+  void begin_rendering(VkCommandBuffer commands, VkImageView view, int eyes, VkAttachmentLoadOp load);
+  void bind(VkCommandBuffer commands, const DrawPipeline& pipeline, int eyes);
+  Result<void> make_images(int width, int height, int eyes);
+  Result<void> clear();
+  Result<void> try_multiview();
+  int eyes_a_draw() const { return multiview_works_.value_or(true) ? images_->eyes() : 1; }
+
+  Backend& backend_;
+  VulkanCommands& commands_;
+  const VulkanHandles& handles_;
+  VkFormat blended_format_ = VK_FORMAT_R16G16B16A16_SFLOAT;
+  DrawPipeline draw_, resolve_;
+  std::unique_ptr<EyeImages> images_;
+  std::optional<bool> multiview_works_;  // nothing before two eyes were asked for
+};
+
+bool can_blend(const VulkanHandles& handles, VkFormat format) {
+  VkFormatProperties properties;
+  handles.vk.GetPhysicalDeviceFormatProperties(handles.physical_device, format, &properties);
+  constexpr VkFormatFeatureFlags kWanted =
+      VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT | VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT;
+  return (properties.optimalTilingFeatures & kWanted) == kWanted;
+}
+
+Result<void> VulkanSplatPainter::create(const Options& options) {
+  if (options.full_floats && can_blend(handles_, VK_FORMAT_R32G32B32A32_SFLOAT))
+    blended_format_ = VK_FORMAT_R32G32B32A32_SFLOAT;
+  DrawPipeline::Description draw;
+  draw.vertex_spirv = draw_splats_vert_spirv;
+  draw.fragment_spirv = draw_splats_frag_spirv;
+  draw.format = blended_format_;
+  draw.front_to_back = true;
+  draw.binding_count = 3;
+  draw.constants_bytes = sizeof(DrawSplatsConstants);
+  if (auto made = draw_.create(draw); !made)
+    return Error{made.error().code, "draw_splats: " + made.error().message};
+  DrawPipeline::Description resolve;
+  resolve.vertex_spirv = resolve_eyes_vert_spirv;
+  resolve.fragment_spirv = resolve_eyes_frag_spirv;
+  resolve.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+  resolve.format = EyeImages::kResolvedFormat;
+  resolve.binding_count = 1;
+  resolve.binding_type = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE;
+  resolve.binding_stage = VK_SHADER_STAGE_FRAGMENT_BIT;
+  resolve.constants_bytes = sizeof(ResolveConstants);
+  resolve.constants_stage = VK_SHADER_STAGE_FRAGMENT_BIT;
+  if (auto made = resolve_.create(resolve); !made)
+    return Error{made.error().code, "resolve_eyes: " + made.error().message};
+  return {};
+}
+
+// Waits for all before and holds up all after: images change hands a few times a frame.
+void VulkanSplatPainter::transition(VkCommandBuffer commands, VkImage image, VkImageLayout from,
+                                    VkImageLayout to) {
+  auto barrier = vulkan_info<VkImageMemoryBarrier2>(VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2);
+  barrier.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
+  barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+  barrier.oldLayout = from;
+  barrier.newLayout = to;
+  barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+  barrier.image = image;
+  barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, static_cast<uint32_t>(images_->eyes())};
+  auto dependency = vulkan_info<VkDependencyInfo>(VK_STRUCTURE_TYPE_DEPENDENCY_INFO);
+  dependency.imageMemoryBarrierCount = 1;
+  dependency.pImageMemoryBarriers = &barrier;
+  handles_.vk.CmdPipelineBarrier2(commands, &dependency);
+}
+
+void VulkanSplatPainter::begin_rendering(VkCommandBuffer commands, VkImageView view, int eyes,
+                                         VkAttachmentLoadOp load) {
+  const VkExtent2D extent{static_cast<uint32_t>(images_->width()), static_cast<uint32_t>(images_->height())};
+  auto attachment = vulkan_info<VkRenderingAttachmentInfo>(VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO);
+  attachment.imageView = view;
+  attachment.imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+  attachment.loadOp = load;  // to zeros: nothing is there, and all light passes
+  attachment.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+  auto info = vulkan_info<VkRenderingInfo>(VK_STRUCTURE_TYPE_RENDERING_INFO);
+  info.renderArea.extent = extent;
+  info.layerCount = 1;
+  info.viewMask = (1u << eyes) - 1;
+  info.colorAttachmentCount = 1;
+  info.pColorAttachments = &attachment;
+  handles_.vk.CmdBeginRendering(commands, &info);
+  const VkViewport viewport{0, 0, static_cast<float>(extent.width), static_cast<float>(extent.height), 0, 1};
+  const VkRect2D scissor{{0, 0}, extent};
+  handles_.vk.CmdSetViewport(commands, 0, 1, &viewport);
+  handles_.vk.CmdSetScissor(commands, 0, 1, &scissor);
+}
+
+void VulkanSplatPainter::bind(VkCommandBuffer commands, const DrawPipeline& pipeline, int eyes) {
+  const VkDescriptorSet set = pipeline.set();
+  handles_.vk.CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.pipeline(eyes));
+  handles_.vk.CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.layout(), 0, 1, &set,
+                                    0, nullptr);
+}
+
+Result<void> VulkanSplatPainter::make_images(int width, int height, int eyes) {
+  if (images_ && images_->is_of(width, height, eyes)) return {};
+  if (auto done = backend_.submit(); !done) return done;
+  images_.reset();
+  auto made = EyeImages::create(handles_, blended_format_, width, height, eyes);
+  if (!made) return Error{made.error().code, "eye images: " + made.error().message};
+  images_ = *std::move(made);
+  return {};
+}
+
+Result<void> VulkanSplatPainter::clear() {
+  auto commands = commands_.record();
+  if (!commands) return commands.error();
+  transition(*commands, images_->blended(), VK_IMAGE_LAYOUT_UNDEFINED,
+             VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+  for (int e = 0; e < images_->eyes(); ++e) {
+    begin_rendering(*commands, images_->blended_target(e, 1), 1, VK_ATTACHMENT_LOAD_OP_CLEAR);
+    handles_.vk.CmdEndRendering(*commands);
+  }
+  return {};
+}
+
+// Draws a plain background to both eyes at once and looks at it. Mesa's lavapipe 22.3.6 draws every block of
+// 4x4 pixels that a triangle covers whole to the first eye, whatever eye it is of; such a device draws the
+// eyes one after the other.
+Result<void> VulkanSplatPainter::try_multiview() {
+  constexpr int kSide = 80;  // more than one of lavapipe's tiles
+  if (auto made = make_images(kSide, kSide, 2); !made) return made;
+  if (auto done = clear(); !done) return done;
+  if (auto done = resolve({1.0f, 0.5f, 0.25f}); !done) return done;
+  std::vector<Image> images;
+  if (auto done = read(images); !done) return done;
+  multiview_works_ = true;
+  for (const Image& image : images) {
+    for (size_t i = 0; i < image.pixels.size(); i += 4) {
+      *multiview_works_ = *multiview_works_ && std::abs(image.pixels[i] - 1.0f) < 0.01f &&
+                          std::abs(image.pixels[i + 1] - 0.5f) < 0.01f &&
+                          std::abs(image.pixels[i + 2] - 0.25f) < 0.01f;
+    }
+  }
+  if (!*multiview_works_)
+    log_info("%s: multiview draws wrong; eyes are drawn one after the other", handles_.name.c_str());
+  return {};
+}
+
+Result<void> VulkanSplatPainter::paint(const FrameSplats& frame, int width, int height, int eyes) {
+  LIVEGS_ASSERT(width > 0 && height > 0 && (eyes == 1 || eyes == 2));
+  const auto most = static_cast<int>(handles_.properties.limits.maxImageDimension2D);
+  if (width > most || height > most) {
+    return Error{ErrorCode::TooLarge, "a picture of " + std::to_string(width) + "x" + std::to_string(height) +
+                                          "; " + handles_.name + " draws " + std::to_string(most) +
+                                          " pixels a side at most"};
+  }
+  if (eyes == 2 && !multiview_works_) {
+    if (auto tried = try_multiview(); !tried) return tried;
+  }
+  if (auto made = make_images(width, height, eyes); !made) return made;
+  const VulkanFunctions& vk = handles_.vk;
+  // The sets' last use has run: reading waits for it, and so does every upload of a frame's views.
+  const std::array<VkDescriptorBufferInfo, 3> buffers{
+      {{commands_.buffer_of(frame.rows(0)), 0, VK_WHOLE_SIZE},
+       {commands_.buffer_of(frame.rows(1)), 0, VK_WHOLE_SIZE},
+       {commands_.buffer_of(frame.order()), 0, VK_WHOLE_SIZE}}};
+  auto write = vulkan_info<VkWriteDescriptorSet>(VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET);
+  write.dstSet = draw_.set();
+  write.descriptorCount = buffers.size();
+  write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+  write.pBufferInfo = buffers.data();
+  vk.UpdateDescriptorSets(handles_.device, 1, &write, 0, nullptr);
+
+  auto commands = commands_.record();
+  if (!commands) return commands.error();
+  transition(*commands, images_->blended(), VK_IMAGE_LAYOUT_UNDEFINED,
+             VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+  const int count = eyes_a_draw();
+  for (int first = 0; first < eyes; first += count) {
+    begin_rendering(*commands, images_->blended_target(first, count), count, VK_ATTACHMENT_LOAD_OP_CLEAR);
+    bind(*commands, draw_, count);
+    const DrawSplatsConstants constants{static_cast<float>(width), static_cast<float>(height),
+                                        static_cast<uint32_t>(first)};
+    vk.CmdPushConstants(*commands, draw_.layout(), VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof constants,
+                        &constants);
+    vk.CmdDrawIndirect(*commands, commands_.buffer_of(frame.counted()), 0, 1, sizeof(VkDrawIndirectCommand));
+    vk.CmdEndRendering(*commands);
+  }
+  return {};
+}
+
+Result<void> VulkanSplatPainter::resolve(const Eigen::Vector3f& background) {
+  LIVEGS_ASSERT(images_ != nullptr);
+  const VulkanFunctions& vk = handles_.vk;
+  const VkDescriptorImageInfo image{VK_NULL_HANDLE, images_->blended_view(),
+                                    VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+  auto write = vulkan_info<VkWriteDescriptorSet>(VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET);
+  write.dstSet = resolve_.set();
+  write.descriptorCount = 1;
+  write.descriptorType = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE;
+  write.pImageInfo = &image;
+  vk.UpdateDescriptorSets(handles_.device, 1, &write, 0, nullptr);
+
+  auto commands = commands_.record();
+  if (!commands) return commands.error();
+  transition(*commands, images_->blended(), VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+             VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+  transition(*commands, images_->resolved(), VK_IMAGE_LAYOUT_UNDEFINED,
+             VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+  const int count = eyes_a_draw();
+  for (int first = 0; first < images_->eyes(); first += count) {
+    begin_rendering(*commands, images_->resolved_target(first, count), count,
+                    VK_ATTACHMENT_LOAD_OP_DONT_CARE);
+    bind(*commands, resolve_, count);
+    const ResolveConstants constants{background.x(), background.y(), background.z(),
+                                     static_cast<uint32_t>(first)};
+    vk.CmdPushConstants(*commands, resolve_.layout(), VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof constants,
+                        &constants);
+    vk.CmdDraw(*commands, 3, 1, 0, 0);
+    vk.CmdEndRendering(*commands);
+  }
+  return {};
+}
+
+Result<void> VulkanSplatPainter::read(std::vector<Image>& images) {
+  LIVEGS_ASSERT(images_ != nullptr);
+  auto commands = commands_.record();
+  if (!commands) return commands.error();
+  transition(*commands, images_->resolved(), VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+             VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+  images_->copy_resolved(*commands);
+  transition(*commands, images_->resolved(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+             VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+  if (auto recorded = commands_.record(); !recorded)
+    return recorded.error();  // the barrier that the host waits behind
+  if (auto done = backend_.submit(); !done) return done;
+  images_->read_resolved(images);
+  return {};
+}
+
+Result<void> VulkanSplatPainter::read_blended(std::vector<Image>& images) {
+  LIVEGS_ASSERT(images_ != nullptr);
+  auto commands = commands_.record();
+  if (!commands) return commands.error();
+  transition(*commands, images_->blended(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
+             VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+  images_->copy_blended(*commands);
+  transition(*commands, images_->blended(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+             VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+  if (auto recorded = commands_.record(); !recorded) return recorded.error();
+  if (auto done = backend_.submit(); !done) return done;
+  images_->read_blended(images);
+  return {};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<SplatPainter>> SplatPainter::create(Backend& backend, const VulkanHandles& handles,
+                                                           const Options& options) {
+  VulkanCommands* commands = vulkan_commands(backend);
+  LIVEGS_ASSERT(commands != nullptr);
+  if (!handles.draws) {
+    return Error{ErrorCode::Unavailable,
+                 "vulkan: " + handles.name + " computes but does not draw; draw with the cpu"};
+  }
+  auto painter = std::make_unique<VulkanSplatPainter>(backend, *commands, handles);
+  if (auto made = painter->create(options); !made) return made.error();
+  return Result<std::unique_ptr<SplatPainter>>(std::move(painter));
+}
+
+}  // namespace livegs

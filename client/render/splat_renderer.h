@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "compute/vulkan_device.h"
+#include "gaussian/posed_kernels.h"
+#include "splat/camera.h"
+#include "splat/image.h"
+#include "splat/rasterise.h"
+
+namespace livegs {
+
+// One object of a picture, and what of it a renderer may keep from the last picture.
+struct RenderedObject {
+  DrawnObject drawn;
+  // Equal numbers, equal kernels: of where they are, and of what asset they are. Never 0.
+  uint64_t posed_version = 0;
+  uint64_t asset_version = 0;
+};
+
+struct RenderOptions {
+  Eigen::Vector3f background{0, 0, 0};
+  DepthOrder order = DepthOrder::ViewZ;
+  int max_sh_degree = 3;
+  float max_radius_px = 0;  // as eye_view has it; the CPU has none
+};
+
+struct RenderTimes {
+  double upload_ms = 0, project_ms = 0, sort_ms = 0, draw_ms = 0;
+  double total_ms() const { return upload_ms + project_ms + sort_ms + draw_ms; }
+};
+
+// Draws objects in one sorted set, for one eye or two of one size. One thread at a time.
+class SplatRenderer {
+ public:
+  virtual ~SplatRenderer() = default;
+  virtual const std::string& name() const = 0;  // "cpu", or "vulkan: " and the device's name
+
+  // An image an eye: display-encoded, over the background, alpha is coverage. What is not among the objects
+  // of this picture is forgotten.
+  virtual Result<void> draw(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
+                            const RenderOptions& options, std::vector<Image>& images) = 0;
+  virtual const RenderTimes& last_times() const = 0;
+};
+
+// The oracle, on the threads of parallel_for; eyes one after the other.
+std::unique_ptr<SplatRenderer> create_cpu_renderer();
+
+struct VulkanRendererOptions {
+  bool full_floats = false;     // as SplatPainter has it
+  bool separate_times = false;  // waits between the steps, so that last_times tells them apart
+  bool read_blended = false;    // images as they were blended, before 8 bits a channel: for measuring
+};
+// Unavailable where the device cannot draw.
+Result<std::unique_ptr<SplatRenderer>> create_vulkan_renderer(std::shared_ptr<VulkanDevice> device,
+                                                              const VulkanRendererOptions& options = {});
+
+}  // namespace livegs
