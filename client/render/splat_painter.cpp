@@ -58,7 +58,10 @@ bool can_blend(const VulkanHandles& handles, VkFormat format) {
 }
 
 Result<void> VulkanSplatPainter::create(const Options& options) {
-  if (options.full_floats && can_blend(handles_, VK_FORMAT_R32G32B32A32_SFLOAT))
+  const bool software = handles_.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  const bool full =
+      options.precision == BlendPrecision::Full || (options.precision == BlendPrecision::Auto && software);
+  if (full && can_blend(handles_, VK_FORMAT_R32G32B32A32_SFLOAT))
     blended_format_ = VK_FORMAT_R32G32B32A32_SFLOAT;
   DrawPipeline::Description draw;
   draw.vertex_spirv = draw_splats_vert_spirv;

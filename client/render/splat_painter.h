@@ -13,15 +13,23 @@ namespace livegs {
 
 struct VulkanHandles;
 
+// The floats that splats are summed in. 16-bit ones lose what a splat adds once it is less than 2^-12 of what
+// is there, which costs some tenths of a per cent where a hundred splats lie in a pixel, more on a device
+// that rounds towards zero, as lavapipe does. 32-bit ones are twice the memory traffic, which a device in
+// software does not feel.
+enum class BlendPrecision {
+  Auto,  // Full for a device in software, else Half
+  Half,
+  Full,  // Half where the device cannot blend 32-bit floats
+};
+
 // Draws a sorted frame for one eye or two: one indirect draw of instanced quads, nearest first, blended in
 // the colour space the kernels were trained in, both eyes by multiview (which is tried out first: drivers get
 // it wrong); then one resolve that puts the background behind them, decodes and writes sRGB.
 class SplatPainter {
  public:
   struct Options {
-    // Blends in 32-bit floats where the device can: 16-bit ones lose what a splat adds once it is less than
-    // 2^-12 of what is there. Twice the memory traffic.
-    bool full_floats = false;
+    BlendPrecision precision = BlendPrecision::Auto;
   };
   // `backend` is a Vulkan one of a device that can draw, and outlives the painter.
   static Result<std::unique_ptr<SplatPainter>> create(Backend& backend, const VulkanHandles& handles,

@@ -9,6 +9,7 @@
 
 #include "compute/vulkan_device.h"
 #include "gaussian/posed_kernels.h"
+#include "render/splat_painter.h"
 #include "splat/camera.h"
 #include "splat/image.h"
 #include "splat/rasterise.h"
@@ -52,7 +53,7 @@ class SplatRenderer {
 std::unique_ptr<SplatRenderer> create_cpu_renderer();
 
 struct VulkanRendererOptions {
-  bool full_floats = false;     // as SplatPainter has it
+  BlendPrecision precision = BlendPrecision::Auto;
   bool separate_times = false;  // waits between the steps, so that last_times tells them apart
   bool read_blended = false;    // images as they were blended, before 8 bits a channel: for measuring
 };

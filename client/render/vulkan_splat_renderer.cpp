@@ -119,7 +119,7 @@ Result<std::unique_ptr<SplatRenderer>> create_vulkan_renderer(std::shared_ptr<Vu
                                                               const VulkanRendererOptions& options) {
   auto backend = create_vulkan_backend(device);
   if (!backend) return backend.error();
-  auto painter = SplatPainter::create(**backend, device->handles(), {.full_floats = options.full_floats});
+  auto painter = SplatPainter::create(**backend, device->handles(), {.precision = options.precision});
   if (!painter) return painter.error();
   return Result<std::unique_ptr<SplatRenderer>>(std::make_unique<VulkanSplatRenderer>(
       std::move(device), *std::move(backend), *std::move(painter), options));

@@ -56,7 +56,7 @@ TEST_F(PictureParity, EveryDegreeOfHarmonics) {
 // Blended in 32-bit floats and read before 8 bits a channel, what is left is float arithmetic and half-float
 // bands: 2^-12 of each of 15 bands of 0.1, 80 dB and more.
 TEST_F(PictureParity, InFullFloatsEightyDecibels) {
-  make_renderer({.full_floats = true, .read_blended = true});
+  make_renderer({.precision = BlendPrecision::Full, .read_blended = true});
   const Object object = synthetic::shell(4000, 3, 0.015, 11);
   for (const double distance_m : {1.5, 0.7, 0.1}) {
     const Camera eye =

@@ -20,7 +20,7 @@ class VulkanPictures : public testing::Test {
     auto device = VulkanDevice::create(options);
     ASSERT_TRUE(device) << device.error().message;
     device_ = *std::move(device);
-    make_renderer({});
+    make_renderer({.precision = BlendPrecision::Half});  // what a device that is not software draws with
   }
 
   void TearDown() override {
