@@ -302,21 +302,15 @@ Result<void> Scene::take_physics(SceneObject& object, v1::PhysicalParameters phy
   return {};
 }
 
+BuiltAs Scene::built_as(const SceneObject& object) const {
+  return {object.physics.behavior(), object.fragility || cuttable_.contains(object.id)};
+}
+
 Result<std::vector<std::string>> Scene::set_physics(uint32_t object_id, v1::PhysicalParameters physics) {
   const Material* present = world_->material(object_id);
   if (!present || !find(object_id)) return not_found("object " + std::to_string(object_id) + ": is gone");
   SceneObject& object = drawn(object_id);
-  std::vector<std::string> later;
-  const v1::Physics::Behavior built = object.physics.behavior();
-  if (physics.behavior() != built) {
-    later.push_back("behavior: it stays " + v1::Physics::Behavior_Name(built) + " until the scene is loaded anew, then it is " +
-                    v1::Physics::Behavior_Name(physics.behavior()));
-    physics.set_behavior(built);
-    physics.set_behavior_reason(later.back());
-  }
-  if (physics.fragile() && !object.fragility && !cuttable_.contains(object_id)) {
-    later.push_back("fragile: it cannot break until the scene is loaded anew");
-  }
+  std::vector<std::string> later = hold_as_built(built_as(object), physics);
   if (auto taken = take_physics(object, std::move(physics)); !taken) return taken.error();
   return later;
 }

@@ -16,6 +16,7 @@
 #include "gaussian/gaussian_asset.h"
 #include "livegs/v1/scene.pb.h"
 #include "physics/world.h"
+#include "scene/built_as.h"
 #include "scene/scripted_grabs.h"
 #include "skin/rest_body.h"
 
@@ -103,8 +104,9 @@ class Scene {
   static constexpr size_t kMaxBalls = 16;
 
   // What an object is made of from the next tick on. It goes on as the kind of body it was built as: what of this holds
-  // only once the scene is loaded anew is told, a line each.
+  // only once the scene is loaded anew is told, a line each (hold_as_built).
   Result<std::vector<std::string>> set_physics(uint32_t object_id, v1::PhysicalParameters physics);
+  BuiltAs built_as(const SceneObject& object) const;
 
   // Ids of objects that came, went or changed (broke, were cut, had their physics set) since the last call, for clients
   // that are connected.

@@ -34,6 +34,7 @@ Result<SceneAnalysis> SceneAnalysis::of(const Scene& scene, bool with_kernels) {
     Object known;
     known.name = object.name;
     known.written = object.written;
+    known.built = scene.built_as(object);
     known.physics_file = object.physics_file;
     known.target.object_id = object.id;
     known.target.facts = object.facts;

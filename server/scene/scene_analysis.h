@@ -25,6 +25,7 @@ class SceneAnalysis {
   struct Object {
     std::string name;     // in the scene
     v1::Physics written;  // its author's words
+    BuiltAs built;        // as it runs
     std::filesystem::path physics_file;
     AnalysisTarget target;
   };

@@ -149,10 +149,11 @@ std::string LiveAnalysis::land(const AnalysisUpdate& update) {
   std::string note;
   auto file = known.decided->apply(update.parameters, update.record, note);
   if (!file) return file.error().message;
-  if (!note.empty()) log_warn("analysis: %s", note.c_str());
   auto applied = apply(known, *file, note);
   if (!applied) return applied.error().message;
-  return applied->warnings_size() > 0 ? applied->warnings(0) : "";
+  std::string told;
+  for (const std::string& warning : applied->warnings()) told += (told.empty() ? "" : "; ") + warning;
+  return told;
 }
 
 Result<v1::PhysicsReply> LiveAnalysis::apply(const Known& known, const v1::PhysicsFile& file,
@@ -165,13 +166,16 @@ Result<v1::PhysicsReply> LiveAnalysis::apply(const Known& known, const v1::Physi
   if (!size_note.empty()) reply.add_warnings(size_note);
   *layered->mutable_longest_side_m() = known.object->target.offline.longest_side_m();
   reply.set_object(known.object->name);
+  for (const std::string& later : hold_as_built(known.object->built, *layered)) reply.add_warnings(later);
   *reply.mutable_parameters() = *layered;
   loop_.post(
       [id = known.object->target.object_id, name = known.object->name, physics = *layered](Scene& scene) {
         const auto set = scene.set_physics(id, physics);
-        if (!set) return log_warn("%s: %s", name.c_str(), set.error().message.c_str());
-        for (const std::string& later : *set) log_warn("%s: %s", name.c_str(), later.c_str());
+        if (!set) log_warn("%s: %s", name.c_str(), set.error().message.c_str());
       });
+  for (const std::string& later : reply.warnings()) {
+    log_warn("%s: %s", known.object->name.c_str(), later.c_str());
+  }
   return reply;
 }
 

@@ -188,12 +188,29 @@ TEST_F(LiveAnalysisTest, BadEditsNameTheField) {
             std::string::npos);
 }
 
+TEST(BuiltAs, WhatNeedsAnotherBodyWaitsForTheNextLoad) {
+  v1::PhysicalParameters physics;
+  physics.set_behavior(v1::Physics::RIGID);
+  physics.set_fragile(true);
+  EXPECT_TRUE(hold_as_built({v1::Physics::RIGID, true}, physics).empty());
+  const auto uncut = hold_as_built({v1::Physics::RIGID, false}, physics);
+  ASSERT_EQ(uncut.size(), 1u);
+  EXPECT_EQ(uncut[0], "fragile: it cannot break until the scene is loaded anew");
+  EXPECT_EQ(hold_as_built({v1::Physics::ELASTIC, false}, physics).size(), 2u);
+  EXPECT_EQ(physics.behavior(), v1::Physics::ELASTIC);
+}
+
 TEST_F(LiveAnalysisTest, WhatCannotChangeWhileItRunsIsTold) {
   start(nullptr);
   v1::Physics edit;
   edit.set_behavior(v1::Physics::ELASTIC);
   edit.set_friction(0.77);
-  ASSERT_TRUE(analysis->set_physics("wood block", edit));
+  const auto reply = analysis->set_physics("wood block", edit);
+  ASSERT_TRUE(reply) << reply.error().message;
+  ASSERT_EQ(reply->warnings_size(), 1);
+  EXPECT_EQ(reply->warnings(0),
+            "behavior: it stays RIGID until the scene is loaded anew, then it is ELASTIC");
+  EXPECT_EQ(reply->parameters().behavior(), v1::Physics::RIGID);
   ASSERT_TRUE(changes_to("wood block", [](const SceneObject& one) {
     return one.physics.friction().best() == 0.77 && one.physics.behavior() == v1::Physics::RIGID &&
            one.physics.behavior_reason().find("loaded anew") != std::string::npos;
