@@ -42,10 +42,10 @@ INSTANTIATE_TEST_SUITE_P(
                     Bar{NameGiven::Noun, true, 0.70, 0.67, 0.85},     // no goal; reached 0.58
                     Bar{NameGiven::None, true, 1.7, 0.59, 0.85},      // goal: MnRE 0.60, reached 0.60
                     Bar{NameGiven::Label, false, 0.40, 0.78, 0.85}),  // no goal; reached 0.31
-    [](const auto& info) {
-      std::string name = kNameGiven[static_cast<int>(info.param.name)];
+    [](const auto& given) {
+      std::string name = kNameGiven[static_cast<int>(given.param.name)];
       name.erase(std::remove(name.begin(), name.end(), ' '), name.end());
-      return name + (info.param.metric ? "Metric" : "GuessedScale");
+      return name + (given.param.metric ? "Metric" : "GuessedScale");
     });
 
 }  // namespace

@@ -302,8 +302,9 @@ TEST(Cli, BadInputIsOneLine) {
     EXPECT_EQ(said.code, 2) << words[0] << " " << words[1];
     EXPECT_EQ(std::count(said.err.begin(), said.err.end(), '\n'), 1) << said.err;
     EXPECT_NE(said.err.find(named), std::string::npos) << said.err;
-    if (words[1].find("lost.scene.json") == std::string::npos)
+    if (words[1].find("lost.scene.json") == std::string::npos) {
       EXPECT_EQ(said.out, "");  // what could be read is told
+    }
   }
   EXPECT_EQ(run({"simulate"}).code, 2);
   EXPECT_EQ(run({"dance"}).code, 2);
