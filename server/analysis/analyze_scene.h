@@ -29,8 +29,9 @@ struct AnalysisTarget {
 
 // One look at an object.
 struct TargetView {
-  std::vector<AnalysisImage> images;
-  std::string camera;  // where it was taken from, in words
+  std::vector<AnalysisImage> images;  // what a model is shown
+  std::string camera;                 // where it was taken from, in words
+  AnalysisImage mask = {};            // where the object is seen, for a person; may be empty
 };
 // Makes the looks, best first; called on a thread of the analysis, for several objects at a time.
 using TargetViews = std::function<Result<std::vector<TargetView>>(uint32_t object_id, int count)>;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "analysis/physics_values.h"
+#include "core/format_text.h"
 
 namespace livegs {
 namespace {
@@ -67,10 +68,11 @@ std::string base64(std::string_view bytes) {
   return text;
 }
 
+// Four digits, without an exponent where a person can do without.
 std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
+  if (std::abs(value) < 1e4 || std::abs(value) >= 1e7) return format_text("%.4g", value);
+  const double step = std::pow(10, std::floor(std::log10(std::abs(value))) - 3);
+  return format_text("%.0f", std::round(value / step) * step);
 }
 
 // Where one range lies beside the other, on a logarithmic scale; grey before, blue after.
@@ -113,33 +115,69 @@ Shown shown(std::string_view name) {
   return {"break impulse", "N s", 1};
 }
 
-std::string value_rows(const v1::PhysicalParameters& offline, const v1::PhysicalParameters& now) {
-  std::string rows;
+// With `before`, also what each value was and where its range has gone.
+std::string value_table(const v1::PhysicalParameters& now, const v1::PhysicalParameters* before) {
+  std::string html = "<table>\n<tr><th></th><th>value</th><th>90 % range</th>";
+  if (before) html += "<th>before (grey), now (blue)</th><th>before</th>";
+  html += "<th>source</th><th>reason</th></tr>\n";
   for (const PhysicsValue& value : physics_values()) {
-    const v1::EstimatedValue &before = (offline.*value.get)(), &after = (now.*value.get)();
     if (!(now.*value.has)()) continue;
+    const v1::EstimatedValue& after = (now.*value.get)();
     const auto [title, unit, factor] = shown(value.name);
-    rows += "<tr><td>" + std::string(title) + "</td><td class=\"n\">" + number(after.best() * factor) + " " +
+    html += "<tr><td>" + std::string(title) + "</td><td class=\"n\">" + number(after.best() * factor) + " " +
             unit + "</td><td class=\"n\">" + number(after.low() * factor) + " to " +
-            number(after.high() * factor) + "</td><td>" + range_bar(before, after) +
-            "</td><td class=\"n off\">" + number(before.best() * factor) + "</td><td>" +
-            source_name(after.source()) + "</td><td>" + escaped(after.reason()) + "</td></tr>\n";
+            number(after.high() * factor) + "</td>";
+    if (before) {
+      const v1::EstimatedValue& was = (before->*value.get)();
+      html += "<td>" + range_bar(was, after) + "</td><td class=\"n off\">" + number(was.best() * factor) +
+              "</td>";
+    }
+    html += "<td>" + std::string(source_name(after.source())) + "</td><td>" + escaped(after.reason()) +
+            "</td></tr>\n";
   }
-  return rows;
+  return html + "</table>\n";
+}
+
+// An enumerator as a word: OPEN_SHELL, "open shell".
+std::string word(std::string name) {
+  for (char& c : name) c = c == '_' ? ' ' : static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+  return escaped(name);
+}
+
+std::string figure(const AnalysisImage& image) {
+  const bool known = image.media_type == "image/png" || image.media_type == "image/jpeg";
+  if (!known) return "";
+  return "<figure><img src=\"data:" + image.media_type + ";base64," + base64(image.bytes) + "\" alt=\"" +
+         escaped(image.caption) + "\"><figcaption>" + escaped(image.caption) + "</figcaption></figure>\n";
+}
+
+// Each look once: where it was taken from, then its pictures.
+std::string view_section(const AnalysisUpdate& update, std::span<const TargetView> views) {
+  std::string html;
+  const auto add = [&](const std::string& camera, std::span<const AnalysisImage> images) {
+    html += "<div class=\"view\">\n";
+    for (const AnalysisImage& image : images) html += figure(image);
+    if (!camera.empty()) html += "<p class=\"off\">Seen " + escaped(camera) + ".</p>\n";
+    html += "</div>\n";
+  };
+  for (const TargetView& view : views) {
+    std::vector<AnalysisImage> images = view.images;
+    images.push_back(view.mask);
+    add(view.camera, images);
+  }
+  if (views.empty()) {
+    for (const AnalysisTurn& turn : update.turns) {
+      const auto camera = turn.question.slots.find("camera");
+      if (turn.question.images.empty()) continue;
+      add(camera == turn.question.slots.end() ? "" : camera->second, turn.question.images);
+    }
+  }
+  return html;
 }
 
 std::string turn_section(const AnalysisTurn& turn, size_t index) {
   std::string html = "<h2>Turn " + std::to_string(index + 1) +
                      (turn.repair.empty() ? ": the question" : ": a repair") + "</h2>\n";
-  for (const AnalysisImage& image : turn.question.images) {
-    const bool known = image.media_type == "image/png" || image.media_type == "image/jpeg";
-    html += "<figure>";
-    if (known) {
-      html += "<img src=\"data:" + image.media_type + ";base64," + base64(image.bytes) + "\" alt=\"" +
-              escaped(image.caption) + "\">";
-    }
-    html += "<figcaption>" + escaped(image.caption) + "</figcaption></figure>\n";
-  }
   if (!turn.repair.empty()) html += "<p>The model was told:</p><pre>" + escaped(turn.repair) + "</pre>\n";
   if (!turn.question.slots.empty()) {
     html += "<table>\n";
@@ -163,13 +201,14 @@ std::string turn_section(const AnalysisTurn& turn, size_t index) {
 
 }  // namespace
 
-std::string explain_page(const AnalysisTarget& target, const AnalysisUpdate& update) {
+std::string explain_page(const AnalysisTarget& target, const AnalysisUpdate& update,
+                         std::span<const TargetView> views) {
   const v1::PhysicalParameters& now = update.parameters;
   const std::string name = escaped(shown_text(target.facts->name, 80));
   std::string html = kHead;
   html += "<title>" + name + "</title></head><body>\n<h1>" + name + "</h1>\n";
   html += "<p>" + size_text(*target.facts) + ". Taken for " + escaped(now.label()) + " of " +
-          escaped(now.material()) + ", confidence " + number(now.confidence()) + ".</p>\n";
+          escaped(now.material()) + format_text(", confidence %.2f.</p>\n", now.confidence());
   const Verdict verdict = update.judgement.verdict;
   html +=
       "<p class=\"verdict\">" +
@@ -180,25 +219,24 @@ std::string explain_page(const AnalysisTarget& target, const AnalysisUpdate& upd
                                          : "The model's answer was refused; the offline estimate stays.") +
       "</p>\n";
   if (!update.judgement.message.empty()) html += "<p>" + escaped(update.judgement.message) + "</p>\n";
-  html +=
-      "<h2>Values</h2>\n<table>\n<tr><th></th><th>value</th><th>90 % range</th><th>before (grey), now "
-      "(blue)</th>"
-      "<th>before</th><th>source</th><th>reason</th></tr>\n" +
-      value_rows(target.offline, now) + "</table>\n";
-  html += "<p>Behaves " + escaped(v1::Physics::Behavior_Name(now.behavior())) + ": " +
-          escaped(now.behavior_reason()) + "<br>Filled " + escaped(v1::Physics::Fill_Name(now.fill())) +
-          ": " + escaped(now.fill_reason()) + "<br>Fragile: " + (now.fragile() ? "yes" : "no") + "</p>\n";
+  html += view_section(update, views);
+  const bool asked = !update.turns.empty();
+  html += "<h2>Values</h2>\n" + value_table(now, asked ? &target.offline : nullptr);
+  html += "<p>Behaviour: " + word(v1::Physics::Behavior_Name(now.behavior())) + "; " +
+          escaped(now.behavior_reason()) + "<br>Fill: " + word(v1::Physics::Fill_Name(now.fill())) + "; " +
+          escaped(now.fill_reason()) + "<br>Fragile: " + (now.fragile() ? "yes" : "no") + "</p>\n";
   if (verdict == Verdict::NeedsReview) {
-    html += "<h2>The proposal</h2>\n<table>\n" + value_rows(target.offline, update.judgement.proposal) +
-            "</table>\n";
+    html += "<h2>The proposal</h2>\n" + value_table(update.judgement.proposal, &target.offline);
   }
-  html += "<h2>What the gate did</h2>\n<ul>\n";
-  for (const std::string& change : update.judgement.changes) html += "<li>" + escaped(change) + "</li>\n";
-  if (update.judgement.changes.empty()) html += "<li>nothing</li>\n";
-  html += "</ul>\n";
+  if (asked) {
+    html += "<h2>What the gate did</h2>\n<ul>\n";
+    for (const std::string& change : update.judgement.changes) html += "<li>" + escaped(change) + "</li>\n";
+    if (update.judgement.changes.empty()) html += "<li>nothing</li>\n";
+    html += "</ul>\n";
+  }
   for (size_t i = 0; i < update.turns.size(); ++i) html += turn_section(update.turns[i], i);
   const v1::AnalysisRecord& record = update.record;
-  if (!update.turns.empty()) {
+  if (asked) {
     html += "<h2>Where it came from</h2>\n<table>\n";
     const std::pair<const char*, std::string> rows[] = {
         {"model", record.model()},

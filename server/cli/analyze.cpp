@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <thread>
@@ -133,16 +135,42 @@ Result<void> keep(const SceneAnalysis::Object& object, const AnalysisUpdate& upd
   }
   auto kept = apply_analysis(object.physics_file, update.parameters, update.record);
   if (!kept) return kept.error();
-  std::fprintf(stderr, "%s: kept in %s\n", object.name.c_str(), object.physics_file.c_str());
+  std::fprintf(stderr, "%s: kept in %s; a server that runs takes it up when it loads the scene anew\n",
+               object.name.c_str(), object.physics_file.c_str());
   return {};
 }
 
+// Views that are made once: the page shows those that the model was shown. Any thread; one object by one
+// thread at a time.
+class KeptViews {
+ public:
+  explicit KeptViews(TargetViews make) : make_(std::move(make)) {}
+
+  Result<std::vector<TargetView>> of(uint32_t object_id, int count) {
+    {
+      std::lock_guard lock(mutex_);
+      if (const auto found = kept_.find(object_id); found != kept_.end()) return found->second;
+    }
+    auto made = make_(object_id, count);
+    std::lock_guard lock(mutex_);
+    return kept_.emplace(object_id, std::move(made)).first->second;
+  }
+
+ private:
+  TargetViews make_;
+  std::mutex mutex_;  // guards kept_
+  std::map<uint32_t, Result<std::vector<TargetView>>> kept_;
+};
+
+// A page without pictures is still worth reading.
 Result<void> explain(const fs::path& folder, const SceneAnalysis::Object& object,
-                     const AnalysisUpdate& update) {
+                     const AnalysisUpdate& update, const Result<std::vector<TargetView>>& views) {
   std::error_code made;
   fs::create_directories(folder, made);
+  if (!views) log_warn("%s: no views: %s", object.name.c_str(), views.error().message.c_str());
   const fs::path page = folder / (file_name(object.name) + ".html");
-  return write_file_atomically(page, explain_page(object.target, update));
+  return write_file_atomically(
+      page, explain_page(object.target, update, views ? *views : std::vector<TargetView>{}));
 }
 
 int print(const AnalyzeCommand& options, const std::vector<Analysed>& all) {
@@ -178,7 +206,8 @@ int run(const AnalyzeCommand& options) {
   set_log_level(LogLevel::Warn);
   auto scene = load(options);
   if (!scene) return report(scene.error());
-  auto analysis = SceneAnalysis::of(*scene, *endpoint != nullptr);
+  const bool explained = !options.explain.empty();
+  auto analysis = SceneAnalysis::of(*scene, *endpoint != nullptr || explained);
   if (!analysis) return report(analysis.error());
   const auto targets =
       analysis->targets(is_scene(options.path) ? std::vector<std::string>{}
@@ -196,9 +225,17 @@ int run(const AnalyzeCommand& options) {
   AnalysisOptions asked;
   asked.views = options.views;
   asked.cache = &cache;
+  KeptViews views(analysis->views());
+  // With an endpoint they are made while others wait for their answers.
+  for (size_t i = 0; explained && !*endpoint && i < targets->size(); ++i) {
+    std::fprintf(stderr, "%s: drawing its views, %zu of %zu\n",
+                 object_of((*targets)[i].object_id)->name.c_str(), i + 1, targets->size());
+    (void)views.of((*targets)[i].object_id, options.views);
+  }
   std::vector<Analysed> all(targets->size());
+  const auto looks = [&](uint32_t id, int count) { return views.of(id, count); };
   const AnalysisSummary summary =
-      analyze_scene(*targets, endpoint->get(), analysis->views(), asked, [&](const AnalysisUpdate& update) {
+      analyze_scene(*targets, endpoint->get(), looks, asked, [&](const AnalysisUpdate& update) {
         Analysed& one = all[update.index];
         one.object = object_of(update.object_id);
         one.update = update;
@@ -211,9 +248,10 @@ int run(const AnalyzeCommand& options) {
     if (options.write) {
       if (auto kept = keep(*one.object, one.update, *endpoint != nullptr); !kept) return report(kept.error());
     }
-    if (!options.explain.empty()) {
-      if (auto explained = explain(options.explain, *one.object, one.update); !explained)
-        return report(explained.error());
+    if (explained) {
+      const auto seen = views.of(one.object->target.object_id, options.views);
+      if (auto written = explain(options.explain, *one.object, one.update, seen); !written)
+        return report(written.error());
     }
   }
   if (const int code = print(options, all); code != 0) return code;

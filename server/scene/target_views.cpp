@@ -31,9 +31,11 @@ Result<std::vector<TargetView>> target_views(const ViewedScene& scene, uint32_t 
   for (const ObjectView& view : *views) {
     auto outlined = png_of(view.outlined, "the scene, the object outlined");
     auto cutout = png_of(view.cutout, "the object alone");
+    auto mask = png_of(view.mask, "where it is seen");
     if (!outlined) return outlined.error();
     if (!cutout) return cutout.error();
-    targets.push_back({{std::move(*outlined), std::move(*cutout)}, describe_camera(view)});
+    if (!mask) return mask.error();
+    targets.push_back({{std::move(*outlined), std::move(*cutout)}, describe_camera(view), std::move(*mask)});
   }
   return targets;
 }

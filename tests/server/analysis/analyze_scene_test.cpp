@@ -67,7 +67,7 @@ struct Seen {
   }
 };
 Seen run(std::span<const AnalysisTarget> targets, ModelEndpoint* endpoint, AnalysisOptions options = {},
-        std::stop_token stop = {}, const TargetViews& views = look) {
+         std::stop_token stop = {}, const TargetViews& views = look) {
   Seen result;
   const int64_t begun = now_ns();
   result.summary = analyze_scene(
@@ -239,8 +239,9 @@ TEST(AnalyzeScene, FailuresAreRememberedForTenMinutes) {
   AnswerCache cache({}, [&] { return now; });
   AnalysisOptions options;
   options.cache = &cache;
-  FakeEndpoint endpoint(
-      [](const AnalysisQuestion&, const ToolBox&, int) -> Result<std::string> { return std::string("no idea"); });
+  FakeEndpoint endpoint([](const AnalysisQuestion&, const ToolBox&, int) -> Result<std::string> {
+    return std::string("no idea");
+  });
   run(targets, &endpoint, options);
   EXPECT_EQ(endpoint.asked().size(), 2u);
   now = AnswerCache::kFailure_ns - 1;
@@ -319,6 +320,28 @@ TEST(ExplainPage, HoldsEverythingAndRunsNothing) {
   for (const char* part : {"data:image/png;base64,cGljdHVyZSAxMC8w", "&lt;script&gt;alert(2)",
                            "The model was told:", "accepted", "fused", "fake-1", "default-src 'none'"}) {
     EXPECT_NE(html.find(part), std::string::npos) << part;
+  }
+}
+
+// Nobody was asked, or the model could not be: the page still shows the object, each look once.
+TEST(ExplainPage, ShowsTheViewsWhetherOrNotAModelWasAsked) {
+  const auto targets = mugs(1);
+  const TargetView view{{{"the scene", "image/png", "scene bytes"}, {"alone", "image/png", "alone bytes"}},
+                        "from the <front>",
+                        {"where it is seen", "image/png", "mask bytes"}};
+  const auto count = [](const std::string& text, const std::string& part) {
+    size_t found = 0;
+    for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
+    return found;
+  };
+  FakeEndpoint endpoint(weigh);
+  for (FakeEndpoint* asked : {static_cast<FakeEndpoint*>(nullptr), &endpoint}) {
+    const std::string html = explain_page(targets[0], run(targets, asked).last(0), std::span(&view, 1));
+    EXPECT_EQ(count(html, "<img "), 3u);
+    for (const char* bytes : {"c2NlbmUgYnl0ZXM=", "YWxvbmUgYnl0ZXM=", "bWFzayBieXRlcw=="}) {
+      EXPECT_EQ(count(html, bytes), 1u) << bytes;
+    }
+    EXPECT_EQ(count(html, "Seen from the &lt;front&gt;."), 1u);
   }
 }
 
