@@ -18,10 +18,6 @@ constexpr double kThickened = 0.25;      // ln of by how much, of what is not re
 constexpr double kSurfaceRadius = 0.03;  // of LIVE-GS's alpha shape, in parts of the diagonal
 // Both looks share the size, and who wrote both tables.
 constexpr double kLooksCorrelation = 0.3;
-// The widths above and in the tables, taken together, came out twice too wide on the 26 objects of known mass
-// with a label (rms of z 0.45, between 0.41 and 0.46 with any one left out). Who wrote the tables knows
-// those, so half of that is taken back; nothing where neither name nor scale is known.
-constexpr double kTooWide = 0.75;
 // No estimate from looks is better than this, of ln(mass).
 constexpr double kLeastSd = 0.05;
 // A material that its kind usually is not of: how much less its kind says.
@@ -66,6 +62,13 @@ Size true_size(const ObjectRow& row, const ObjectFacts& facts) {
   return {std::exp(share * towards), usual_sd * std::sqrt(share)};
 }
 
+// Of the logarithm: how far density times filled volume misses the usual mass of the kind's own usual thing.
+// What is put together of parts is not as full as its outline; of a bed or a chair the surface tells little.
+double own_misfit(const ObjectRow& row) {
+  const double volume_m3 = row.box_filling * row.size_m.best * row.middle_m * row.short_m;
+  return std::log(row.mass_kg / (material_row(row.material).density_kg_m3.best * volume_m3));
+}
+
 struct Physics {
   LogNormal mass;
   std::string factors;
@@ -95,7 +98,7 @@ Physics physics_mass(const Kind& kind, const ObjectFacts& facts) {
     const double volume_sd = facts.solid ? 0.02 : kVolumeSd + (kThinVolumeSd - kVolumeSd) * thin;
     physics.mass = {
         std::log(material.density_kg_m3.best * volume_m3) - (facts.solid ? 0.0 : kThickened * thin),
-        std::hypot(log_sd(material.density_kg_m3), volume_sd)};
+        std::hypot(log_sd(material.density_kg_m3), volume_sd, facts.solid ? 0.0 : own_misfit(row))};
     std::snprintf(text, sizeof text, "%.4g kg/m3 x %.4g m3 enclosed", material.density_kg_m3.best, volume_m3);
   }
   physics.factors = text;
@@ -130,7 +133,7 @@ std::string grams_or_kg(double mass_kg) {
 
 }  // namespace
 
-KindMass kind_mass(const Kind& kind, const ObjectFacts& facts, bool by_name) {
+KindMass kind_mass(const Kind& kind, const ObjectFacts& facts) {
   const LogNormal usual = usual_mass(kind, facts);
   const Physics physics = physics_mass(kind, facts);
   KindMass result;
@@ -140,7 +143,6 @@ KindMass kind_mass(const Kind& kind, const ObjectFacts& facts, bool by_name) {
     const LogNormal looks[] = {usual, physics.mass};
     result.mass = fuse(looks, kLooksCorrelation);
   }
-  if (!facts.solid && (by_name || facts.scale_known)) result.mass.sd *= kTooWide;
   const Size size = true_size(*kind.row, facts);
   const double exponent = mass_exponent(*kind.row);
   result.mass.mean_ln += exponent * std::log(size.factor);
@@ -152,16 +154,14 @@ KindMass kind_mass(const Kind& kind, const ObjectFacts& facts, bool by_name) {
 }
 
 MassEstimate mass_of_kinds(const Kinds& kinds, const ObjectFacts& facts) {
-  const bool by_name = kinds.match.row != nullptr;
   std::vector<WeightedLogNormal> mixture;
-  for (const Kind& kind : kinds.kinds)
-    mixture.push_back({kind.probability, kind_mass(kind, facts, by_name).mass});
+  for (const Kind& kind : kinds.kinds) mixture.push_back({kind.probability, kind_mass(kind, facts).mass});
   const auto kilograms = [](double ln) { return std::clamp(std::exp(ln), kLightest_kg, kHeaviest_kg); };
   MassEstimate estimate;
   estimate.mass_kg = {kilograms(mixture_quantile_ln(mixture, 0.05)), kilograms(mixture_mean_ln(mixture)),
                       kilograms(mixture_quantile_ln(mixture, 0.95))};
   const Kind& first = kinds.kinds.front();
-  const KindMass mass = kind_mass(first, facts, by_name);
+  const KindMass mass = kind_mass(first, facts);
   if (facts.solid) {
     estimate.reason = mass.physics;
   } else if (kinds.match.row) {
@@ -181,7 +181,7 @@ MassEstimate mass_of_kinds(const Kinds& kinds, const ObjectFacts& facts) {
                         : i             ? ", "
                                         : ": ") +
                        kind.row->label + share + " " +
-                       grams_or_kg(std::exp(kind_mass(kind, facts, by_name).mass.mean_ln));
+                       grams_or_kg(std::exp(kind_mass(kind, facts).mass.mean_ln));
   }
   if (!facts.scale_known) estimate.reason += "; the scale is a guess";
   return estimate;

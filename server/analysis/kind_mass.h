@@ -17,8 +17,7 @@ struct KindMass {
   double physics_kg = 0;  // the second look alone
   std::string physics;    // its factors, in words
 };
-KindMass kind_mass(const Kind& kind, const ObjectFacts& facts,
-                   bool by_name);  // whether the name tells its kind
+KindMass kind_mass(const Kind& kind, const ObjectFacts& facts);
 
 // Over all kinds the object may be: best is the mean in the logarithm, low and high hold nine of ten.
 MassEstimate mass_of_kinds(const Kinds& kinds, const ObjectFacts& facts);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "analysis/name_match.h"
 
+#include <algorithm>
 #include <cctype>
+#include <tuple>
 
 #include "analysis/estimate.h"
 
@@ -18,6 +20,19 @@ size_t find_words(const std::string& text, const std::string& words) {
     if (starts && ends) return at;
   }
   return std::string::npos;
+}
+
+// Words people use for a whole class of materials.
+constexpr std::pair<const char*, const char*> kClassWords[] = {
+    {"wooden", "hardwood"},        {"wood", "hardwood"},         {"metal", "aluminium"},
+    {"steel", "carbon steel"},     {"glass", "soda-lime glass"}, {"ceramic", "stoneware"},
+    {"clay", "terracotta"},        {"stone", "granite"},         {"plastic", "polypropylene"},
+    {"rubber", "natural rubber"},  {"felt", "wool felt"},        {"bronze", "brass"},
+    {"foam", "polyurethane foam"}, {"fabric", "cotton fabric"},  {"paper", "paper stack"}};
+
+bool names_a_class(const std::string& alias) {
+  return std::any_of(std::begin(kClassWords), std::end(kClassWords),
+                     [&](const auto& word) { return alias == word.first; });
 }
 
 }  // namespace
@@ -47,7 +62,11 @@ NameMatch match_name(std::string_view name) {
       const size_t at = find_words(words, alias);
       if (at == std::string::npos) continue;
       const size_t end = at + alias.size();
-      if (alias.size() > best.alias.size() || (alias.size() == best.alias.size() && end > best_end)) {
+      // "wood" alone is a block; a "wood bed" is a bed.
+      const auto weight = [](const std::string& one, size_t one_end) {
+        return std::tuple(!one.empty() && !names_a_class(one), one.size(), one_end);
+      };
+      if (weight(alias, end) > weight(best.alias, best_end)) {
         best = {&row, alias};
         best_end = end;
       }
@@ -64,13 +83,6 @@ MaterialMatch match_material(std::string_view name) {
     if (!best || row.name.size() > best->name.size()) best = &row;
   }
   if (best) return {best, true};
-  // Words people use for a whole class.
-  constexpr std::pair<const char*, const char*> kClassWords[] = {
-      {"wooden", "hardwood"},        {"wood", "hardwood"},         {"metal", "aluminium"},
-      {"steel", "carbon steel"},     {"glass", "soda-lime glass"}, {"ceramic", "stoneware"},
-      {"clay", "terracotta"},        {"stone", "granite"},         {"plastic", "polypropylene"},
-      {"rubber", "natural rubber"},  {"felt", "wool felt"},        {"bronze", "brass"},
-      {"foam", "polyurethane foam"}, {"fabric", "cotton fabric"},  {"paper", "paper stack"}};
   for (const auto& [word, material] : kClassWords) {
     if (find_words(words, word) != std::string::npos) return {&material_row(material), false};
   }

@@ -13,8 +13,8 @@ namespace livegs {
 std::string normalised_name(std::string_view name);
 
 // The row of the object table a name speaks of, and by which of its names: the longest whose words all stand
-// together in the name, a plural s allowed; ties go to the one that ends last. `row` is null when there is
-// none.
+// together in the name, a plural s allowed; ties go to the one that ends last. A word for a class of materials
+// ("wood", "glass") counts only where nothing else does. `row` is null when there is none.
 struct NameMatch {
   const ObjectRow* row = nullptr;
   std::string alias;

@@ -4,10 +4,16 @@
 //   mass_harness OUTPUT_FOLDER
 // writes mass.csv (figures with the 95 % interval of a bootstrap) and mass_objects.csv (every object, metric,
 // from its kernels), and prints both shortly.
+//   mass_harness --list LIST.csv
+// prints the figures for a list of weighed things of which only name, size and volume are known, columns
+// name,mass_kg,box_m3,filled_share: what its ranges are worth beyond the 26. Names that say nothing are
+// counted.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
+#include "analysis/object_kinds.h"
 #include "bench/time_of.h"
 #include "server/analysis/known_objects.h"
 
@@ -36,11 +42,69 @@ void write_header(std::ofstream& out) {
   out << '\n';
 }
 
+// A thing of its kind's usual proportions, of the given box and of how much of that it fills.
+MeshFacts listed_mesh(const ObjectRow& row, double box_m3, double filled_share) {
+  MeshFacts mesh;
+  const Eigen::Vector3d usual_m(row.size_m.best, row.middle_m, row.short_m);
+  const Eigen::Vector3d box_m = std::cbrt(box_m3 / usual_m.prod()) * usual_m;
+  mesh.size_m = mesh.box_m = mesh.principal_size_m = box_m;
+  mesh.volume_m3 = filled_share * box_m3;
+  mesh.area_m2 = 2 * (box_m.x() * box_m.y() + box_m.y() * box_m.z() + box_m.z() * box_m.x());
+  mesh.mean_wall_m = 2 * mesh.volume_m3 / mesh.area_m2;
+  mesh.hull_volume_m3 = box_m3 * std::max(filled_share, 0.6);
+  mesh.solidity = mesh.volume_m3 / mesh.hull_volume_m3;
+  mesh.piece_count = 1;
+  return mesh;
+}
+
+int score_list(const char* path) {
+  std::ifstream file(path);
+  std::vector<MassAnswer> answers;
+  size_t unknown = 0;
+  std::string line;
+  std::getline(file, line);
+  while (std::getline(file, line)) {
+    std::istringstream cells(line);
+    MassAnswer answer;
+    double box_m3 = 0, filled_share = 0;
+    char comma;
+    std::getline(cells, answer.id, ',');
+    if (!(cells >> answer.true_kg >> comma >> box_m3 >> comma >> filled_share)) continue;
+    ObjectFacts facts;
+    facts.name = answer.id;
+    facts.scale_known = true;
+    const NameMatch match = match_name(facts.name);
+    if (!match.row) {
+      ++unknown;
+      continue;
+    }
+    facts.mesh = listed_mesh(*match.row, box_m3, filled_share);
+    const v1::EstimatedValue mass = estimate_offline(facts).mass_kg();
+    answer.low_kg = mass.low();
+    answer.best_kg = mass.best();
+    answer.high_kg = mass.high();
+    answers.push_back(answer);
+  }
+  if (answers.empty()) {
+    std::fprintf(stderr, "%s: no line name,mass_kg,box_m3,filled_share with a name that is known\n", path);
+    return 1;
+  }
+  const MassScores scores = mass_scores(answers);
+  std::printf("%zu things, %zu more whose names say nothing\n", answers.size(), unknown);
+  for (const Row& row : kRows) {
+    const Figure& f = scores.*row.figure;
+    std::printf("%-26s %7.3g (%.3g to %.3g)\n", row.name, row.factor * f.value, row.factor * f.low,
+                row.factor * f.high);
+  }
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc == 3 && std::string(argv[1]) == "--list") return score_list(argv[2]);
   if (argc != 2) {
-    std::fprintf(stderr, "usage: mass_harness OUTPUT_FOLDER\n");
+    std::fprintf(stderr, "usage: mass_harness OUTPUT_FOLDER | --list LIST.csv\n");
     return 2;
   }
   const std::filesystem::path folder = argv[1];

@@ -30,6 +30,14 @@ TEST(NameMatch, NamesAreComparedAsWords) {
 
 TEST(NameMatch, TheLastOfTwoEqualWordsIsTheThing) { EXPECT_EQ(label("cup bowl"), "bowl"); }
 
+TEST(NameMatch, AMaterialIsTheThingOnlyWhereNothingElseIsNamed) {
+  EXPECT_EQ(label("wood"), "wood block");
+  EXPECT_EQ(label("engineered wood queen bed"), "bed");
+  EXPECT_EQ(label("glass cup"), "mug");
+  EXPECT_EQ(label("wine glass"), "wine glass");
+  EXPECT_EQ(match_material("glass cup").row->name, "soda-lime glass");
+}
+
 TEST(NameMatch, MaterialsAreFoundByNameAndByClass) {
   EXPECT_EQ(match_material("marble_bust").row->name, "marble");
   EXPECT_EQ(match_material("wooden spoon").row->name, "hardwood");
