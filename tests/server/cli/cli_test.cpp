@@ -271,8 +271,16 @@ TEST(Cli, InfoConvertRenderMeshAndAnalyzeAnAsset) {
   EXPECT_EQ(picture->width, 160);
   EXPECT_EQ(run({"mesh", cup, "--output", folder / "cup.obj"}).code, 0);
   EXPECT_GT(lines_of(folder / "cup.obj").size(), 1000u);
-  const Said analysis = run({"analyze", cup, "--json"});
+  const Said analysis = run({"analyze", cup, "--json", "--offline", "--explain", folder / "pages"});
   EXPECT_EQ(analysis.code, 0);
+  EXPECT_NE(analysis.err.find("drawing its views, 1 of 1"), std::string::npos) << analysis.err;
+  // Its scene, itself and its mask, though nobody was asked.
+  const auto page = lines_of(folder / "pages/cup.html");
+  EXPECT_EQ(std::count_if(page.begin(), page.end(),
+                          [](const std::string& line) {
+                            return line.rfind("<figure><img src=\"data:image/png", 0) == 0;
+                          }),
+            3);
   EXPECT_NE(analysis.out.find("\"mass_kg\""), std::string::npos);
   EXPECT_NE(analysis.out.find("stoneware"), std::string::npos);
 }
