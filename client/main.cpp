@@ -36,13 +36,17 @@ bool parse_size(const std::string& text, livegs::PictureSize& size) {
 
 int main(int argc, char** argv) {
   livegs::OffscreenRunOptions options;
-  std::string display = "offscreen", size;
+  std::string display = "offscreen", renderer = "auto", size;
   int threads = 0;
   bool verbose = false, no_video = false;
   CLI::App app("Sees and touches a scene that livegs-server streams", "livegs-client");
   app.add_option("HOST:PORT", options.address, "Where the server listens")->required();
   app.add_option("--display", display, "offscreen: pictures become files")
       ->check(CLI::IsMember({"offscreen"}))
+      ->capture_default_str();
+  app.add_option("--renderer", renderer,
+                 "auto: Vulkan on a GPU, else the CPU; vulkan: Vulkan or nothing, in software too; cpu")
+      ->check(CLI::IsMember({"auto", "vulkan", "cpu"}))
       ->capture_default_str();
   app.add_option("--seconds", options.seconds, "Of stream; 0: until the server ends")
       ->check(CLI::NonNegativeNumber)
@@ -83,6 +87,8 @@ int main(int argc, char** argv) {
     options.size = parsed;
   }
   options.video = !no_video;
+  if (renderer != "auto")
+    options.renderer = renderer == "cpu" ? livegs::RendererChoice::Cpu : livegs::RendererChoice::Vulkan;
   livegs::set_log_level(verbose ? livegs::LogLevel::Debug : livegs::LogLevel::Info);
   livegs::set_thread_count(threads);
   for (int signal_number : {SIGINT, SIGTERM}) signal(signal_number, [](int) { interrupted = true; });

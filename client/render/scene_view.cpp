@@ -66,6 +66,7 @@ Result<void> SceneView::change(uint32_t object_id, std::shared_ptr<const Gaussia
   object.rest = std::move(rest);
   object.bindings = std::move(*bindings);
   object.environment = environment;
+  object.asset_version = ++last_version_;
   return {};
 }
 
@@ -99,20 +100,25 @@ Result<void> SceneView::pose(const DriverFrame& frame) {
     }
     skin_kernels(*object.asset, object.rest, object.bindings, drivers, object.kernels);
     object.posed_by = drivers;
+    object.posed_version = ++last_version_;
     ++times_.objects_skinned;
   }
   times_.skin_ms = milliseconds_from_ns(now_ns() - begun_ns);
   return {};
 }
 
-Result<void> SceneView::draw(const DriverFrame& frame, const Camera& camera, RasterisedView& view) {
+Result<void> SceneView::draw(const DriverFrame& frame, std::span<const Camera> eyes,
+                             std::vector<Image>& images) {
   if (auto posed = pose(frame); !posed) return posed;
   const int64_t begun_ns = now_ns();
-  std::vector<DrawnObject> drawn;
-  for (uint32_t id : visible_) drawn.push_back({shown(id)->asset.get(), &shown(id)->kernels, id});
-  RasteriseOptions options;
+  std::vector<RenderedObject> drawn;
+  for (uint32_t id : visible_) {
+    const Object& object = *shown(id);
+    drawn.push_back({{object.asset.get(), &object.kernels, id}, object.posed_version, object.asset_version});
+  }
+  RenderOptions options;
   options.background = kBackground;
-  rasteriser_.draw(drawn, camera, options, view);
+  if (auto done = renderer_->draw(drawn, eyes, options, images); !done) return done;
   times_.raster_ms = milliseconds_from_ns(now_ns() - begun_ns);
   return {};
 }

@@ -9,9 +9,9 @@
 
 #include "core/result.h"
 #include "gaussian/gaussian_asset.h"
+#include "render/splat_renderer.h"
 #include "skin/driver_frame.h"
 #include "skin/skin_kernels.h"
-#include "splat/rasterise.h"
 
 namespace livegs {
 
@@ -22,6 +22,9 @@ inline const Eigen::Vector3f kBackground{0.08f, 0.08f, 0.1f};
 // an object whose drivers are bit for bit those of the last picture are not skinned again. Not locked.
 class SceneView {
  public:
+  explicit SceneView(std::unique_ptr<SplatRenderer> renderer = create_cpu_renderer())
+      : renderer_(std::move(renderer)) {}
+
   // Ties the kernels to their drivers: about 0.1 s for 300k kernels. An id that is there already is replaced.
   Result<void> add(uint32_t object_id, std::shared_ptr<const GaussianAsset> asset, RestBody rest,
                    bool environment);
@@ -31,15 +34,16 @@ class SceneView {
                       bool environment);
   void remove(uint32_t object_id);
 
-  // Objects of the frame that were never added are left out; drivers that do not fit their object are an
-  // error.
-  Result<void> draw(const DriverFrame& frame, const Camera& camera, RasterisedView& view);
+  // An image an eye, of one eye or two. Objects of the frame that were never added are left out; drivers that
+  // do not fit their object are an error.
+  Result<void> draw(const DriverFrame& frame, std::span<const Camera> eyes, std::vector<Image>& images);
 
   struct Times {
     double skin_ms = 0, raster_ms = 0;
     size_t objects_skinned = 0;
   };
   const Times& last_times() const { return times_; }
+  const std::string& renderer_name() const { return renderer_->name(); }
 
   // World bounds of each object (never the environment) as it stands in the last picture, or after pose():
   // from the 1st to the 99th percentile of its kernels along each axis, so that haze and floaters do not
@@ -61,13 +65,15 @@ class SceneView {
     bool environment = false;
     PosedKernels kernels;
     std::optional<ObjectDrivers> posed_by;
+    uint64_t posed_version = 0, asset_version = 0;  // as RenderedObject has them
   };
 
   const Object* shown(uint32_t object_id) const;  // the oldest revision, which is that of the last pose
 
   std::map<uint32_t, std::map<uint32_t, Object>> objects_;  // by id, then revision
   std::vector<uint32_t> visible_;                           // ids of the last pose, ascending
-  Rasteriser rasteriser_;
+  std::unique_ptr<SplatRenderer> renderer_;
+  uint64_t last_version_ = 0;
   Times times_;
 };
 

@@ -118,10 +118,12 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
   SessionClient& client = **joined;
   const JoinedScene& scene = client.scene();
   if (auto checked = check_names(prepared->script, scene); !checked) return checked.error();
+  auto renderer = choose_renderer(options.renderer);
+  if (!renderer) return renderer.error();
 
   const AssetCache cache(prepared->cache);
   AssetLibrary assets(client, cache);
-  SceneView view;
+  SceneView view(*std::move(renderer));
   if (auto loaded = load_scene(scene, assets, view); !loaded) return loaded.error();
   log_info("joined %s: %zu objects, %.0f Hz; %zu of %zu assets fetched, %.1f MB", options.address.c_str(),
            scene.objects.size(), scene.rate_hz, assets.totals().fetched, assets.totals().assets,
@@ -169,13 +171,15 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
 
   OffscreenRunSummary summary;
   summary.scene_address = options.address;
+  summary.renderer = view.renderer_name();
   summary.server_rate_hz = scene.rate_hz;
   summary.objects = scene.objects.size();
   const std::map<uint32_t, StreamedObject> changed = recorder.changed_objects();
   for (const StreamedObject& object : scene.objects) {
     summary.kernels += object.kernel_count;
     const auto now = changed.find(object.id);
-    if (!object.environment) summary.object_lines.push_back(object_line(now == changed.end() ? object : now->second));
+    if (!object.environment)
+      summary.object_lines.push_back(object_line(now == changed.end() ? object : now->second));
   }
   summary.assets = assets.totals();
   summary.received = recorder.summary();
@@ -210,9 +214,9 @@ std::string summary_text(const OffscreenRunSummary& summary) {
       received.age_ms_p50, received.age_ms_p99, received.bytes_p50, received.bytes_p99, received.step_ms_p50,
       received.step_ms_p99);
   const DrawnLog::Summary& drawn = summary.drawn;
-  append("drawn: %llu pictures; skinning p50 %.2f ms, p99 %.2f ms; render p50 %.2f ms, p99 %.2f ms\n",
-         count(drawn.pictures), drawn.skin_ms_p50, drawn.skin_ms_p99, drawn.raster_ms_p50,
-         drawn.raster_ms_p99);
+  append("drawn: %llu pictures by %s; skinning p50 %.2f ms, p99 %.2f ms; render p50 %.2f ms, p99 %.2f ms\n",
+         count(drawn.pictures), summary.renderer.c_str(), drawn.skin_ms_p50, drawn.skin_ms_p99,
+         drawn.raster_ms_p50, drawn.raster_ms_p99);
   if (summary.dropped_frames > 0) {
     append("  %llu frames were dropped from a full backlog: the video skips\n",
            count(summary.dropped_frames));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "render/choose_renderer.h"
 #include "viewer/asset_library.h"
 #include "viewer/camera_file.h"
 #include "viewer/frame_log.h"
@@ -26,10 +27,12 @@ struct OffscreenRunOptions {
   bool video = true;
   std::filesystem::path cache;  // empty: the user's
   double connect_timeout_s = 5;
+  RendererChoice renderer = RendererChoice::Auto;
 };
 
 struct OffscreenRunSummary {
   std::string scene_address;
+  std::string renderer;  // "cpu", or the Vulkan device
   double server_rate_hz = 0;
   size_t objects = 0, kernels = 0;
   std::vector<std::string> object_lines;  // one an object: what it is, and how far its numbers hold

@@ -23,7 +23,7 @@ Result<void> Player::play() {
   if (!planned_) planned_ = display_.wait_frame();
   if (!planned_) return {};
   if (auto drawn = draw(history_.newest()); !drawn) return drawn;
-  last_picture_ = picture_.image;
+  last_picture_ = pictures_.front();
   return {};
 }
 
@@ -63,20 +63,13 @@ Result<void> Player::draw_until_newest() {
 }
 
 Result<void> Player::draw(const DriverFrame& frame) {
-  std::vector<Image> images;
-  double skin_ms = 0, raster_ms = 0;
-  for (const Camera& camera : planned_->views) {
-    if (auto drawn = view_.draw(frame, camera, picture_); !drawn) return drawn;
-    skin_ms += view_.last_times().skin_ms;
-    raster_ms += view_.last_times().raster_ms;
-    images.push_back(picture_.image);
-  }
-  if (!first_picture_) first_picture_ = images.front();
-  if (auto submitted = display_.submit(*planned_, images); !submitted) return submitted;
+  if (auto drawn = view_.draw(frame, planned_->views, pictures_); !drawn) return drawn;
+  if (!first_picture_) first_picture_ = pictures_.front();
+  if (auto submitted = display_.submit(*planned_, pictures_); !submitted) return submitted;
   log_.add({planned_->index, seconds_from_ns(frame.simulated_ns), last_.tick, last_.received_ns,
             milliseconds_from_ns(last_.received_ns - last_.stepped_ns),
-            milliseconds_from_ns(now_ns() - last_.received_ns), skin_ms, raster_ms, last_.bytes,
-            last_.step_ms});
+            milliseconds_from_ns(now_ns() - last_.received_ns), view_.last_times().skin_ms,
+            view_.last_times().raster_ms, last_.bytes, last_.step_ms});
   planned_.reset();
   return {};
 }

@@ -58,7 +58,7 @@ class Player {
   ReceivedFrame last_;  // the newest taken
   std::optional<int64_t> first_simulated_ns_;
   std::optional<PlannedFrame> planned_;
-  RasterisedView picture_;
+  std::vector<Image> pictures_;  // an eye each, of the last moment drawn
   std::optional<Image> first_picture_, last_picture_;
 };
 

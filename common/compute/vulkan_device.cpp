@@ -251,6 +251,9 @@ VulkanHandles::~VulkanHandles() {
 VulkanDevice::VulkanDevice(std::unique_ptr<VulkanHandles> handles) : handles_(std::move(handles)) {}
 VulkanDevice::~VulkanDevice() = default;
 
+bool VulkanDevice::is_software() const {
+  return handles_->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+}
 bool VulkanDevice::can_draw() const { return handles_->draws; }
 const std::string& VulkanDevice::name() const { return handles_->name; }
 

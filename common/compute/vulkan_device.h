@@ -34,6 +34,7 @@ class VulkanDevice {
   VulkanDevice& operator=(const VulkanDevice&) = delete;
 
   bool can_draw() const;
+  bool is_software() const;  // lavapipe is
   const std::string& name() const;  // as the driver tells it: "llvmpipe (LLVM 15.0.6, 256 bits)"
 
   // For this room and client/render.

@@ -3,9 +3,9 @@
 // decibels of the picture on the screen as the client draws it, 8 bits a channel; of the same blended in
 // 16-bit floats, and the mean of what that is too bright by; and blended in 32-bit floats, before 8 bits a
 // channel. Answers 1 when a picture as the client draws it is under 50 dB. Run by hand; with a folder, it
-// leaves pictures there, of one asset when one is named:
+// leaves pictures there, of one asset alone when one is named:
 //   picture_bench > tests/bench/results/<processor>/picture.csv
-//   picture_bench FOLDER ASSET
+//   picture_bench FOLDER NAME_OR_FILE
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -124,12 +124,16 @@ int run(const std::filesystem::path& folder, const std::string& only) {
   std::printf("# %s\nasset,kernels,sh_degree,view,width,height,screen_db,half_db,half_bias,full_db,bar_db\n",
               renderers->screen->name().c_str());
   bool all = true;
-  for (const char* file : kAssets) {
-    const std::string name = std::filesystem::path(file).stem().string();
-    if (!only.empty() && name != only) continue;
-    Result<AssetFile> asset = read_asset(std::filesystem::path(LIVEGS_SHARED_DATA_DIR) / "splats" / file);
+  const std::filesystem::path captured = std::filesystem::path(LIVEGS_SHARED_DATA_DIR) / "splats";
+  std::vector<std::filesystem::path> files;
+  for (const char* file : kAssets) files.push_back(captured / file);
+  if (std::filesystem::exists(only)) files = {only};
+  for (const std::filesystem::path& file : files) {
+    const std::string name = file.stem().string();
+    if (!only.empty() && files.size() > 1 && name != only) continue;
+    Result<AssetFile> asset = read_asset(file);
     if (!asset) {
-      std::fprintf(stderr, "%s: left out: %s\n", file, asset.error().message.c_str());
+      std::fprintf(stderr, "%s: left out\n", asset.error().message.c_str());
       continue;
     }
     const PosedKernels still = pose_asset(asset->asset);

@@ -60,11 +60,11 @@ TEST(SceneView, APictureWithSavedSkinningIsTheSamePicture) {
     ASSERT_TRUE(view->add(1, cube_asset(0.3f, {1, 0, 0}), rigid_rest(), false));
     ASSERT_TRUE(view->add(2, cube_asset(0.3f, {0, 1, 0}), rigid_rest(), false));
   }
-  RasterisedView kept_picture, fresh_picture;
-  ASSERT_TRUE(kept.draw(frame_of({{1, {-0.3, 0, 0}}, {2, {0.1, 0, 0}}}), camera, kept_picture));
-  ASSERT_TRUE(kept.draw(frame_of({{1, {-0.3, 0, 0}}, {2, {0.3, 0, 0}}}), camera, kept_picture));
-  ASSERT_TRUE(fresh.draw(frame_of({{1, {-0.3, 0, 0}}, {2, {0.3, 0, 0}}}), camera, fresh_picture));
-  EXPECT_EQ(kept_picture.image.pixels, fresh_picture.image.pixels);
+  std::vector<Image> kept_picture, fresh_picture;
+  ASSERT_TRUE(kept.draw(frame_of({{1, {-0.3, 0, 0}}, {2, {0.1, 0, 0}}}), {&camera, 1}, kept_picture));
+  ASSERT_TRUE(kept.draw(frame_of({{1, {-0.3, 0, 0}}, {2, {0.3, 0, 0}}}), {&camera, 1}, kept_picture));
+  ASSERT_TRUE(fresh.draw(frame_of({{1, {-0.3, 0, 0}}, {2, {0.3, 0, 0}}}), {&camera, 1}, fresh_picture));
+  EXPECT_EQ(kept_picture.at(0).pixels, fresh_picture.at(0).pixels);
 }
 
 TEST(SceneView, LeavesOutWhatWasRemovedAndWhatIsUnknown) {

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "render/splat_renderer.h"
+
+namespace livegs {
+
+enum class RendererChoice {
+  Auto,    // Vulkan on a GPU; else the CPU, which is faster than a Vulkan device in software
+  Vulkan,  // Vulkan or nothing, in software too
+  Cpu,
+};
+
+// Logs in one line what draws, and with Auto and no GPU, why it is the CPU. Fails only when Vulkan is asked
+// for and cannot be had; the message has the remedy.
+Result<std::unique_ptr<SplatRenderer>> choose_renderer(RendererChoice choice);
+
+}  // namespace livegs
