@@ -10,6 +10,7 @@
 #include "core/log.h"
 #include "core/parallel_for.h"
 #include "viewer/offscreen_run.h"
+#include "viewer/window_run.h"
 
 namespace {
 
@@ -41,17 +42,18 @@ int main(int argc, char** argv) {
   bool verbose = false, no_video = false;
   CLI::App app("Sees and touches a scene that livegs-server streams", "livegs-client");
   app.add_option("HOST:PORT", options.address, "Where the server listens")->required();
-  app.add_option("--display", display, "offscreen: pictures become files")
-      ->check(CLI::IsMember({"offscreen"}))
+  app.add_option("--display", display, "offscreen: pictures become files; window: a desktop window")
+      ->check(CLI::IsMember({"offscreen", "window"}))
       ->capture_default_str();
   app.add_option("--renderer", renderer,
                  "auto: Vulkan on a GPU, else the CPU; vulkan: Vulkan or nothing, in software too; cpu")
       ->check(CLI::IsMember({"auto", "vulkan", "cpu"}))
       ->capture_default_str();
-  app.add_option("--seconds", options.seconds, "Of stream; 0: until the server ends")
+  app.add_option("--seconds", options.seconds, "Of stream; 0: until the server ends, or the window is closed")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_option("--output,-o", options.output, "The folder for pictures, video and timings")
+  app.add_option("--output,-o", options.output,
+                 "The folder for pictures, video and timings; with a window, for a screenshot a second")
       ->capture_default_str();
   app.add_option("--size", size, "WxH in pixels; 640x480, or the camera file's, when left out");
   app.add_option("--camera", options.camera_file,
@@ -93,6 +95,15 @@ int main(int argc, char** argv) {
   livegs::set_thread_count(threads);
   for (int signal_number : {SIGINT, SIGTERM}) signal(signal_number, [](int) { interrupted = true; });
 
+  if (display == "window") {
+    const livegs::WindowRunOptions window{options.address, app.count("--seconds") > 0 ? options.seconds : 0.0,
+                                          options.size,    options.camera_file,
+                                          options.poke,    app.count("--output") > 0 ? options.output : "",
+                                          options.cache,   options.connect_timeout_s,
+                                          options.renderer};
+    if (const auto done = livegs::run_window(window, interrupted); !done) return report(done.error());
+    return 0;
+  }
   const auto summary = livegs::run_offscreen(options, interrupted);
   if (!summary) return report(summary.error());
   std::fputs(livegs::summary_text(*summary).c_str(), stdout);

@@ -10,6 +10,7 @@
 #include "core/log.h"
 #include "render/choose_camera.h"
 #include "stream/session_client.h"
+#include "viewer/load_scene.h"
 #include "viewer/object_line.h"
 #include "viewer/player.h"
 #include "viewer/recorder.h"
@@ -68,18 +69,6 @@ Result<void> check_names(const v1::InputScript& script, const JoinedScene& scene
     if (!found)
       return not_found("the script's object \"" + name +
                        "\": the scene has none of that name; it has: " + known);
-  }
-  return {};
-}
-
-Result<void> load_scene(const JoinedScene& scene, AssetLibrary& assets, SceneView& view) {
-  for (const StreamedObject& object : scene.objects) assets.ask_for(object);
-  for (const StreamedObject& object : scene.objects) {
-    auto asset = assets.get(object.asset_hash);
-    if (!asset) return asset.error();
-    if (auto added = view.add(object.id, *asset, object.rest, object.environment); !added) {
-      return Error{added.error().code, object.name + ": " + added.error().message};
-    }
   }
   return {};
 }

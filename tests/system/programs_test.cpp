@@ -152,7 +152,7 @@ TEST_F(Programs, AServerThatIsNotThereIsOneLineAndCodeOne) {
 }
 
 TEST_F(Programs, ADisplayThatDoesNotExistYetIsRefused) {
-  Program client({LIVEGS_CLIENT, "127.0.0.1:1", "--display", "window"});
+  Program client({LIVEGS_CLIENT, "127.0.0.1:1", "--display", "openxr"});
   EXPECT_EQ(client.wait(), 2);
   EXPECT_NE(client.err().find("offscreen"), std::string::npos) << client.err();
 }

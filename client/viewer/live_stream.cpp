@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/live_stream.h"
+
+#include <utility>
+
+namespace livegs {
+
+void LiveStream::on_frame(ReceivedFrame frame) {
+  std::lock_guard lock(mutex_);
+  news_.frame = std::move(frame);
+  ++news_.frames;
+}
+
+void LiveStream::on_object_added(StreamedObject object) {
+  assets_.ask_for(object);
+  std::lock_guard lock(mutex_);
+  events_.push_back({std::move(object), true, 0});
+}
+
+void LiveStream::on_object_changed(StreamedObject object) {
+  assets_.ask_for(object);
+  std::lock_guard lock(mutex_);
+  events_.push_back({std::move(object), false, 0});
+}
+
+void LiveStream::on_object_removed(uint32_t object_id) {
+  std::lock_guard lock(mutex_);
+  events_.push_back({std::nullopt, false, object_id});
+}
+
+void LiveStream::on_draining(const std::string& reason) {
+  std::lock_guard lock(mutex_);
+  news_.goodbye = reason;
+}
+
+Result<LiveStream::News> LiveStream::take(SceneView& view) {
+  std::vector<Event> events;
+  News news;
+  {
+    std::lock_guard lock(mutex_);
+    events = std::exchange(events_, {});
+    news = std::exchange(news_, {});
+  }
+  for (Event& event : events) {
+    if (!event.object) {
+      view.remove(event.removed_id);
+      news.removed.push_back(event.removed_id);
+      continue;
+    }
+    const StreamedObject& object = *event.object;
+    auto asset = assets_.get(object.asset_hash);
+    if (!asset) return asset.error();
+    auto shown = event.added ? view.add(object.id, *asset, object.rest, object.environment)
+                             : view.change(object.id, *asset, object.rest, object.environment);
+    if (!shown) return shown.error();
+    news.described.push_back(std::move(*event.object));
+  }
+  return news;
+}
+
+}  // namespace livegs

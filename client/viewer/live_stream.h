@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/scene_view.h"
+#include "stream/received.h"
+#include "viewer/asset_library.h"
+
+namespace livegs {
+
+// The newest of a stream, for a drawer that shows the present: frames that were not drawn in time are
+// dropped, events never.
+class LiveStream final : public StreamSink {
+ public:
+  explicit LiveStream(AssetLibrary& assets) : assets_(assets) {}
+
+  // On the reader's thread.
+  void on_frame(ReceivedFrame frame) override;
+  void on_object_added(StreamedObject object) override;
+  void on_object_changed(StreamedObject object) override;
+  void on_object_removed(uint32_t object_id) override;
+  void on_draining(const std::string& reason) override;
+
+  // On the drawer's: what came since the last call, events first. Waits for the asset of an object that is
+  // new.
+  struct News {
+    std::optional<ReceivedFrame> frame;
+    std::vector<StreamedObject> described;  // added or changed
+    std::vector<uint32_t> removed;
+    uint64_t frames = 0;                    // that came
+    std::optional<std::string> goodbye;
+  };
+  Result<News> take(SceneView& view);
+
+ private:
+  struct Event {
+    std::optional<StreamedObject> object;
+    bool added = false;
+    uint32_t removed_id = 0;
+  };
+
+  AssetLibrary& assets_;
+  std::mutex mutex_;  // guards everything below
+  std::vector<Event> events_;
+  News news_;
+};
+
+}  // namespace livegs

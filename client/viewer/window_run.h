@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "core/result.h"
+#include "render/choose_renderer.h"
+#include "viewer/camera_file.h"
+
+namespace livegs {
+
+struct WindowRunOptions {
+  std::string address;
+  double seconds = 0;  // 0: until the window is closed
+  std::optional<PictureSize> size;
+  std::filesystem::path camera_file;  // empty: all objects from a little above
+  std::string poke;                   // an object that is poked as if by the mouse; empty: none
+  std::filesystem::path screenshots;  // a folder for window_NNN.png, one a second; empty: none
+  std::filesystem::path cache;        // empty: the user's
+  double connect_timeout_s = 5;
+  RendererChoice renderer = RendererChoice::Auto;
+};
+
+// Joins and shows the scene in a window, in which the mouse turns the view, takes hold of things and shoots.
+// When the server goes, its last picture stays with a notice. Until the window is closed, the time is up or
+// `interrupted`.
+Result<void> run_window(const WindowRunOptions& options, const std::atomic<bool>& interrupted);
+
+}  // namespace livegs

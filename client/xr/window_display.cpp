@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "xr/window_display.h"
+
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl2.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "core/assert.h"
+
+namespace livegs {
+namespace {
+
+constexpr float kPanelWidth_px = 300, kMargin_px = 10;
+
+std::string glfw_error() {
+  const char* text = nullptr;
+  glfwGetError(&text);
+  return text ? text : "no reason given";
+}
+
+class GlfwWindowDisplay final : public WindowDisplay {
+ public:
+  ~GlfwWindowDisplay() override;
+  Result<void> create(const std::string& title, int width, int height);
+
+  std::optional<PlannedFrame> wait_frame() override;
+  Result<void> submit(const PlannedFrame& frame, std::span<const Image> images) override;
+  Result<void> finish() override { return {}; }
+
+  void set_camera(const Camera& camera) override { camera_ = camera; }
+  const WindowInput& input() const override { return input_; }
+  Eigen::Vector2i size_px() const override;
+  void set_overlay(WindowOverlay overlay) override { overlay_ = std::move(overlay); }
+  void keep_next(Image& image) override { kept_ = &image; }
+
+ private:
+  void take_input();
+  void draw_picture(const Image& image);
+  void draw_overlay() const;
+  void read_back(Image& image) const;
+
+  bool initialised_ = false, panels_ = false, space_was_down_ = false;
+  GLFWwindow* window_ = nullptr;
+  GLuint texture_ = 0;
+  Camera camera_;
+  WindowInput input_;
+  WindowOverlay overlay_;
+  double last_s_ = 0;
+  uint64_t planned_ = 0;
+  Image* kept_ = nullptr;
+};
+
+GlfwWindowDisplay::~GlfwWindowDisplay() {
+  if (panels_) {
+    ImGui_ImplOpenGL2_Shutdown();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
+  }
+  if (texture_) glDeleteTextures(1, &texture_);
+  if (window_) glfwDestroyWindow(window_);
+  if (initialised_) glfwTerminate();
+}
+
+Result<void> GlfwWindowDisplay::create(const std::string& title, int width, int height) {
+  if (!glfwInit()) {
+    return Error{ErrorCode::Unavailable, "window: no display to open one on (" + glfw_error() +
+                                             "); set DISPLAY, or use --display offscreen"};
+  }
+  initialised_ = true;
+  window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+  if (!window_) {
+    return Error{ErrorCode::Unavailable, "window: cannot be opened (" + glfw_error() +
+                                             "); is OpenGL there? --display offscreen needs none"};
+  }
+  glfwMakeContextCurrent(window_);
+  glfwSwapInterval(1);
+  ImGui::CreateContext();
+  ImGui::GetIO().IniFilename = nullptr;  // nothing is left in the folder it was started in
+  panels_ = ImGui_ImplGlfw_InitForOpenGL(window_, true) && ImGui_ImplOpenGL2_Init();
+  glGenTextures(1, &texture_);
+  last_s_ = glfwGetTime();
+  return {};
+}
+
+Eigen::Vector2i GlfwWindowDisplay::size_px() const {
+  int width = 0, height = 0;
+  glfwGetWindowSize(window_, &width, &height);
+  return {std::max(1, width), std::max(1, height)};
+}
+
+void GlfwWindowDisplay::take_input() {
+  const ImGuiIO& io = ImGui::GetIO();
+  const double now_s = glfwGetTime();
+  WindowInput taken;
+  taken.passed_s = now_s - last_s_;
+  last_s_ = now_s;
+  glfwGetCursorPos(window_, &taken.mouse_px.x(), &taken.mouse_px.y());
+  taken.moved_px = planned_ == 0 ? Eigen::Vector2d(0, 0) : Eigen::Vector2d(taken.mouse_px - input_.mouse_px);
+  const auto down = [&](int key) {
+    return glfwGetKey(window_, key) == GLFW_PRESS && !io.WantCaptureKeyboard;
+  };
+  const auto button = [&](int which) {
+    return glfwGetMouseButton(window_, which) == GLFW_PRESS && !io.WantCaptureMouse;
+  };
+  taken.left = button(GLFW_MOUSE_BUTTON_LEFT);
+  taken.middle = button(GLFW_MOUSE_BUTTON_MIDDLE);
+  taken.right = button(GLFW_MOUSE_BUTTON_RIGHT);
+  if (!io.WantCaptureMouse) taken.scrolled = io.MouseWheel;
+  const auto axis = [&](int plus, int minus) {
+    return static_cast<double>(down(plus)) - static_cast<double>(down(minus));
+  };
+  taken.flown = {axis(GLFW_KEY_D, GLFW_KEY_A), axis(GLFW_KEY_E, GLFW_KEY_Q), axis(GLFW_KEY_S, GLFW_KEY_W)};
+  const bool space = down(GLFW_KEY_SPACE);
+  taken.shoot = space && !space_was_down_;
+  space_was_down_ = space;
+  input_ = taken;
+}
+
+std::optional<PlannedFrame> GlfwWindowDisplay::wait_frame() {
+  glfwPollEvents();
+  if (glfwWindowShouldClose(window_)) return std::nullopt;
+  ImGui_ImplOpenGL2_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  ImGui::NewFrame();
+  take_input();
+  PlannedFrame frame;
+  frame.index = planned_++;
+  frame.display_time_ns = static_cast<int64_t>(std::llround(glfwGetTime() * 1e9));
+  frame.views = {camera_};
+  return frame;
+}
+
+void GlfwWindowDisplay::draw_picture(const Image& image) {
+  const std::vector<uint8_t> bytes = rgb_bytes(image);
+  glBindTexture(GL_TEXTURE_2D, texture_);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB, image.width, image.height, 0, GL_RGB, GL_UNSIGNED_BYTE,
+               bytes.data());
+  const Eigen::Vector2i size = size_px();
+  ImGui::GetBackgroundDrawList()->AddImage(reinterpret_cast<ImTextureID>(static_cast<intptr_t>(texture_)),
+                                           {0, 0},
+                                           {static_cast<float>(size.x()), static_cast<float>(size.y())});
+}
+
+void GlfwWindowDisplay::draw_overlay() const {
+  ImDrawList& over = *ImGui::GetForegroundDrawList();
+  constexpr ImU32 kColour = IM_COL32(255, 190, 40, 255);
+  for (const WindowOverlay::Arrow& arrow : overlay_.arrows) {
+    const auto at = [](const Eigen::Vector2d& p) {
+      return ImVec2(static_cast<float>(p.x()), static_cast<float>(p.y()));
+    };
+    const Eigen::Vector2d along = arrow.to_px - arrow.from_px;
+    over.AddLine(at(arrow.from_px), at(arrow.to_px), kColour, 3.0f);
+    if (along.norm() > 1.0) {
+      const Eigen::Vector2d forward = 12.0 * along.normalized(), side(-0.5 * forward.y(), 0.5 * forward.x());
+      over.AddTriangleFilled(at(arrow.to_px + 0.5 * forward), at(arrow.to_px - forward + side),
+                             at(arrow.to_px - forward - side), kColour);
+    }
+    over.AddText(at(arrow.to_px + Eigen::Vector2d(10, -18)), kColour, arrow.label.c_str());
+  }
+  // One in each upper corner; a person may move and fold them.
+  const auto panel = [](const char* title, float left, const std::vector<std::string>& lines) {
+    ImGui::SetNextWindowPos({left, kMargin_px}, ImGuiCond_FirstUseEver);
+    ImGui::SetNextWindowSize({kPanelWidth_px, 0});
+    ImGui::SetNextWindowBgAlpha(0.6f);
+    ImGui::Begin(title, nullptr, ImGuiWindowFlags_NoResize);
+    for (const std::string& line : lines) ImGui::TextWrapped("%s", line.c_str());
+    ImGui::End();
+  };
+  panel("Status", kMargin_px, overlay_.status);
+  panel("Objects", static_cast<float>(size_px().x()) - kPanelWidth_px - kMargin_px, overlay_.objects);
+}
+
+Result<void> GlfwWindowDisplay::submit(const PlannedFrame&, std::span<const Image> images) {
+  LIVEGS_ASSERT(images.size() == 1);
+  draw_picture(images[0]);
+  draw_overlay();
+  ImGui::Render();
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(window_, &width, &height);
+  glViewport(0, 0, width, height);
+  glClear(GL_COLOR_BUFFER_BIT);
+  ImGui_ImplOpenGL2_RenderDrawData(ImGui::GetDrawData());
+  if (kept_) read_back(*std::exchange(kept_, nullptr));  // before the swap, after which nothing need be there
+  glfwSwapBuffers(window_);
+  return {};
+}
+
+void GlfwWindowDisplay::read_back(Image& image) const {
+  glfwGetFramebufferSize(window_, &image.width, &image.height);
+  const size_t row = size_t{3} * image.width;
+  std::vector<uint8_t> bytes(row * image.height);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadBuffer(GL_BACK);
+  glReadPixels(0, 0, image.width, image.height, GL_RGB, GL_UNSIGNED_BYTE, bytes.data());
+  image.pixels.assign(size_t{4} * image.width * image.height, 1.0f);
+  for (int y = 0; y < image.height; ++y) {  // OpenGL's rows run upwards
+    const uint8_t* from = bytes.data() + row * static_cast<size_t>(image.height - 1 - y);
+    for (int x = 0; x < image.width; ++x) {
+      for (int c = 0; c < 3; ++c) image.at(x, y)[c] = static_cast<float>(from[3 * x + c]) / 255.0f;
+    }
+  }
+}
+
+}  // namespace
+
+Result<std::unique_ptr<WindowDisplay>> WindowDisplay::open(const std::string& title, int width, int height) {
+  auto display = std::make_unique<GlfwWindowDisplay>();
+  if (auto made = display->create(title, width, height); !made) return made.error();
+  return Result<std::unique_ptr<WindowDisplay>>(std::move(display));
+}
+
+}  // namespace livegs
