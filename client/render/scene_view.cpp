@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/clock.h"
+#include "core/log.h"
 
 namespace livegs {
 namespace {
@@ -118,7 +119,15 @@ Result<void> SceneView::draw(const DriverFrame& frame, std::span<const Camera> e
   }
   RenderOptions options;
   options.background = kBackground;
-  if (auto done = renderer_->draw(drawn, eyes, options, images); !done) return done;
+  auto done = renderer_->draw(drawn, eyes, options, images);
+  if (!done && !draws_on_cpu_) {
+    log_warn("%s cannot draw this: %s; the cpu draws from here on", renderer_->name().c_str(),
+             done.error().message.c_str());
+    renderer_ = create_cpu_renderer();
+    draws_on_cpu_ = true;
+    done = renderer_->draw(drawn, eyes, options, images);
+  }
+  if (!done) return done;
   times_.raster_ms = milliseconds_from_ns(now_ns() - begun_ns);
   return {};
 }

@@ -35,7 +35,8 @@ class SceneView {
   void remove(uint32_t object_id);
 
   // An image an eye, of one eye or two. Objects of the frame that were never added are left out; drivers that
-  // do not fit their object are an error.
+  // do not fit their object are an error. A renderer that fails (a lost device, one that cannot hold the scene)
+  // is replaced by the CPU's, with a warning.
   Result<void> draw(const DriverFrame& frame, std::span<const Camera> eyes, std::vector<Image>& images);
 
   struct Times {
@@ -73,6 +74,7 @@ class SceneView {
   std::map<uint32_t, std::map<uint32_t, Object>> objects_;  // by id, then revision
   std::vector<uint32_t> visible_;                           // ids of the last pose, ascending
   std::unique_ptr<SplatRenderer> renderer_;
+  bool draws_on_cpu_ = false;  // because the renderer could not
   uint64_t last_version_ = 0;
   Times times_;
 };

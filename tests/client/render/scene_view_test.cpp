@@ -67,6 +67,37 @@ TEST(SceneView, APictureWithSavedSkinningIsTheSamePicture) {
   EXPECT_EQ(kept_picture.at(0).pixels, fresh_picture.at(0).pixels);
 }
 
+// A device that draws twice and is lost.
+class LostRenderer final : public SplatRenderer {
+ public:
+  const std::string& name() const override { return name_; }
+  const RenderTimes& last_times() const override { return times_; }
+  Result<void> draw(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
+                    const RenderOptions& options, std::vector<Image>& images) override {
+    if (++drawn_ > 2) return Error{ErrorCode::Unavailable, "vulkan: vkQueueSubmit2 failed with VkResult -4"};
+    return create_cpu_renderer()->draw(objects, eyes, options, images);
+  }
+
+ private:
+  std::string name_ = "lost";
+  RenderTimes times_;
+  int drawn_ = 0;
+};
+
+TEST(SceneView, TheCpuTakesOverFromADeviceThatIsLost) {
+  const Camera camera = look_at({0, 0, 2}, {0, 0, 0}, {0, 1, 0}, 0.7, 96, 64);
+  SceneView view(std::make_unique<LostRenderer>());
+  ASSERT_TRUE(view.add(1, cube_asset(0.3f, {1, 0, 0}), rigid_rest(), false));
+  std::vector<Image> first, picture;
+  ASSERT_TRUE(view.draw(frame_of({{1, {0, 0, 0}}}), {&camera, 1}, first));
+  EXPECT_EQ(view.renderer_name(), "lost");
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(view.draw(frame_of({{1, {0, 0, 0}}}), {&camera, 1}, picture));
+    EXPECT_EQ(picture.at(0).pixels, first.at(0).pixels);
+  }
+  EXPECT_EQ(view.renderer_name(), "cpu");
+}
+
 TEST(SceneView, LeavesOutWhatWasRemovedAndWhatIsUnknown) {
   SceneView view;
   ASSERT_TRUE(view.add(1, cube_asset(0.2f, {1, 0, 0}), rigid_rest(), false));
