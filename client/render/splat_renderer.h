@@ -36,7 +36,8 @@ struct RenderTimes {
   double total_ms() const { return upload_ms + project_ms + sort_ms + draw_ms; }
 };
 
-// Draws objects in one sorted set, for one eye or two of one size. One thread at a time.
+// Draws objects, each with an id of its own, in one sorted set, for one eye or two of one size. One thread at a
+// time.
 class SplatRenderer {
  public:
   virtual ~SplatRenderer() = default;

@@ -167,6 +167,7 @@ Result<void> WindowRun::keep_screenshot() {
 
 Result<void> WindowRun::run(const std::atomic<bool>& interrupted) {
   client_.start(stream_);
+  begun_ns_ = now_ns();
   std::vector<Image> pictures;
   int64_t second_ns = now_ns();
   uint64_t shown = 0, first_tick = 0;
@@ -204,7 +205,9 @@ Result<void> WindowRun::run(const std::atomic<bool>& interrupted) {
         if (auto kept = keep_screenshot(); !kept) return kept;
       }
     }
-    if (options_.seconds > 0 && camera_ && seconds_from_ns(now - begun_ns_) >= options_.seconds) break;
+    // Counted from the first frame, if there is to be one.
+    const bool counts = options_.seconds > 0 && (camera_ || client_.ended());
+    if (counts && seconds_from_ns(now - begun_ns_) >= options_.seconds) break;
   }
   return {};
 }

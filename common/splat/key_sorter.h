@@ -14,7 +14,7 @@ namespace livegs {
 // of four bits (Satish, Harris and Garland 2009, section 4, without its local sort). Nothing in it depends on
 // the size of a subgroup, no sum on the order of atomics, and the CPU twins give the same bits.
 //
-// Owns its buffers, 16 bytes a key and 32 bytes for 2048 of them.
+// Owns its buffers, 16 bytes a key and 64 bytes for 2048 of them.
 class KeySorter {
  public:
   // For up to `capacity` keys, 1..kMaxKeys; the backend outlives the sorter.

@@ -90,6 +90,25 @@ TEST_F(Window, ShowsTheSceneAndAPull) {
   EXPECT_EQ(server.wait(), 0) << server.err();
 }
 
+// The last picture stays, with a notice, and the window ends when its time is up.
+TEST_F(Window, OutlivesItsServer) {
+  if (!std::filesystem::exists("/usr/bin/Xvfb")) GTEST_SKIP() << "no Xvfb; install xvfb";
+  Program screen({"/usr/bin/Xvfb", "-displayfd", "1", "-screen", "0", "1000x700x24", "-nolisten", "tcp"});
+  const std::string number = screen.first_line();
+  ASSERT_NE(number, "") << screen.err();
+  Program server({LIVEGS_SERVER, folder_.write("boxes.scene.json", kScene), "--listen", "127.0.0.1:0",
+                  "--print-port", "--threads", "1"});
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  auto words = client(":" + number, "127.0.0.1:" + port);
+  for (const char* word : {"--seconds", "3", "--renderer", "cpu"}) words.push_back(word);
+  Program window(words);
+  ASSERT_TRUE(server.says("streaming to")) << server.err();
+  server.send(SIGKILL);
+  EXPECT_TRUE(window.says("the server has gone")) << window.err();
+  EXPECT_EQ(window.wait(), 0) << window.err();
+}
+
 TEST_F(Window, WithoutADisplayItIsOneLineAndCodeOne) {
   Program window(client("", "127.0.0.1:1"));
   EXPECT_EQ(window.wait(), 1);
