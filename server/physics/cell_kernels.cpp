@@ -210,23 +210,36 @@ LIVEGS_INLINE void scatter(const uint32_t (&nodes)[8][8], const Lanes (&inverse_
   }
 }
 
-// U and D have axes of their own: the force is R (T + A), A U + U A = U T - T U (plastic_flow.h). A by the mean
-// stretch in place of U on the left; without it such cells would feed the body energy.
-LIVEGS_INLINE void add_commutator(const Matrix& m, Matrix& stress) {
-  const Lanes share = all_lanes(1.5f) / (m.m[0][0] + m.m[1][1] + m.m[2][2]);
-  Lanes turned[3][3];
-  for (int i = 0; i < 3; ++i) {
-    for (int j = i + 1; j < 3; ++j) {
-      Lanes commutator = all_lanes(0.0f);
-      for (int k = 0; k < 3; ++k) commutator += m.m[i][k] * stress.m[k][j] - stress.m[i][k] * m.m[k][j];
-      turned[i][j] = share * commutator;
-    }
+// The energy of a cell holds R in what it measures, and R follows F. Where the stress T is a function of the stretch U
+// alone (no plastic part, no bending) that makes no force; else the force is R (T + A), A antisymmetric with axial vector
+// (tr U I - U)^-1 (axial(U T - T U) - sum z_j x eta_j), z_j the modes' amplitudes and eta_j their forces. U by its mean
+// on the left. Without A bent cells would feed the body energy: a leaf hit hard wound itself up without end.
+constexpr float kMostTurning = 0.3f;
+LIVEGS_INLINE void add_turning_force(const Matrix& m, const Lanes (&mode_torque)[3], Lanes strain_squared, Lanes mobility,
+                                     Matrix& stress) {
+  const Lanes trace = m.m[0][0] + m.m[1][1] + m.m[2][2], least = all_lanes(1.5f), one = all_lanes(1.0f);
+  const Lanes share = all_lanes(1.5f) / (trace > least ? trace : least);
+  Lanes axial[3], squared = all_lanes(0.0f);
+  for (int d = 0; d < 3; ++d) {
+    const int i = (d + 2) % 3, j = (d + 1) % 3;  // component d of the axial vector is element (i, j)
+    Lanes commutator = all_lanes(0.0f);
+    for (int k = 0; k < 3; ++k) commutator += m.m[i][k] * stress.m[k][j] - stress.m[i][k] * m.m[k][j];
+    axial[d] = share * (commutator - mode_torque[d]);
+    squared += axial[d] * axial[d];
   }
-  for (int i = 0; i < 3; ++i) {
-    for (int j = i + 1; j < 3; ++j) {
-      stress.m[i][j] += turned[i][j];
-      stress.m[j][i] -= turned[i][j];
-    }
+  const Lanes most = all_lanes(kMostTurning * kMostTurning) * strain_squared, moved = squared * mobility * mobility;
+  const Lanes kept = moved > most ? square_root(most / moved) : one;
+  for (int d = 0; d < 3; ++d) {
+    const int i = (d + 2) % 3, j = (d + 1) % 3;
+    stress.m[i][j] += kept * axial[d];
+    stress.m[j][i] -= kept * axial[d];
+  }
+}
+
+LIVEGS_INLINE void add_cross(const Lanes (&a)[3], const Lanes (&b)[3], Lanes (&sum)[3]) {
+  for (int d = 0; d < 3; ++d) {
+    const int e = (d + 1) % 3, f = (d + 2) % 3;
+    sum[d] += a[e] * b[f] - a[f] * b[e];
   }
 }
 
@@ -371,7 +384,8 @@ LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const
   for (int k = 0; k < 6; ++k) sigma.v[k] = shear.v[k] + p * (c.v[k] - hac.v[k]);
   Matrix stress = matrix_of_mandel(sigma);
   if (kPlastic) {
-    add_commutator(m, stress);
+    const Lanes torque[3] = {all_lanes(0.0f), all_lanes(0.0f), all_lanes(0.0f)};
+    add_turning_force(m, torque, strain, cells.mobility[0] + cells.mobility[1] + cells.mobility[2], stress);
   }
 
   // Mode amplitudes after the strain update, in the turned frame, and what their rows give back.
@@ -403,6 +417,9 @@ LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const
   scatter<kPaired>(cells.nodes, inverse_mass, out, arrays.corrections);
 }
 
+// |S - I|² from which the compensation goes, and where all of it is gone.
+constexpr float kFewStrained = 0.25f, kAllStrained = 1.0f;
+
 // All eighteen measures at once; the energy is quadratic in them, so there is no volume row.
 template <bool kPaired, bool kPlastic>
 LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, const ThinGains& gains,
@@ -428,20 +445,21 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, con
   if (kPlastic) {
     for (int k = 0; k < 6; ++k) lack.v[k] = plastic->part[k] - s.v[k];
   }
-  Lanes lacking[kThinMeasures], impulse[kThinMeasures];
+  Lanes lacking[kThinMeasures], impulse[kThinMeasures], modes[4][3];
   for (int k = 0; k < 6; ++k) lacking[k] = lack.v[k];
   for (int j = 0; j < 4; ++j) {
     const int k = kModeIndex[j];
     for (int d = 0; d < 3; ++d) {
       const Lanes turned = r.m[0][d] * position[0][k] + r.m[1][d] * position[1][k] + r.m[2][d] * position[2][k];
-      lacking[6 + 3 * j + d] = turned * all_lanes(-0.125f);
+      modes[j][d] = turned * all_lanes(0.125f);
+      lacking[6 + 3 * j + d] = -modes[j][d];
       if (kPlastic) lacking[6 + 3 * j + d] += plastic->mode_rest[j][d];
     }
   }
   // A fold costs a sheet little and leaves no strain at the centroid: the report counts bending as a full cell's.
   Lanes bent = all_lanes(0.0f);
   for (int k = 6; k < kThinMeasures; ++k) bent += lacking[k] * lacking[k];
-  const auto used = cells.used > all_lanes(0.0f);
+  const auto used = cells.mobility > all_lanes(0.0f);
   const Lanes strain = dot(lack, lack) + all_lanes(256.0f) * q4 * q4 * bent;
   worst.strain = used & (strain > worst.strain) ? strain : worst.strain;
   worst.volume = used & (volume < worst.volume) ? volume : worst.volume;
@@ -456,10 +474,31 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, con
     }
     impulse[i] += sum;
   }
+  // A cell pulled out of all proportion would turn by a radian in a step, and what it measures with it. It is drawn
+  // straight back to rest by as much energy: alike in all directions, which no turn changes.
+  if (__builtin_expect(any_above(strain, kFewStrained), false)) {
+    const Lanes one = all_lanes(1.0f), zero = all_lanes(0.0f);
+    Lanes inverse = inverse_mass[0], energy = zero;
+    for (int c = 1; c < 8; ++c) inverse += inverse_mass[c];
+    for (int i = 0; i < kThinMeasures; ++i) energy += impulse[i] * lacking[i];
+    // No more than half of the way, by the strains and by the modes.
+    Lanes by_strain = all_lanes(0.5f) / (used ? cells.mobility : one), by_mode = all_lanes(32.0f) / (used ? inverse : one);
+    const Lanes alike = by_strain * dot(lack, lack) + by_mode * bent;
+    const Lanes scale = energy < alike ? energy / alike : one;
+    Lanes part = (strain - all_lanes(kFewStrained)) * all_lanes(1.0f / (kAllStrained - kFewStrained));
+    part = part > zero ? (part < one ? part : one) : zero;
+    const Lanes own = (one - part) * (one + (gains.relief - one) * part);
+    by_strain *= part * scale;
+    by_mode *= part * scale;
+    for (int k = 0; k < 6; ++k) impulse[k] = own * impulse[k] + by_strain * lacking[k];
+    for (int k = 6; k < kThinMeasures; ++k) impulse[k] = own * impulse[k] + by_mode * lacking[k];
+  }
   Symmetric sigma;
   for (int k = 0; k < 6; ++k) sigma.v[k] = impulse[k];
   Matrix stress = matrix_of_mandel(sigma);
-  if (kPlastic) add_commutator(m, stress);
+  Lanes torque[3] = {all_lanes(0.0f), all_lanes(0.0f), all_lanes(0.0f)};
+  for (int j = 0; j < 4; ++j) add_cross(modes[j], {impulse[6 + 3 * j], impulse[7 + 3 * j], impulse[8 + 3 * j]}, torque);
+  add_turning_force(m, torque, strain, cells.mobility, stress);
   Lanes coefficient[8][3];
   for (int d = 0; d < 3; ++d) {
     const Lanes tx = stress.m[d][0] * q4, ty = stress.m[d][1] * q4, tz = stress.m[d][2] * q4;

@@ -68,7 +68,7 @@ struct ThinCells {
   uint32_t nodes[8][8];
   Lanes rotation[4];
   Lanes centroid[3];
-  Lanes used;  // 1; 0 in unused places
+  Lanes mobility;  // tr G; 0 in unused places
 };
 // Where the material has flowed its strain is S - D, D the plastic part in Mandel's notation, and its modes are at rest
 // at amplitudes of their own, m.
@@ -90,6 +90,7 @@ struct CutGains {
 inline constexpr int kThinMeasures = 18;
 struct ThinGains {
   Lanes gain[kThinMeasures * (kThinMeasures + 1) / 2];  // upper triangle by rows
+  Lanes relief;  // what is left of it without the compensation of the sweep; at most 1
 };
 
 // One colour after another, or from the last to the first: a sweep in a fixed order pulls a body sideways.

@@ -81,6 +81,10 @@ class CellsBody final : public ElasticBody {
   std::optional<RayHit> ray_cast(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction) const override;
 
  private:
+  // A node with more mass than its own (keep_from_nothing), and the heaviest near.
+  struct Follower {
+    uint32_t node, leader;
+  };
   // A region that holds or moves some of the body.
   struct HeldRegion {
     BodyRegion region;
@@ -122,6 +126,8 @@ class CellsBody final : public ElasticBody {
   void set_up_materials();
   void choose(double cell_width_m);
   void set_masses();
+  void keep_from_nothing();
+  void calm_followers();
   void rebuild_cells();
   void predict_accuracy();
   void set_gains(double h);
@@ -209,6 +215,7 @@ class CellsBody final : public ElasticBody {
 
   CellNodes nodes_;
   std::vector<double> masses_kg_, inverse_masses_;  // inverse 0: held
+  std::vector<Follower> followers_;
   Vector3d origin_m_ = Vector3d::Zero();            // of the nodes' positions
   CellBatches batches_;
   SweepGains gains_[2];         // of first-order and second-order steps

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "physics/cells_body.h"
 #include "physics/plastic_flow.h"
@@ -67,11 +68,22 @@ void CellsBody::flow() {
       rest[j] = reached;
     }
     if (!flowed.flowed && !bent) continue;
-    const double stored = energy_of(i, shape);
     begin_plastic();
-    plastic_parts_[i] = flowed.plastic_part;
-    plastic_modes_[i] = rest;
-    plastic_work_j_ += stored - energy_of(i, shape);
+    // Where strain and bending are coupled one can flow at the other's cost: what would take energy does not happen.
+    const double stored = energy_of(i, shape);
+    const std::array<Vector3d, kModeCount> rest_before = plastic_modes_[i];
+    double work = 0.0;
+    for (const auto& [strain_flows, modes_flow] : {std::pair(true, true), {true, false}, {false, true}}) {
+      plastic_parts_[i] = strain_flows ? flowed.plastic_part : before;
+      plastic_modes_[i] = modes_flow ? rest : rest_before;
+      work = stored - energy_of(i, shape);
+      if (work >= 0.0) break;
+    }
+    if (work < 0.0) {
+      plastic_modes_[i] = rest_before;
+      continue;
+    }
+    plastic_work_j_ += work;
     set_plastic_lanes(i);
   }
 }

@@ -31,6 +31,8 @@ constexpr double kQuiet = 0.1;
 // Loads are felt over this time: some bounces.
 constexpr double kLoadMemory_s = 0.25;
 
+constexpr double kCalmed = 0.25;  // of a follower's motion beside its leader, a step
+
 // Of the scene's substeps in one: a second at 90 Hz and 64 substeps.
 constexpr double kLongest = 6000.0;
 
@@ -72,10 +74,12 @@ void CellsBody::gather_point_loads(const SubstepContext& context) {
 
 void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& context) {
   const double h = part.duration_s, time_s = context.start_s + part.began_s + h;
-  if (std::abs(h - gains_step_s_) > 1e-9 * h) set_gains(h);
+  // Beside bodies that need more steps it takes theirs: the last step is then no basis for one of second order.
+  const bool even = std::abs(h - gains_step_s_) <= 1e-9 * h;
+  if (!even) set_gains(h);
   const double smallest_m = (extent_.max_m - extent_.min_m).minCoeff();
   const bool quiet = touching_ && deviation_m_s_ < kQuiet * std::sqrt(context.gravity_m_s2.norm() * smallest_m);
-  second_order_ = options_.second_order && !first_step_ && !strained_ && !quiet;
+  second_order_ = options_.second_order && even && !first_step_ && !strained_ && !quiet;
   // Where a sweep from zero multipliers comes to rest depends on its order a little. A body that lands alternates, or
   // one order would drive it sideways; a quiet one keeps one, or it would never be still, and so does a free one, or
   // cells with next to nothing in them would ring.
@@ -117,6 +121,7 @@ void CellsBody::end_step(const SubstepPart& part, const SubstepContext& context)
   resolve_colliders(step_of(part.duration_s), context);
   feel_load(part);
   advance(part.duration_s);
+  calm_followers();
   first_step_ = false;
   in_step_ = false;
 }
@@ -208,6 +213,25 @@ void CellsBody::advance(double h) {
     momentum_before_ += touch.impulse_n_s;
     angular_before_ += (nodes_.position_m(touch.sample) - motion_.centre_m).cross(touch.impulse_n_s);
   }
+}
+
+// The mass that followers were given is not the material's, and next to nothing holds them: what they move by beside the
+// node they follow, the motion of the body as a whole left out, is calmed.
+void CellsBody::calm_followers() {
+  const Vector3d spin = motion_.angular_velocity_rad_s();
+  Vector3d momentum = Vector3d::Zero(), angular = Vector3d::Zero();
+  for (const Follower& follower : followers_) {
+    if (inverse_masses_[follower.node] == 0.0) continue;
+    const Vector3d position = nodes_.position_m(follower.node);
+    const Vector3d beside = nodes_.velocity_m_s(follower.leader) - nodes_.velocity_m_s(follower.node) -
+                            spin.cross(nodes_.position_m(follower.leader) - position);
+    nodes_.change_velocities(follower.node, kCalmed * beside);
+    momentum += masses_kg_[follower.node] * kCalmed * beside;
+    angular += masses_kg_[follower.node] * (position - motion_.centre_m).cross(kCalmed * beside);
+  }
+  if (followers_.empty() || !free()) return;
+  owed_velocity_ -= momentum / mass_kg_;
+  owed_spin_ -= solve_inertia(motion_.inertia, angular);
 }
 
 // The motion of the body as a whole, and what its nodes lack of the ledger's. An impulse J at p turns the body by p x J
