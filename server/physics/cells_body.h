@@ -84,6 +84,8 @@ class CellsBody final : public ElasticBody {
   // A node with more mass than its own (keep_from_nothing), and the heaviest near.
   struct Follower {
     uint32_t node, leader;
+    double borrowed;  // part of its mass
+    Eigen::Vector3d leader_m_s = Eigen::Vector3d::Zero();  // after the last step
   };
   // A region that holds or moves some of the body.
   struct HeldRegion {
@@ -127,7 +129,7 @@ class CellsBody final : public ElasticBody {
   void choose(double cell_width_m);
   void set_masses();
   void keep_from_nothing();
-  void calm_followers();
+  void lead_followers(double step_s, const Eigen::Vector3d& gravity_m_s2);
   void rebuild_cells();
   void predict_accuracy();
   void set_gains(double h);

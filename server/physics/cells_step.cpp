@@ -121,7 +121,7 @@ void CellsBody::end_step(const SubstepPart& part, const SubstepContext& context)
   resolve_colliders(step_of(part.duration_s), context);
   feel_load(part);
   advance(part.duration_s);
-  calm_followers();
+  lead_followers(part.duration_s, context.gravity_m_s2);
   first_step_ = false;
   in_step_ = false;
 }
@@ -216,18 +216,22 @@ void CellsBody::advance(double h) {
 }
 
 // The mass that followers were given is not the material's, and next to nothing holds them: what they move by beside the
-// node they follow, the motion of the body as a whole left out, is calmed.
-void CellsBody::calm_followers() {
+// node they follow, the motion of the body as a whole left out, is calmed, and borrowed mass is borne with that node: it
+// gains the velocity that the node gained, not gravity's, which the next step adds.
+void CellsBody::lead_followers(double step_s, const Vector3d& gravity_m_s2) {
   const Vector3d spin = motion_.angular_velocity_rad_s();
   Vector3d momentum = Vector3d::Zero(), angular = Vector3d::Zero();
-  for (const Follower& follower : followers_) {
+  for (Follower& follower : followers_) {
+    const Vector3d leader_m_s = nodes_.velocity_m_s(follower.leader), gained = leader_m_s - follower.leader_m_s;
+    follower.leader_m_s = leader_m_s;
     if (inverse_masses_[follower.node] == 0.0) continue;
     const Vector3d position = nodes_.position_m(follower.node);
-    const Vector3d beside = nodes_.velocity_m_s(follower.leader) - nodes_.velocity_m_s(follower.node) -
+    const Vector3d beside = leader_m_s - nodes_.velocity_m_s(follower.node) -
                             spin.cross(nodes_.position_m(follower.leader) - position);
-    nodes_.change_velocities(follower.node, kCalmed * beside);
-    momentum += masses_kg_[follower.node] * kCalmed * beside;
-    angular += masses_kg_[follower.node] * (position - motion_.centre_m).cross(kCalmed * beside);
+    const Vector3d change = kCalmed * beside + (first_step_ ? 0.0 : follower.borrowed) * (gained - step_s * gravity_m_s2);
+    nodes_.change_velocities(follower.node, change);
+    momentum += masses_kg_[follower.node] * change;
+    angular += masses_kg_[follower.node] * (position - motion_.centre_m).cross(change);
   }
   if (followers_.empty() || !free()) return;
   owed_velocity_ -= momentum / mass_kg_;
