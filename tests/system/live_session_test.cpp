@@ -2,12 +2,10 @@
 // Server and client in one process over loopback, so that both ends of the same tick can be compared.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <chrono>
 #include <cmath>
+
 #include <fstream>
 #include <map>
-#include <thread>
 
 #include "core/file.h"
 #include "render/scene_view.h"
@@ -16,7 +14,6 @@
 #include "server/session/tick_log.h"
 #include "session/live_server.h"
 #include "session/simulation_loop.h"
-#include "stream/session_client.h"
 #include "viewer/camera_file.h"
 #include "viewer/offscreen_run.h"
 #include "wire/frame_codec.h"
@@ -267,31 +264,6 @@ TEST_F(LiveSession, PicturesAreEvenInSimulatedTime) {
   ASSERT_GT(times_s.size(), 3u);
   // All but the last, which is the last frame itself. Times are written to a microsecond.
   for (size_t i = 1; i + 1 < times_s.size(); ++i) EXPECT_NEAR(times_s[i] - times_s[i - 1], 1.0 / 30, 2e-6);
-}
-
-// Nothing in a client answers the server's pings while it loads assets between joining and its stream.
-TEST_F(LiveSession, AClientThatLoadsForFiveSecondsGetsItsStream) {
-  start();
-  struct Counted : StreamSink {
-    void on_frame(ReceivedFrame) override { ++frames; }
-    void on_object_added(StreamedObject) override {}
-    void on_object_changed(StreamedObject) override {}
-    void on_object_removed(uint32_t) override {}
-    void on_draining(const std::string&) override {}
-    std::atomic<int> frames = 0;
-  } counted;
-  ConnectOptions connect;
-  connect.timeout_s = 30;
-  auto client = SessionClient::join("127.0.0.1:" + std::to_string(server_->port()), connect);
-  ASSERT_TRUE(client) << client.error().message;
-  std::this_thread::sleep_for(std::chrono::seconds(5));
-  (*client)->start(counted);
-  for (int i = 0; i < 100 && counted.frames < 10 && !(*client)->ended(); ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  }
-  EXPECT_GE(counted.frames, 10);
-  const auto stopped = (*client)->stop();
-  EXPECT_TRUE(stopped) << stopped.error().message;
 }
 
 TEST_F(LiveSession, AServerThatClosesEndsTheClientOrderly) {
