@@ -213,7 +213,8 @@ LIVEGS_INLINE void scatter(const uint32_t (&nodes)[8][8], const Lanes (&inverse_
 // The energy of a cell holds R in what it measures, and R follows F. Where the stress T is a function of the stretch U
 // alone (no plastic part, no bending) that makes no force; else the force is R (T + A), A antisymmetric with axial vector
 // (tr U I - U)^-1 (axial(U T - T U) - sum z_j x eta_j), z_j the modes' amplitudes and eta_j their forces. U by its mean
-// on the left. Without A bent cells would feed the body energy: a leaf hit hard wound itself up without end.
+// on the left. Without A bent cells would feed the body energy: a leaf hit hard wound itself up without end. It is not
+// part of the block that is solved, so it may move F by no more than kMostTurning of what the cell lacks.
 constexpr float kMostTurning = 0.3f;
 LIVEGS_INLINE void add_turning_force(const Matrix& m, const Lanes (&mode_torque)[3], Lanes strain_squared, Lanes mobility,
                                      Matrix& stress) {
@@ -417,7 +418,7 @@ LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const
   scatter<kPaired>(cells.nodes, inverse_mass, out, arrays.corrections);
 }
 
-// |S - I|² from which the compensation goes, and where all of it is gone.
+// |S - I|², bending counted, from which the compensation goes and a cell is drawn straight back, and where it only is.
 constexpr float kFewStrained = 0.25f, kAllStrained = 1.0f;
 
 // All eighteen measures at once; the energy is quadratic in them, so there is no volume row.
