@@ -17,7 +17,9 @@ Result<std::unique_ptr<EyeImages>> EyeImages::create(const VulkanHandles& handle
       !made)
     return made.error();
   if (auto made = images->make_layers(kResolvedFormat, kBoth, images->resolved_); !made) return made.error();
-  if (auto made = images->make_readback(); !made) return made.error();
+  const VkDeviceSize bytes = images->blended_pixel_bytes() * static_cast<size_t>(width) * height * eyes;
+  if (auto made = images->readback_.create(handles, bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT); !made)
+    return made.error();
   return Result<std::unique_ptr<EyeImages>>(std::move(images));
 }
 
@@ -28,8 +30,6 @@ EyeImages::~EyeImages() {
     for (const VkImageView view : layers.of_eye) vk.DestroyImageView(handles_.device, view, nullptr);
     vk.DestroyImage(handles_.device, layers.image, nullptr);
   }
-  vk.DestroyBuffer(handles_.device, readback_, nullptr);
-  vk.FreeMemory(handles_.device, readback_memory_, nullptr);
 }
 
 Result<void> EyeImages::make_layers(VkFormat format, VkImageUsageFlags usage, Layers& layers) {
@@ -72,50 +72,12 @@ Result<void> EyeImages::make_layers(VkFormat format, VkImageUsageFlags usage, La
   return {};
 }
 
-Result<void> EyeImages::make_readback() {
-  const VulkanFunctions& vk = handles_.vk;
-  auto info = vulkan_info<VkBufferCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO);
-  info.size = blended_pixel_bytes() * static_cast<size_t>(width_) * height_ * eyes_;
-  info.usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-  if (const VkResult made = vk.CreateBuffer(handles_.device, &info, nullptr, &readback_);
-      made != VK_SUCCESS) {
-    return vulkan_error("vkCreateBuffer", made);
-  }
-  VkMemoryRequirements needs;
-  vk.GetBufferMemoryRequirements(handles_.device, readback_, &needs);
-  constexpr VkMemoryPropertyFlags kCoherent =
-      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-  auto allocation = vulkan_info<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
-  allocation.allocationSize = needs.size;
-  if (!find_memory_type(handles_, needs.memoryTypeBits, kCoherent | VK_MEMORY_PROPERTY_HOST_CACHED_BIT,
-                        allocation.memoryTypeIndex) &&
-      !find_memory_type(handles_, needs.memoryTypeBits, kCoherent, allocation.memoryTypeIndex)) {
-    return Error{ErrorCode::Unavailable,
-                 "vulkan: the device has no memory the host can see; is the driver well?"};
-  }
-  if (const VkResult made = vk.AllocateMemory(handles_.device, &allocation, nullptr, &readback_memory_);
-      made != VK_SUCCESS) {
-    return vulkan_error("vkAllocateMemory", made);
-  }
-  if (const VkResult bound = vk.BindBufferMemory(handles_.device, readback_, readback_memory_, 0);
-      bound != VK_SUCCESS) {
-    return vulkan_error("vkBindBufferMemory", bound);
-  }
-  void* mapped = nullptr;
-  if (const VkResult done = vk.MapMemory(handles_.device, readback_memory_, 0, VK_WHOLE_SIZE, 0, &mapped);
-      done != VK_SUCCESS) {
-    return vulkan_error("vkMapMemory", done);
-  }
-  readback_bytes_ = static_cast<const std::byte*>(mapped);
-  return {};
-}
-
 void EyeImages::copy(VkCommandBuffer commands, VkImage image) {
   VkBufferImageCopy region{};
   region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, static_cast<uint32_t>(eyes_)};
   region.imageExtent = {static_cast<uint32_t>(width_), static_cast<uint32_t>(height_), 1};
-  handles_.vk.CmdCopyImageToBuffer(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, readback_, 1,
-                                   &region);
+  handles_.vk.CmdCopyImageToBuffer(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, readback_.buffer(),
+                                   1, &region);
 }
 
 void EyeImages::copy_resolved(VkCommandBuffer commands) { copy(commands, resolved_.image); }
@@ -144,19 +106,19 @@ void read_layers(int width, int height, int eyes, std::vector<Image>& images, co
 void EyeImages::read_resolved(std::vector<Image>& images) const {
   read_layers(width_, height_, eyes_, images, [&](size_t at, size_t count, float* values) {
     for (size_t i = 0; i < count; ++i)
-      values[i] = static_cast<float>(std::to_integer<int>(readback_bytes_[at + i])) / 255.0f;
+      values[i] = static_cast<float>(std::to_integer<int>(readback_.bytes()[at + i])) / 255.0f;
   });
 }
 
 void EyeImages::read_blended(std::vector<Image>& images) const {
   read_layers(width_, height_, eyes_, images, [&](size_t at, size_t count, float* values) {
     if (blended_format_ == VK_FORMAT_R32G32B32A32_SFLOAT) {
-      std::memcpy(values, readback_bytes_ + 4 * at, 4 * count);
+      std::memcpy(values, readback_.bytes() + 4 * at, 4 * count);
       return;
     }
     for (size_t i = 0; i < count; ++i) {
       uint16_t half;
-      std::memcpy(&half, readback_bytes_ + 2 * (at + i), 2);
+      std::memcpy(&half, readback_.bytes() + 2 * (at + i), 2);
       values[i] = float_of_half(half);
     }
   });

@@ -62,7 +62,6 @@ class EyeImages {
     return count == eyes_ ? layers.view : layers.of_eye[first];
   }
   Result<void> make_layers(VkFormat format, VkImageUsageFlags usage, Layers& layers);
-  Result<void> make_readback();
   void copy(VkCommandBuffer commands, VkImage image);
   size_t blended_pixel_bytes() const { return blended_format_ == VK_FORMAT_R32G32B32A32_SFLOAT ? 16 : 8; }
 
@@ -71,9 +70,7 @@ class EyeImages {
   VkFormat blended_format_;
   int width_, height_, eyes_;
   Layers blended_, resolved_;
-  VkBuffer readback_ = VK_NULL_HANDLE;
-  VkDeviceMemory readback_memory_ = VK_NULL_HANDLE;
-  const std::byte* readback_bytes_ = nullptr;
+  HostBuffer readback_;
 };
 
 }  // namespace livegs

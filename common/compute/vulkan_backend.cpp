@@ -46,7 +46,6 @@ class VulkanBackend final : public Backend, public VulkanCommands {
     size_t bytes = 0;
   };
 
-  Result<void> create_staging();
   Result<void> begin();   // starts recording unless it has
   Result<void> finish();  // runs what is recorded, waits, makes everything ready to record again
   void barrier();
@@ -61,9 +60,7 @@ class VulkanBackend final : public Backend, public VulkanCommands {
   uint64_t last_id_ = 0;
   std::map<const uint32_t*, VulkanPipeline> pipelines_;  // by the SPIR-V of the pass
 
-  VkBuffer staging_ = VK_NULL_HANDLE;
-  VkDeviceMemory staging_memory_ = VK_NULL_HANDLE;
-  std::byte* staging_bytes_ = nullptr;
+  HostBuffer staging_;
 
   VkCommandPool command_pool_ = VK_NULL_HANDLE;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
@@ -78,8 +75,6 @@ VulkanBackend::~VulkanBackend() {
   vk_.DestroyFence(handles_.device, fence_, nullptr);
   vk_.DestroyDescriptorPool(handles_.device, descriptor_pool_, nullptr);
   vk_.DestroyCommandPool(handles_.device, command_pool_, nullptr);
-  vk_.DestroyBuffer(handles_.device, staging_, nullptr);
-  vk_.FreeMemory(handles_.device, staging_memory_, nullptr);
   for (const auto& [id, buffer] : buffers_) vk_.DestroyBuffer(handles_.device, buffer.buffer, nullptr);
 }
 
@@ -113,45 +108,7 @@ Result<void> VulkanBackend::initialise() {
   if (const VkResult made = vk_.CreateFence(handles_.device, &fence, nullptr, &fence_); made != VK_SUCCESS) {
     return vulkan_error("vkCreateFence", made);
   }
-  return create_staging();
-}
-
-Result<void> VulkanBackend::create_staging() {
-  auto info = vulkan_info<VkBufferCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO);
-  info.size = kStagingBytes;
-  info.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-  if (const VkResult made = vk_.CreateBuffer(handles_.device, &info, nullptr, &staging_);
-      made != VK_SUCCESS) {
-    return vulkan_error("vkCreateBuffer", made);
-  }
-  VkMemoryRequirements needs;
-  vk_.GetBufferMemoryRequirements(handles_.device, staging_, &needs);
-  // Coherent memory is always there for buffers; cached as well makes reading back fast where there is such.
-  constexpr VkMemoryPropertyFlags kCoherent =
-      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-  auto allocation = vulkan_info<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
-  allocation.allocationSize = needs.size;
-  if (!find_memory_type(handles_, needs.memoryTypeBits, kCoherent | VK_MEMORY_PROPERTY_HOST_CACHED_BIT,
-                        allocation.memoryTypeIndex) &&
-      !find_memory_type(handles_, needs.memoryTypeBits, kCoherent, allocation.memoryTypeIndex)) {
-    return Error{ErrorCode::Unavailable,
-                 "vulkan: the device has no memory the host can see; is the driver well?"};
-  }
-  if (const VkResult made = vk_.AllocateMemory(handles_.device, &allocation, nullptr, &staging_memory_);
-      made != VK_SUCCESS) {
-    return vulkan_error("vkAllocateMemory", made);
-  }
-  if (const VkResult bound = vk_.BindBufferMemory(handles_.device, staging_, staging_memory_, 0);
-      bound != VK_SUCCESS) {
-    return vulkan_error("vkBindBufferMemory", bound);
-  }
-  void* mapped = nullptr;
-  if (const VkResult done = vk_.MapMemory(handles_.device, staging_memory_, 0, VK_WHOLE_SIZE, 0, &mapped);
-      done != VK_SUCCESS) {
-    return vulkan_error("vkMapMemory", done);
-  }
-  staging_bytes_ = static_cast<std::byte*>(mapped);
-  return {};
+  return staging_.create(handles_, kStagingBytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT);
 }
 
 Result<BufferId> VulkanBackend::create_buffer(size_t bytes) {
@@ -261,8 +218,8 @@ Result<void> VulkanBackend::upload(BufferId buffer, std::span<const std::byte> b
   if (auto done = finish(); !done) return done;
   for (size_t offset = 0; offset < bytes.size(); offset += kStagingBytes) {
     const size_t part = std::min<size_t>(kStagingBytes, bytes.size() - offset);
-    std::memcpy(staging_bytes_, bytes.data() + offset, part);
-    if (auto copied = copy(staging_, found->second.buffer, {0, offset, part}); !copied) return copied;
+    std::memcpy(staging_.bytes(), bytes.data() + offset, part);
+    if (auto copied = copy(staging_.buffer(), found->second.buffer, {0, offset, part}); !copied) return copied;
   }
   return {};
 }
@@ -274,8 +231,8 @@ Result<void> VulkanBackend::read(BufferId buffer, std::span<std::byte> bytes) {
   if (auto done = finish(); !done) return done;
   for (size_t offset = 0; offset < bytes.size(); offset += kStagingBytes) {
     const size_t part = std::min<size_t>(kStagingBytes, bytes.size() - offset);
-    if (auto copied = copy(found->second.buffer, staging_, {offset, 0, part}); !copied) return copied;
-    std::memcpy(bytes.data() + offset, staging_bytes_, part);
+    if (auto copied = copy(found->second.buffer, staging_.buffer(), {offset, 0, part}); !copied) return copied;
+    std::memcpy(bytes.data() + offset, staging_.bytes(), part);
   }
   return {};
 }

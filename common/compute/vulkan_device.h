@@ -20,8 +20,8 @@ struct VulkanDeviceOptions {
   std::function<void(const std::string& message)> on_validation_message;
 };
 
-// A Vulkan 1.3 device with one queue that can compute, and draw where the device can at all. The loader is opened when it is first needed, so
-// programs start on machines without Vulkan.
+// A Vulkan 1.3 device with one queue that can compute, and draw where the device can at all. The loader is
+// opened when it is first needed, so programs start on machines without Vulkan.
 class VulkanDevice {
  public:
   // Takes the best device there is: discrete, integrated, virtual, then software such as lavapipe; of equals

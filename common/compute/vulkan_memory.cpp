@@ -31,8 +31,7 @@ bool take(std::map<VkDeviceSize, VkDeviceSize>& free, const VkMemoryRequirements
   return false;
 }
 
-}  // namespace
-
+// The first memory type among `allowed` bits with all of `wanted`; false if there is none.
 bool find_memory_type(const VulkanHandles& handles, uint32_t allowed, VkMemoryPropertyFlags wanted,
                       uint32_t& type) {
   for (type = 0; type < handles.memory.memoryTypeCount; ++type) {
@@ -41,6 +40,8 @@ bool find_memory_type(const VulkanHandles& handles, uint32_t allowed, VkMemoryPr
   }
   return false;
 }
+
+}  // namespace
 
 VulkanMemory::~VulkanMemory() {
   for (const Block& block : blocks_) handles_.vk.FreeMemory(handles_.device, block.memory, nullptr);
@@ -85,6 +86,50 @@ void VulkanMemory::free(const Range& range) {
       free.erase(placed);
     }
   }
+}
+
+HostBuffer::~HostBuffer() {
+  if (!handles_) return;
+  handles_->vk.DestroyBuffer(handles_->device, buffer_, nullptr);
+  handles_->vk.FreeMemory(handles_->device, memory_, nullptr);
+}
+
+Result<void> HostBuffer::create(const VulkanHandles& handles, VkDeviceSize bytes, VkBufferUsageFlags usage) {
+  handles_ = &handles;
+  const VulkanFunctions& vk = handles.vk;
+  auto info = vulkan_info<VkBufferCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO);
+  info.size = bytes;
+  info.usage = usage;
+  if (const VkResult made = vk.CreateBuffer(handles.device, &info, nullptr, &buffer_); made != VK_SUCCESS) {
+    return vulkan_error("vkCreateBuffer", made);
+  }
+  VkMemoryRequirements needs;
+  vk.GetBufferMemoryRequirements(handles.device, buffer_, &needs);
+  // Coherent memory is always there for buffers; cached as well makes reading back fast where there is such.
+  constexpr VkMemoryPropertyFlags kCoherent =
+      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+  auto allocation = vulkan_info<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
+  allocation.allocationSize = needs.size;
+  if (!find_memory_type(handles, needs.memoryTypeBits, kCoherent | VK_MEMORY_PROPERTY_HOST_CACHED_BIT,
+                        allocation.memoryTypeIndex) &&
+      !find_memory_type(handles, needs.memoryTypeBits, kCoherent, allocation.memoryTypeIndex)) {
+    return Error{ErrorCode::Unavailable,
+                 "vulkan: the device has no memory the host can see; is the driver well?"};
+  }
+  if (const VkResult made = vk.AllocateMemory(handles.device, &allocation, nullptr, &memory_);
+      made != VK_SUCCESS) {
+    return vulkan_error("vkAllocateMemory", made);
+  }
+  if (const VkResult bound = vk.BindBufferMemory(handles.device, buffer_, memory_, 0); bound != VK_SUCCESS) {
+    return vulkan_error("vkBindBufferMemory", bound);
+  }
+  void* mapped = nullptr;
+  if (const VkResult done = vk.MapMemory(handles.device, memory_, 0, VK_WHOLE_SIZE, 0, &mapped);
+      done != VK_SUCCESS) {
+    return vulkan_error("vkMapMemory", done);
+  }
+  bytes_ = static_cast<std::byte*>(mapped);
+  return {};
 }
 
 }  // namespace livegs

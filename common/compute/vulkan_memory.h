@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <vector>
 
@@ -39,8 +40,25 @@ class VulkanMemory {
   std::vector<Block> blocks_;
 };
 
-// The first memory type among `allowed` bits with all of `wanted`; false if there is none.
-bool find_memory_type(const VulkanHandles& handles, uint32_t allowed, VkMemoryPropertyFlags wanted,
-                      uint32_t& type);
+// A buffer in memory that the host sees, mapped, coherent, and cached where there is such: for copies to and from the
+// device. It has an allocation of its own.
+class HostBuffer {
+ public:
+  HostBuffer() = default;
+  ~HostBuffer();
+  HostBuffer(const HostBuffer&) = delete;
+  HostBuffer& operator=(const HostBuffer&) = delete;
+
+  // Once. `usage`: VK_BUFFER_USAGE_TRANSFER_SRC_BIT, DST_BIT or both.
+  Result<void> create(const VulkanHandles& handles, VkDeviceSize bytes, VkBufferUsageFlags usage);
+  VkBuffer buffer() const { return buffer_; }
+  std::byte* bytes() const { return bytes_; }
+
+ private:
+  const VulkanHandles* handles_ = nullptr;
+  VkBuffer buffer_ = VK_NULL_HANDLE;
+  VkDeviceMemory memory_ = VK_NULL_HANDLE;
+  std::byte* bytes_ = nullptr;
+};
 
 }  // namespace livegs

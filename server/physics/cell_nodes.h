@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "physics/cell_kernels.h"
+#include "physics/node_kernels.h"
 
 // The nodes of a body's lattice: single precision, relative to an origin that follows the body, so that where it
 // stands costs no precision.

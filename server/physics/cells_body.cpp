@@ -129,7 +129,7 @@ void CellsBody::keep_from_nothing() {
     before += own_kg[i];
     if (own_kg[i] < kLeastShare * own_kg[leaders[i]]) {
       masses_kg_[i] = kLeastShare * own_kg[leaders[i]];
-      followers_.push_back({i, leaders[i], 1.0 - own_kg[i] / masses_kg_[i]});
+      followers_.push_back({i, leaders[i], 1.0 - own_kg[i] / masses_kg_[i], nodes_.velocity_m_s(leaders[i])});
     }
     after += masses_kg_[i];
   }

@@ -72,6 +72,25 @@ class LiveSession : public ::testing::Test {
     }
   }
 
+  // The last picture of a run, and the same drawn here from the server's own drivers.
+  void read_last(const OffscreenRunOptions& run, Image& last, Image& own) {
+    const auto bytes = read_file(run.output / "last_frame.bin");
+    ASSERT_TRUE(bytes);
+    const auto streamed = decode_frame(*bytes);
+    ASSERT_TRUE(streamed) << streamed.error().message;
+    const DriverFrame drivers = simulated(streamed->tick);
+    const auto camera = read_camera_file(run.output / "camera.json", std::nullopt);
+    ASSERT_TRUE(camera) << camera.error().message;
+    SceneView view;
+    add_objects(drivers, view);
+    std::vector<Image> offline;
+    ASSERT_TRUE(view.draw(drivers, {&*camera, 1}, offline));
+    own = offline.at(0);
+    const auto picture = read_png(run.output / "last.png");
+    ASSERT_TRUE(picture) << picture.error().message;
+    last = *picture;
+  }
+
   ScratchFolder folder_;
   // Looks at every tick whether so many clients have joined.
   bool wait_clients(size_t count) {
@@ -105,25 +124,12 @@ TEST_F(LiveSession, TheLastPictureIsAnOfflineDrawOfTheServersOwnDrivers) {
   const auto summary = run_offscreen(run, interrupted_);
   ASSERT_TRUE(summary) << summary.error().message;
   ASSERT_FALSE(summary->stream_error) << summary->stream_error->message;
-
-  const auto bytes = read_file(run.output / "last_frame.bin");
-  ASSERT_TRUE(bytes);
-  const auto streamed = decode_frame(*bytes);
-  ASSERT_TRUE(streamed) << streamed.error().message;
-  const DriverFrame own = simulated(streamed->tick);
-  const auto camera = read_camera_file(run.output / "camera.json", std::nullopt);
-  ASSERT_TRUE(camera) << camera.error().message;
-
-  SceneView view;
-  add_objects(own, view);
-  std::vector<Image> offline;
-  ASSERT_TRUE(view.draw(own, {&*camera, 1}, offline));
-  const auto last = read_png(run.output / "last.png");
-  ASSERT_TRUE(last) << last.error().message;
+  Image last, own;
+  ASSERT_NO_FATAL_FAILURE(read_last(run, last, own));
   // Rounding to 8 bits alone leaves 58.9 dB (255 sqrt(12)); 50 dB is a root mean square error of 0.8 of 255.
-  EXPECT_GE(psnr_db(*last, offline.at(0)), 50.0);
+  EXPECT_GE(psnr_db(last, own), 50.0);
   // And it shows something: the objects stand out from the background.
-  const auto [darkest, brightest] = std::minmax_element(last->pixels.begin(), last->pixels.end());
+  const auto [darkest, brightest] = std::minmax_element(last.pixels.begin(), last.pixels.end());
   EXPECT_GT(*brightest - *darkest, 0.3f);
 }
 
@@ -137,20 +143,9 @@ TEST_F(LiveSession, TheLastPictureByVulkanIsTheOraclesToo) {
   const auto summary = run_offscreen(run, interrupted_);
   ASSERT_TRUE(summary) << summary.error().message;
   EXPECT_EQ(summary->renderer.rfind("vulkan: ", 0), 0u) << summary->renderer;
-  const auto bytes = read_file(run.output / "last_frame.bin");
-  ASSERT_TRUE(bytes);
-  const auto streamed = decode_frame(*bytes);
-  ASSERT_TRUE(streamed) << streamed.error().message;
-  const DriverFrame own = simulated(streamed->tick);
-  const auto camera = read_camera_file(run.output / "camera.json", std::nullopt);
-  ASSERT_TRUE(camera) << camera.error().message;
-  SceneView view;
-  add_objects(own, view);
-  std::vector<Image> offline;
-  ASSERT_TRUE(view.draw(own, {&*camera, 1}, offline));
-  const auto last = read_png(run.output / "last.png");
-  ASSERT_TRUE(last) << last.error().message;
-  EXPECT_GE(psnr_db(*last, offline.at(0)), 50.0);
+  Image last, own;
+  ASSERT_NO_FATAL_FAILURE(read_last(run, last, own));
+  EXPECT_GE(psnr_db(last, own), 50.0);
 }
 
 // What a client that was there when it broke sees, and what one sees that comes afterwards.

@@ -5,33 +5,42 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 
 #include "splat/image.h"
-#include "system/program.h"
+#include "system/programs_fixture.h"
 
 namespace livegs {
 namespace {
 
-constexpr const char* kScene = R"({
-  "environment": { "colliders": [ { "plane": {} } ] },
-  "objects": [
-    { "name": "box", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } }, "pose": { "position_m": [-0.3, 0.1, 0] },
-      "physics": { "behavior": "RIGID", "mass_kg": 1 } },
-    { "name": "cube", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } }, "pose": { "position_m": [0.3, 0.1, 0] },
-      "physics": { "behavior": "ELASTIC", "density_kg_m3": 300, "youngs_modulus_pa": 2e4 } } ] })";
-
-class Window : public ::testing::Test {
+class Window : public Programs {
  protected:
-  ScratchFolder folder_;
-
-  std::vector<std::string> client(const std::string& display, const std::string& address) {
-    return {"/usr/bin/env", "DISPLAY=" + display,
-            LIVEGS_CLIENT,  address,
-            "--display",    "window",
-            "--size",       "800x500",
-            "--cache",      folder_ / "cache",
-            "--threads",    "2"};
+  std::vector<std::string> window_words(const std::string& display, const std::string& port,
+                                        std::vector<std::string> more = {}) {
+    std::vector<std::string> words = {"/usr/bin/env", "DISPLAY=" + display, LIVEGS_CLIENT, "127.0.0.1:" + port,
+                                      "--display",    "window",             "--size",      "800x500",
+                                      "--cache",      folder_ / "cache",    "--threads",   "2"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
   }
+};
+
+// A server, and a display to open a window on. Skips where there is no Xvfb (deploy/packages.txt has it).
+class WindowOnADisplay : public Window {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists("/usr/bin/Xvfb")) GTEST_SKIP() << "no Xvfb; install xvfb";
+    screen_ = std::make_unique<Program>(std::vector<std::string>{"/usr/bin/Xvfb", "-displayfd", "1", "-screen", "0",
+                                                                 "1000x700x24", "-nolisten", "tcp"});
+    const std::string number = screen_->first_line();
+    ASSERT_NE(number, "") << screen_->err();
+    display_ = ":" + number;
+    server_ = std::make_unique<Program>(server_words());
+    port_ = server_->first_line();
+    ASSERT_NE(port_, "") << server_->err();
+  }
+  std::unique_ptr<Program> screen_, server_;
+  std::string display_, port_;
 };
 
 // Pixels that differ by more than a twentieth, left of the panels' lower half and all over the right.
@@ -47,20 +56,9 @@ size_t changed(const Image& a, const Image& b) {
   return count;
 }
 
-TEST_F(Window, ShowsTheSceneAndAPull) {
-  if (!std::filesystem::exists("/usr/bin/Xvfb")) GTEST_SKIP() << "no Xvfb; install xvfb";
-  Program screen({"/usr/bin/Xvfb", "-displayfd", "1", "-screen", "0", "1000x700x24", "-nolisten", "tcp"});
-  const std::string number = screen.first_line();
-  ASSERT_NE(number, "") << screen.err();
-  Program server({LIVEGS_SERVER, folder_.write("boxes.scene.json", kScene), "--listen", "127.0.0.1:0",
-                  "--print-port", "--threads", "1"});
-  const std::string port = server.first_line();
-  ASSERT_NE(port, "") << server.err();
-  auto words = client(":" + number, "127.0.0.1:" + port);
+TEST_F(WindowOnADisplay, ShowsTheSceneAndAPull) {
   const std::string shots = folder_ / "shots";
-  for (const char* word : {"--seconds", "5", "--poke", "box", "--output"}) words.push_back(word);
-  words.push_back(shots);
-  Program window(words);
+  Program window(window_words(display_, port_, {"--seconds", "5", "--poke", "box", "--output", shots}));
   EXPECT_EQ(window.wait(), 0) << window.err();
 
   std::vector<Image> images;
@@ -86,31 +84,21 @@ TEST_F(Window, ShowsTheSceneAndAPull) {
   for (const Image& image : images) most = std::max(most, changed(before, image));
   EXPECT_GT(most, 400u);
 
-  server.send(SIGTERM);
-  EXPECT_EQ(server.wait(), 0) << server.err();
+  server_->send(SIGTERM);
+  EXPECT_EQ(server_->wait(), 0) << server_->err();
 }
 
 // The last picture stays, with a notice, and the window ends when its time is up.
-TEST_F(Window, OutlivesItsServer) {
-  if (!std::filesystem::exists("/usr/bin/Xvfb")) GTEST_SKIP() << "no Xvfb; install xvfb";
-  Program screen({"/usr/bin/Xvfb", "-displayfd", "1", "-screen", "0", "1000x700x24", "-nolisten", "tcp"});
-  const std::string number = screen.first_line();
-  ASSERT_NE(number, "") << screen.err();
-  Program server({LIVEGS_SERVER, folder_.write("boxes.scene.json", kScene), "--listen", "127.0.0.1:0",
-                  "--print-port", "--threads", "1"});
-  const std::string port = server.first_line();
-  ASSERT_NE(port, "") << server.err();
-  auto words = client(":" + number, "127.0.0.1:" + port);
-  for (const char* word : {"--seconds", "3", "--renderer", "cpu"}) words.push_back(word);
-  Program window(words);
-  ASSERT_TRUE(server.says("streaming to")) << server.err();
-  server.send(SIGKILL);
+TEST_F(WindowOnADisplay, OutlivesItsServer) {
+  Program window(window_words(display_, port_, {"--seconds", "3", "--renderer", "cpu"}));
+  ASSERT_TRUE(server_->says("streaming to")) << server_->err();
+  server_->send(SIGKILL);
   EXPECT_TRUE(window.says("the server has gone")) << window.err();
   EXPECT_EQ(window.wait(), 0) << window.err();
 }
 
 TEST_F(Window, WithoutADisplayItIsOneLineAndCodeOne) {
-  Program window(client("", "127.0.0.1:1"));
+  Program window(window_words("", "1"));
   EXPECT_EQ(window.wait(), 1);
   const std::string err = window.err();
   EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;
