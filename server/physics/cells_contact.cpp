@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "physics/cells_body.h"
+#include "physics/contact_rows.h"
 
 namespace livegs {
 namespace {
@@ -60,16 +61,18 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
     const bool met = side.collider == collider_index;
     const Vector3d last = met ? side.normal.cast<double>().eval() : Vector3d::Zero().eval();
     const SurfaceSample surface = surface_after_way(collider, origin_m_ + from, origin_m_ + point, last);
-    const double depth = -surface.distance_m;
-    if (depth <= 0.0) {
+    if (surface.distance_m >= 0.0) {
       if (met) side = {};
       return;
     }
     side = {collider_index, surface.normal.cast<float>()};
     touching_ = true;
-    const double w = surface_mobility_[i];
-    if (w <= 0.0) return;
+    // What was inside already comes out no faster than the push speed.
     const Vector3d moved = point - from;
+    const double gap_before = surface.distance_m - surface.normal.dot(moved);
+    const double depth = std::min(0.0, gap_before + kContactPushSpeed_m_s * step_s) - surface.distance_m;
+    const double w = surface_mobility_[i];
+    if (depth <= 0.0 || w <= 0.0) return;
     const Vector3d pull_kg_m = contact_correction(surface.normal, depth, moved, friction) / w;
     take_contact(i, point, pull_kg_m, step_s);
     const double size = pull_kg_m.norm() / step_s;

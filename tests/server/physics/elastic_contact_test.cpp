@@ -121,5 +121,32 @@ TEST(ElasticContact, BallGivesWhatTheBodyGets) {
   EXPECT_TRUE(all_finite(*stage.body));
 }
 
+TEST(ElasticContact, PlacedDeepInTheFloorItComesOutSlowly) {
+  // Half below, and all of it but a tenth. Rigid boxes part below 3 m/s; a point inside comes out at no more than the push
+  // speed, and what the squeeze stored adds to that.
+  struct Case {
+    double size_m, young_modulus_pa;
+  };
+  for (const auto& [size, stiffness] : {Case{0.1, 1e4}, Case{0.1, 1e6}, Case{10.0, 3e5}, Case{10.0, 1e6}}) {
+    for (const double above : {0.5, 0.1}) {
+      Stage stage;
+      stage.substeps = 4;
+      stage.gravity_m_s2 = kGravity;
+      stage.add_floor(0.5);
+      ElasticBodyDescription cube = describe(particle_grid(Vector3d::Constant(size), size / 8), stiffness, 0.3, size / 4);
+      cube.world_from_object.position_m = {0, (above - 0.5) * size, 0};
+      stage.make(cube);
+      double fastest_m_s = 0.0;
+      for (int frame = 0; frame < (size > 1.0 ? 1080 : 180); ++frame) {
+        stage.frame();
+        fastest_m_s = std::max(fastest_m_s, stage.body->velocity_m_s().y());
+      }
+      EXPECT_LT(fastest_m_s, 3.0) << size << ' ' << above << ' ' << stiffness;
+      // Out: the middle of a column sags by 3 rho g H / 8E, .123 of its height for the softest.
+      EXPECT_GT(stage.body->centre_pose().position_m.y(), 0.35 * size) << size << ' ' << above << ' ' << stiffness;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace livegs::test
