@@ -143,10 +143,24 @@ bool World::State::strike(uint32_t object_id, RigidObject& object, uint32_t body
   const Eigen::Vector3d arm = body.arm_of(blow.point_m);
   body.apply_impulse(-(body.world_from_body.orientation * given_back_n_s), arm);
   if (object.piece_bodies.empty()) object.piece_bodies.assign(group_of.size(), 0);
+  // In a jam impulses are far larger than the approach they ended: they cannot have taken more than was lost by all.
+  const double most_j = kRecoilPart * std::max(0.0, tick_energy_j - rigid_energy_j());
   split_body(object_id, object, body_index, groups);
-  spring_back(object, broken, recoil_j);
+  spring_back(object, broken, std::min(recoil_j, most_j));
   ++object.revision;
   return true;
+}
+
+double World::State::rigid_energy_j() const {
+  double sum = 0.0;
+  for (const auto& [id, thing] : objects) {
+    const RigidObject* object = thing.rigid();
+    for (size_t i = 0; object && i < object->body_count(); ++i) {
+      const RigidBody& body = object->body_at(static_cast<uint32_t>(i));
+      sum += body.kinetic_j() - body.mass_kg * settings.gravity_m_s2.dot(body.world_from_body.position_m);
+    }
+  }
+  return sum;
 }
 
 void World::State::break_struck() {

@@ -239,7 +239,7 @@ Reached reached(TrialBody body) {
     case TrialBody::Elastic:
       return {-0.18, -0.07, 1.05};  // thin shells of 50 kPa fold; points of theirs far from any particle go below
     case TrialBody::Fragile:
-      return {kLowestGoal, kLowestCentreGoal, 2.1};  // pieces of stacked things push each other when they come apart
+      return {kLowestGoal, kLowestCentreGoal, kEnergyGoal};
   }
   return {kLowestGoal, kLowestCentreGoal, kEnergyGoal};
 }
