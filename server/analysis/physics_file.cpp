@@ -29,15 +29,29 @@ fs::path log_path(const fs::path& sidecar) {
   return path.replace_extension(".log");
 }
 
+// Protobuf writes a map in an order of its own each time; files are to be the same to the byte.
+void sort_decided(nlohmann::ordered_json& json) {
+  if (!json.is_object()) return;
+  for (auto& [name, value] : json.items()) {
+    if (name == "as_decided") {
+      value = nlohmann::ordered_json(nlohmann::json(value));  // sorted by name
+    } else {
+      sort_decided(value);
+    }
+  }
+}
+
 Result<std::string> json_of(const google::protobuf::Message& message, bool pretty) {
   google::protobuf::util::JsonPrintOptions print;
-  print.add_whitespace = pretty;
   print.preserve_proto_field_names = true;
   std::string text;
   if (!google::protobuf::util::MessageToJsonString(message, &text, print).ok()) {
     return Error{ErrorCode::Internal, "physics could not be written as JSON"};
   }
-  return text;
+  auto json = nlohmann::ordered_json::parse(text, nullptr, false);
+  if (json.is_discarded()) return Error{ErrorCode::Internal, "physics could not be written as JSON"};
+  sort_decided(json);
+  return pretty ? json.dump(1) + "\n" : json.dump();
 }
 
 std::string one_line(std::string text) {
