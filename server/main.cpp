@@ -154,6 +154,13 @@ int main(int argc, char** argv) {
   app.add_option("--recorded", options.endpoint.recorded, "Replay the answers of this folder instead of asking")
       ->check(CLI::ExistingDirectory);
   app.add_option("--record", options.endpoint.record, "Keep the answers in this folder, for --recorded");
+  app.add_option("--prompts", options.endpoint.prompts,
+                 "A folder of prompts: its files take the place of those of the same names that are built in")
+      ->check(CLI::ExistingDirectory);
+  app.add_option("--price", options.endpoint.price,
+                 "IN,OUT: US dollars a million tokens sent and received, to tell what answers cost; default: LIVEGS_PRICE");
+  app.add_flag("--web-search", options.endpoint.web_search,
+               "Let the endpoint search the web once an object, where it can; off otherwise");
   app.add_option("--views", options.views, "Looks at each object; 3 are put to the vote")->check(CLI::IsMember({1, 3}));
   app.add_flag("--offline", options.endpoint.offline, "Ask nobody, whatever is set");
   app.add_flag("--verbose", options.verbose, "Log what the simulation does every second");

@@ -12,7 +12,6 @@
 #include <thread>
 
 #include "analysis/ask_model.h"
-#include "analysis/prompt_set.h"
 #include "core/log.h"
 #include "core/serial_here.h"
 
@@ -99,7 +98,7 @@ AnalysisSummary analyze_scene(std::span<const AnalysisTarget> targets, ModelEndp
                               std::stop_token stop) {
   AnalysisOptions options = asked;
   if (endpoint && options.prompt_version.empty()) {
-    if (const auto prompts = PromptSet::load({})) options.prompt_version = prompts->version();
+    options.prompt_version = endpoint->state().prompt_version;
   }
   AnalysisSummary summary;
   summary.objects = targets.size();
@@ -133,6 +132,7 @@ AnalysisSummary analyze_scene(std::span<const AnalysisTarget> targets, ModelEndp
       summary.prompt_tokens += one.record.prompt_tokens();
       summary.completion_tokens += one.record.completion_tokens();
       summary.cost_usd += one.record.cost_usd();
+      summary.slowest_views_s = std::max(summary.slowest_views_s, one.views_s);
       if (!answered && summary.failure.empty() && !one.cancelled) {
         summary.failure = one.judgement.message;
         if (endpoint) log_warn("analysis: %s; offline estimates are used", summary.failure.c_str());
@@ -160,6 +160,10 @@ AnalysisSummary analyze_scene(std::span<const AnalysisTarget> targets, ModelEndp
     const auto limit = static_cast<size_t>(std::max(1, endpoint->state().max_in_flight));
     std::vector<std::jthread> workers;
     for (size_t i = 0; i < std::min({limit, kContextLag, targets.size()}); ++i) workers.emplace_back(work);
+  }
+  if (summary.slowest_views_s > kSlowViews_s) {
+    log_warn("analysis: the views of an object took up to %.1f s (%.0f s are usual): this machine is slow or busy",
+             summary.slowest_views_s, kSlowViews_s);
   }
   // What was not asked keeps its estimate.
   for (size_t i = 0; i < targets.size(); ++i) {

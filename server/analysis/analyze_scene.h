@@ -62,6 +62,7 @@ struct AnalysisUpdate {
   std::vector<AnalysisTurn> turns;
   bool cached = false;
   bool cancelled = false;
+  double views_s = 0;  // wall time of making its views
 };
 
 // How far back an object may see its neighbours' final answers: object i is told those of objects up to i -
@@ -69,6 +70,10 @@ struct AnalysisUpdate {
 // come. It is also the most objects that are in flight at once.
 inline constexpr size_t kContextLag = 4;
 inline constexpr size_t kMaxNeighbours = 12;
+
+// Views of an object that take longer than this, wall time, are told: the machine is slow or busy, and the ten
+// seconds that an object may take are in danger.
+inline constexpr double kSlowViews_s = 2;
 
 struct AnalysisOptions {
   int views = 1;                 // 1 or 3; more than one is a vote
@@ -80,6 +85,7 @@ struct AnalysisSummary {
   size_t objects = 0, accepted = 0, review = 0, refused = 0, failed = 0, cached = 0;
   std::int64_t prompt_tokens = 0, completion_tokens = 0;
   double cost_usd = 0;
+  double slowest_views_s = 0;  // of the objects that were asked about; wall time
   std::string failure;  // the first reason why the model could not be asked; empty when it always could
 };
 

@@ -136,7 +136,8 @@ Result<void> ChatEndpoint::get_to_know(std::stop_token stop) {
 
 EndpointState ChatEndpoint::state() const {
   EndpointState state;
-  state.name = settings_.base_url;
+  state.name = settings_.base_url + (settings_.web_search ? " with web search" : "");
+  state.prompt_version = prompts_.version();
   state.model = model();
   state.breaker_open = server_.breaker_open(state.breaker_reason);
   state.in_flight = server_.in_flight();

@@ -1,11 +1,30 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "analysis/endpoint_choice.h"
 
+#include <cmath>
 #include <cstdlib>
+#include <sstream>
 
 #include "analysis/model_endpoint.h"
 
 namespace livegs {
+namespace {
+
+Result<void> read_price(const std::string& text, EndpointSettings& settings) {
+  std::istringstream cells(text);
+  double in = 0, out = 0;
+  char comma = 0;
+  if (!(cells >> in >> comma >> out) || comma != ',' || !(cells >> std::ws).eof() || !(in >= 0 && in < 1e6) ||
+      !(out >= 0 && out < 1e6)) {
+    return invalid_argument(
+        "LIVEGS_PRICE: has to be two numbers, US dollars a million tokens sent and received, as in 0.15,0.60");
+  }
+  settings.usd_per_million_prompt_tokens = in;
+  settings.usd_per_million_completion_tokens = out;
+  return {};
+}
+
+}  // namespace
 
 std::filesystem::path cache_folder() {
   const char* cache = std::getenv("XDG_CACHE_HOME");
@@ -25,7 +44,7 @@ Result<std::unique_ptr<ModelEndpoint>> choose_endpoint(const EndpointChoice& cho
   }
   std::unique_ptr<ModelEndpoint> none;
   if (choice.offline) return none;
-  if (!choice.recorded.empty()) return open_recorded_endpoint(choice.recorded, nullptr);
+  if (!choice.recorded.empty()) return open_recorded_endpoint(choice.recorded, nullptr, choice.prompts);
   auto settings = endpoint_settings_from_environment();
   if (!settings && !told) return none;
   if (!settings) {
@@ -41,11 +60,18 @@ Result<std::unique_ptr<ModelEndpoint>> choose_endpoint(const EndpointChoice& cho
     return invalid_argument(
         "--record, --model: no endpoint is set; give --endpoint URL or set OPENAI_BASE_URL");
   }
+  settings->prompt_folder = choice.prompts;
+  settings->web_search = choice.web_search;
+  const char* told_price = std::getenv("LIVEGS_PRICE");
+  const std::string price = !choice.price.empty() ? choice.price : told_price ? told_price : "";
+  if (!price.empty()) {
+    if (auto read = read_price(price, *settings); !read) return read.error();
+  }
   if (const auto folder = cache_folder(); !folder.empty())
     settings->quirks_file = folder / "endpoint_quirks.json";
   auto live = open_model_endpoint(std::move(*settings));
   if (!live || choice.record.empty()) return live;
-  return open_recorded_endpoint(choice.record, std::move(*live));
+  return open_recorded_endpoint(choice.record, std::move(*live), choice.prompts);
 }
 
 }  // namespace livegs

@@ -17,6 +17,9 @@ struct EndpointChoice {
   std::string url, model;
   std::filesystem::path recorded;  // answers of this folder and no others
   std::filesystem::path record;    // ask, and keep the answers here
+  std::filesystem::path prompts;   // a folder whose files take the place of the prompts of the same names
+  std::string price;        // "0.15,0.60": US dollars a million tokens, in and out; empty: LIVEGS_PRICE
+  bool web_search = false;  // one search an object before the answer, where the server has one
 };
 
 // nullptr when nobody is to be asked. Touches no network. Errors are the user's words.

@@ -63,6 +63,7 @@ class Exchange {
 struct EndpointState {
   std::string name;   // "http://127.0.0.1:11434/v1", "recorded in DIR"
   std::string model;  // empty until known
+  std::string prompt_version;  // of the texts it asks with, as in RawAnswer
   bool breaker_open = false;
   std::string breaker_reason;  // one line, empty while closed
   int in_flight = 0;

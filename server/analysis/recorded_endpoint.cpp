@@ -33,6 +33,7 @@ class RecordedEndpoint final : public ModelEndpoint {
   EndpointState state() const override {
     EndpointState state;
     if (live_) state = live_->state();
+    state.prompt_version = prompts_.version();
     state.name = "recorded in " + folder_.string() + (live_ ? ", else " + state.name : "");
     if (!live_) {
       state.model = recorded_model_;

@@ -262,6 +262,7 @@ int run(const AnalyzeCommand& options) {
         summary.objects, summary.accepted, summary.review, summary.refused, summary.failed,
         static_cast<long long>(summary.prompt_tokens), static_cast<long long>(summary.completion_tokens));
     if (summary.cost_usd > 0) std::fprintf(stderr, ", %.4f USD", summary.cost_usd);
+    std::fprintf(stderr, "; views at most %.1f s an object", summary.slowest_views_s);
     std::fputc('\n', stderr);
     // It was to be asked, and answered nobody.
     if (summary.failed == summary.objects && summary.objects > 0) {
@@ -295,6 +296,15 @@ void add_analyze(CLI::App& app, int& exit_code) {
       ->check(CLI::ExistingDirectory);
   command->add_option("--record", options->endpoint.record,
                       "Keep the answers in this folder, for --recorded");
+  command
+      ->add_option("--prompts", options->endpoint.prompts,
+                   "A folder of prompts: its files take the place of those of the same names that are built in")
+      ->check(CLI::ExistingDirectory);
+  command->add_option("--price", options->endpoint.price,
+                      "IN,OUT: US dollars a million tokens sent and received, to tell what answers cost; default: "
+                      "LIVEGS_PRICE");
+  command->add_flag("--web-search", options->endpoint.web_search,
+                    "Let the endpoint search the web once an object, where it can; off otherwise");
   command->add_option("--views", options->views, "Looks at each object; 3 are put to the vote")
       ->check(CLI::IsMember({1, 3}));
   command->add_flag("--offline", options->endpoint.offline, "Ask nobody, whatever is set");

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "analysis/endpoint_choice.h"
 #include "analysis/model_endpoint.h"
 
 #include <gtest/gtest.h>
@@ -375,6 +376,38 @@ TEST(EndpointSettings, WhatCannotWorkIsSaidWithItsRemedy) {
     EXPECT_NE(endpoint.error().message.find(says_so), std::string::npos) << endpoint.error().message;
     expect_no_key(endpoint.error().message, "message");
   }
+}
+
+TEST(EndpointChoice, APriceThatIsNotTwoNumbersIsSaid) {
+  EndpointChoice choice;
+  choice.url = "http://127.0.0.1:1/v1";
+  choice.model = "m";
+  for (const char* good : {"0.15,0.60", "0,0", " 2 , 10 "}) {
+    choice.price = good;
+    EXPECT_TRUE(choose_endpoint(choice)) << good;
+  }
+  for (const char* bad : {"0.15", "a,b", "0.15;0.6", "1,2,3", "-1,2", "nan,1", "1e9,1"}) {
+    choice.price = bad;
+    const auto endpoint = choose_endpoint(choice);
+    ASSERT_FALSE(endpoint) << bad;
+    EXPECT_NE(endpoint.error().message.find("LIVEGS_PRICE"), std::string::npos) << endpoint.error().message;
+  }
+}
+
+// Another prompt or a web search is another question: neither finds what was kept for the first.
+TEST(EndpointChoice, StateTellsWhatAnAnswerDependsOn) {
+  const ScratchFolder scratch;
+  scratch.write("prompts/system.md", "Say what it weighs.\n");
+  EndpointChoice choice;
+  choice.url = "http://127.0.0.1:1/v1";
+  choice.model = "m";
+  const EndpointState plain = (*choose_endpoint(choice))->state();
+  choice.prompts = scratch.path() / "prompts";
+  const EndpointState other = (*choose_endpoint(choice))->state();
+  EXPECT_FALSE(plain.prompt_version.empty());
+  EXPECT_NE(plain.prompt_version, other.prompt_version);
+  choice.web_search = true;
+  EXPECT_NE((*choose_endpoint(choice))->state().name, other.name);
 }
 
 }  // namespace
