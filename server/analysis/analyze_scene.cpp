@@ -12,13 +12,14 @@
 #include <thread>
 
 #include "analysis/ask_model.h"
+#include "analysis/views_ahead.h"
 #include "core/log.h"
 #include "core/serial_here.h"
 
 namespace livegs {
 namespace {
 
-// Pictures are made on these threads: behind everything that has a deadline, and one core each at most.
+// Pictures are packed and sent on these threads: behind everything that has a deadline.
 void step_behind() {
   pthread_setname_np(pthread_self(), "analysis");
   (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::syscall(SYS_gettid)), 15);
@@ -140,12 +141,18 @@ AnalysisSummary analyze_scene(std::span<const AnalysisTarget> targets, ModelEndp
     }
     update(one);
   };
+  std::optional<ViewsAhead> ahead;
   const auto work = [&] {
     step_behind();
     while (const auto index = course.take(stop)) {
       AnalysisUpdate one = offline_of(*index);
+      const TargetViews drawn = [&](uint32_t, int, std::stop_token) {
+        ViewsAhead::Made made = ahead->take(*index);
+        one.views_s = made.wall_s;
+        return std::move(made.views);
+      };
       ask_model(
-          targets[*index], course.neighbours_of(*index), *endpoint, known, views, options,
+          targets[*index], course.neighbours_of(*index), *endpoint, known, drawn, options,
           [&](AnalysisStage stage) {
             one.stage = stage;
             tell(one);
@@ -157,13 +164,15 @@ AnalysisSummary analyze_scene(std::span<const AnalysisTarget> targets, ModelEndp
     }
   };
   if (endpoint && !targets.empty()) {
+    ahead.emplace(targets, views, options.views, stop);
     const auto limit = static_cast<size_t>(std::max(1, endpoint->state().max_in_flight));
     std::vector<std::jthread> workers;
     for (size_t i = 0; i < std::min({limit, kContextLag, targets.size()}); ++i) workers.emplace_back(work);
   }
   if (summary.slowest_views_s > kSlowViews_s) {
-    log_warn("analysis: the views of an object took up to %.1f s (%.0f s are usual): this machine is slow or busy",
-             summary.slowest_views_s, kSlowViews_s);
+    log_warn(
+        "analysis: the views of an object took up to %.1f s (%.0f s are usual): this machine is slow or busy",
+        summary.slowest_views_s, kSlowViews_s);
   }
   // What was not asked keeps its estimate.
   for (size_t i = 0; i < targets.size(); ++i) {

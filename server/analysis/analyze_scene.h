@@ -33,8 +33,10 @@ struct TargetView {
   std::string camera;                 // where it was taken from, in words
   AnalysisImage mask = {};            // where the object is seen, for a person; may be empty
 };
-// Makes the looks, best first; called on a thread of the analysis, for several objects at a time.
-using TargetViews = std::function<Result<std::vector<TargetView>>(uint32_t object_id, int count)>;
+// Makes the looks, best first; called on threads of the analysis, for several objects at a time, while the
+// model is still busy with those before.
+using TargetViews =
+    std::function<Result<std::vector<TargetView>>(uint32_t object_id, int count, std::stop_token stop)>;
 
 enum class AnalysisStage {
   Offline,   // the estimate; nothing was asked yet
@@ -71,8 +73,8 @@ struct AnalysisUpdate {
 inline constexpr size_t kContextLag = 4;
 inline constexpr size_t kMaxNeighbours = 12;
 
-// Views of an object that take longer than this, wall time, are told: the machine is slow or busy, and the ten
-// seconds that an object may take are in danger.
+// Views of an object that take longer than this, wall time, are told: the machine is slow or busy, and the
+// ten seconds that an object may take are in danger.
 inline constexpr double kSlowViews_s = 2;
 
 struct AnalysisOptions {

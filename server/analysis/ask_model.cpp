@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "analysis/fact_slots.h"
-#include "core/clock.h"
 #include "core/content_hash.h"
 
 namespace livegs {
@@ -81,9 +80,7 @@ void ask_model(const AnalysisTarget& target, const std::vector<SceneObjectFacts>
   const auto give_up = [&](std::string message) {
     if (update.judgement.message.empty()) update.judgement.message = std::move(message);
   };
-  const std::int64_t begun_ns = now_ns();
-  auto looks = views(target.object_id, options.views);
-  update.views_s = seconds_from_ns(now_ns() - begun_ns);
+  auto looks = views(target.object_id, options.views, stop);
   if (!looks) return give_up("views: " + looks.error().message);
   update.record.set_endpoint(state.name);
   std::vector<Answer> answers;

@@ -17,7 +17,8 @@ Result<void> read_price(const std::string& text, EndpointSettings& settings) {
   if (!(cells >> in >> comma >> out) || comma != ',' || !(cells >> std::ws).eof() || !(in >= 0 && in < 1e6) ||
       !(out >= 0 && out < 1e6)) {
     return invalid_argument(
-        "LIVEGS_PRICE: has to be two numbers, US dollars a million tokens sent and received, as in 0.15,0.60");
+        "LIVEGS_PRICE: has to be two numbers, US dollars a million tokens sent and received, as in "
+        "0.15,0.60");
   }
   settings.usd_per_million_prompt_tokens = in;
   settings.usd_per_million_completion_tokens = out;

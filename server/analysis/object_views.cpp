@@ -81,11 +81,11 @@ Eigen::AlignedBox3d bounds_of(std::span<const DrawnObject> target) {
 }
 
 std::vector<Candidate> judge_ring(const OneHotScene& thin, const Ring& ring, int width, int height,
-                                  Rasteriser& rasteriser) {
+                                  Rasteriser& rasteriser, const std::stop_token& stop) {
   std::vector<Candidate> ring_candidates;
   RasterisedView view;
   RasteriseOptions options;
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 0; i < 12 && !stop.stop_requested(); ++i) {
     const bool steep = i >= 8;
     Candidate candidate;
     candidate.distance_m = ring.distance_m;
@@ -212,16 +212,19 @@ Result<std::vector<ObjectView>> object_views(std::span<const DrawnObject> scene,
   Rasteriser rasteriser;
   const auto [thumb_width, thumb_height] = size(kThumbnail_px);
   const OneHotScene thin(scene, object_id, kTargetKernels, kOtherKernels);
-  std::vector<Candidate> tried = judge_ring(thin, ring, thumb_width, thumb_height, rasteriser);
+  std::vector<Candidate> tried = judge_ring(thin, ring, thumb_width, thumb_height, rasteriser, options.stop);
   const bool hidden = std::none_of(tried.begin(), tried.end(),
                                    [](const Candidate& c) { return c.judged.visible_share > kHidden; });
   if (hidden) {
     const Ring close{ring.target_m, kCloseRing * ring.distance_m};
-    for (Candidate& candidate : judge_ring(thin, close, thumb_width, thumb_height, rasteriser)) {
+    for (Candidate& candidate :
+         judge_ring(thin, close, thumb_width, thumb_height, rasteriser, options.stop)) {
       candidate.judged.score *= kCloseRing * kCloseRing;  // the area it would have on the wide ring
       tried.push_back(candidate);
     }
   }
+  const Error cancelled{ErrorCode::Unavailable, "cancelled"};
+  if (options.stop.stop_requested()) return cancelled;
   if (candidates) {
     candidates->clear();
     for (const Candidate& candidate : tried) candidates->push_back(candidate.judged);
@@ -242,8 +245,10 @@ Result<std::vector<ObjectView>> object_views(std::span<const DrawnObject> scene,
     RasterisedView drawn;
     RasteriseOptions grey_ground;
     grey_ground.background = Eigen::Vector3f::Constant(0.5f);
+    if (options.stop.stop_requested()) return cancelled;
     rasteriser.draw(whole.coloured_seen_by(view.camera), view.camera, grey_ground, drawn);
     view.scene = std::move(drawn.image);
+    if (options.stop.stop_requested()) return cancelled;
     rasteriser.draw(whole.seen_by(view.camera), view.camera, {}, drawn);
     view.mask = grey(drawn.image);
     const double visible = sum_of(view.mask, 0);
@@ -254,6 +259,7 @@ Result<std::vector<ObjectView>> object_views(std::span<const DrawnObject> scene,
     view.outlined = outlined(view.scene, view.mask, std::max(1, options.long_side_px / 256));
     RasteriseOptions white_ground;
     white_ground.background = Eigen::Vector3f::Ones();
+    if (options.stop.stop_requested()) return cancelled;
     const Camera close = close_up(view.camera, drawn.image, options.long_side_px);
     rasteriser.draw(target, close, white_ground, drawn);
     view.cutout = std::move(drawn.image);

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,7 @@ struct ViewOptions {
   int long_side_px = 768;   // of every picture, 32 … 4096
   int view_count = 1;       // 1 fast, 3 for a vote; 1 … 12
   double aspect = 4.0 / 3;  // width over height of the scene picture, 0.5 … 2
+  std::stop_token stop = {};  // looked at before every picture; once requested: Unavailable, "cancelled"
 };
 
 // One view. All pictures but the cut-out are seen by `camera` and have its size.

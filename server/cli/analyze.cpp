@@ -151,7 +151,7 @@ class KeptViews {
       std::lock_guard lock(mutex_);
       if (const auto found = kept_.find(object_id); found != kept_.end()) return found->second;
     }
-    auto made = make_(object_id, count);
+    auto made = make_(object_id, count, {});
     std::lock_guard lock(mutex_);
     return kept_.emplace(object_id, std::move(made)).first->second;
   }
@@ -233,7 +233,7 @@ int run(const AnalyzeCommand& options) {
     (void)views.of((*targets)[i].object_id, options.views);
   }
   std::vector<Analysed> all(targets->size());
-  const auto looks = [&](uint32_t id, int count) { return views.of(id, count); };
+  const auto looks = [&](uint32_t id, int count, std::stop_token) { return views.of(id, count); };
   const AnalysisSummary summary =
       analyze_scene(*targets, endpoint->get(), looks, asked, [&](const AnalysisUpdate& update) {
         Analysed& one = all[update.index];
@@ -297,12 +297,14 @@ void add_analyze(CLI::App& app, int& exit_code) {
   command->add_option("--record", options->endpoint.record,
                       "Keep the answers in this folder, for --recorded");
   command
-      ->add_option("--prompts", options->endpoint.prompts,
-                   "A folder of prompts: its files take the place of those of the same names that are built in")
+      ->add_option(
+          "--prompts", options->endpoint.prompts,
+          "A folder of prompts: its files take the place of those of the same names that are built in")
       ->check(CLI::ExistingDirectory);
-  command->add_option("--price", options->endpoint.price,
-                      "IN,OUT: US dollars a million tokens sent and received, to tell what answers cost; default: "
-                      "LIVEGS_PRICE");
+  command->add_option(
+      "--price", options->endpoint.price,
+      "IN,OUT: US dollars a million tokens sent and received, to tell what answers cost; default: "
+      "LIVEGS_PRICE");
   command->add_flag("--web-search", options->endpoint.web_search,
                     "Let the endpoint search the web once an object, where it can; off otherwise");
   command->add_option("--views", options->views, "Looks at each object; 3 are put to the vote")

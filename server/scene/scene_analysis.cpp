@@ -70,8 +70,8 @@ Result<std::vector<AnalysisTarget>> SceneAnalysis::targets(const std::vector<std
 const std::vector<SceneAnalysis::Object>& SceneAnalysis::objects() const { return snapshot_->objects; }
 
 TargetViews SceneAnalysis::views() const {
-  return [snapshot = snapshot_](uint32_t object_id, int count) {
-    return target_views(snapshot->viewed, object_id, count);
+  return [snapshot = snapshot_](uint32_t object_id, int count, std::stop_token stop) {
+    return target_views(snapshot->viewed, object_id, count, std::move(stop));
   };
 }
 

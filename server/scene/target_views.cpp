@@ -17,7 +17,8 @@ Result<AnalysisImage> png_of(const Image& image, const char* caption) {
 
 }  // namespace
 
-Result<std::vector<TargetView>> target_views(const ViewedScene& scene, uint32_t object_id, int count) {
+Result<std::vector<TargetView>> target_views(const ViewedScene& scene, uint32_t object_id, int count,
+                                             std::stop_token stop) {
   std::vector<DrawnObject> drawn;
   for (const ViewedScene::Object& object : scene.objects) {
     drawn.push_back({object.asset.get(), &object.kernels, object.object_id});
@@ -25,6 +26,7 @@ Result<std::vector<TargetView>> target_views(const ViewedScene& scene, uint32_t 
   ViewOptions options;
   options.long_side_px = kViewLongSide_px;
   options.view_count = count;
+  options.stop = std::move(stop);
   auto views = object_views(drawn, object_id, options);
   if (!views) return views.error();
   std::vector<TargetView> targets;

@@ -20,7 +20,9 @@ struct ViewedScene {
 };
 
 // `count` looks at an object, best first, as PNG: the scene with the object outlined, and the object alone
-// over white, both for a model; and the mask, for a person. Deterministic; any thread.
-Result<std::vector<TargetView>> target_views(const ViewedScene& scene, uint32_t object_id, int count);
+// over white, both for a model; and the mask, for a person. Deterministic; any thread. A requested stop ends
+// it after the picture that is being drawn.
+Result<std::vector<TargetView>> target_views(const ViewedScene& scene, uint32_t object_id, int count,
+                                             std::stop_token stop);
 
 }  // namespace livegs

@@ -34,7 +34,7 @@ std::vector<AnalysisTarget> mugs(size_t count) {
   }
   return targets;
 }
-Result<std::vector<TargetView>> look(uint32_t object_id, int count) {
+Result<std::vector<TargetView>> look(uint32_t object_id, int count, std::stop_token) {
   std::vector<TargetView> views;
   for (int i = 0; i < count; ++i) {
     views.push_back(
@@ -181,11 +181,28 @@ TEST(AnalyzeScene, FailureKeepsTheEstimatesAndSaysWhyOnce) {
 TEST(AnalyzeScene, ViewsThatCannotBeMadeAreAFailureOfThatObject) {
   const auto targets = mugs(2);
   FakeEndpoint endpoint(weigh);
-  const Seen result = run(targets, &endpoint, {}, {}, [](uint32_t id, int count) {
-    return id == 10 ? Result<std::vector<TargetView>>(not_found("nothing to draw")) : look(id, count);
+  const Seen result = run(targets, &endpoint, {}, {}, [](uint32_t id, int count, std::stop_token stop) {
+    return id == 10 ? Result<std::vector<TargetView>>(not_found("nothing to draw")) : look(id, count, stop);
   });
   EXPECT_EQ(result.last(0).judgement.message, "views: nothing to draw");
   EXPECT_EQ(result.last(1).judgement.verdict, Verdict::Accepted);
+}
+
+// The model thinks about the first object for long; the pictures of the others are made meanwhile.
+TEST(AnalyzeScene, ViewsAreMadeWhileTheModelThinks) {
+  const auto targets = mugs(6);
+  FakeEndpoint endpoint(weigh);
+  endpoint.max_in_flight = 1;
+  endpoint.delay = [](const std::string&) { return milliseconds(10000); };
+  std::stop_source source;
+  std::atomic<size_t> made{0};
+  const Seen result =
+      run(targets, &endpoint, {}, source.get_token(), [&](uint32_t id, int count, std::stop_token stop) {
+        if (++made == targets.size()) source.request_stop();
+        return look(id, count, stop);
+      });
+  EXPECT_EQ(made, targets.size());
+  EXPECT_LE(endpoint.asked().size(), 1u);
 }
 
 TEST(AnalyzeScene, AHangIsEndedByTheStop) {
@@ -229,7 +246,8 @@ TEST(AnalyzeScene, TheSameQuestionIsAskedOnce) {
   EXPECT_EQ(again.last(2).record.model(), "fake-1");
   EXPECT_EQ(again.summary.prompt_tokens, 0);
   // Another picture is another question.
-  run(targets, &endpoint, options, {}, [](uint32_t id, int count) { return look(id + 1, count); });
+  run(targets, &endpoint, options, {},
+      [](uint32_t id, int count, std::stop_token stop) { return look(id + 1, count, stop); });
   EXPECT_EQ(endpoint.asked().size(), 6u);
 }
 

@@ -177,6 +177,18 @@ TEST_F(HalfHiddenBoard, SmallThingsAreNotFadedByTheNearPlane) {
   EXPECT_GT(mean(views->front().mask), 0.05);
 }
 
+TEST_F(HalfHiddenBoard, AStopEndsTheDrawing) {
+  std::stop_source stop;
+  ViewOptions options;
+  options.stop = stop.get_token();
+  options.long_side_px = 64;
+  ASSERT_TRUE(object_views(both, kTarget, options));
+  stop.request_stop();
+  const auto views = object_views(both, kTarget, options);
+  ASSERT_FALSE(views);
+  EXPECT_EQ(views.error().message, "cancelled");
+}
+
 TEST_F(HalfHiddenBoard, WrongRequestsAreToldWhatIsWrong) {
   const auto nobody = object_views(both, 99);
   ASSERT_FALSE(nobody);

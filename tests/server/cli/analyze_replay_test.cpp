@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `livegs analyze --record` and `--recorded` as whole programs, against a server that the test makes up: what is
-// kept beside the assets is the same to the byte, whenever and wherever the answers are replayed.
+// `livegs analyze --record` and `--recorded` as whole programs, against a server that the test makes up: what
+// is kept beside the assets is the same to the byte, whenever and wherever the answers are replayed.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -39,7 +39,8 @@ Reply made_up_answer(const SeenRequest& request, int) {
                       {"thickness_mm", duck ? 3.0 : 4.0}}};
   answer["behaviour"] = duck ? "elastic" : "rigid";
   answer["fragile"] = !duck;
-  for (const char* field : {"young_mpa", "structure_s", "plasticity_level", "plasticity"}) answer[field] = nullptr;
+  for (const char* field : {"young_mpa", "structure_s", "plasticity_level", "plasticity"})
+    answer[field] = nullptr;
   answer["mass_g"] = {{"low", 0.8 * best_g}, {"best", best_g}, {"high", 1.25 * best_g}};
   if (duck && !repaired) answer["mass_g"]["high"] = 0.5 * best_g;
   return says(answer.dump());
@@ -79,7 +80,8 @@ TEST(AnalyzeReplay, GivesTheSameBytesEveryTimeAndAsksNobody) {
   Said live;
   {
     TestModelServer server(made_up_answer);
-    live = analyze(scratch / "live", {"--endpoint", server.base_url(), "--model", "made-up", "--record", answers});
+    live = analyze(scratch / "live",
+                   {"--endpoint", server.base_url(), "--model", "made-up", "--record", answers});
     EXPECT_EQ(server.posts().size(), 3u);  // and one repair
   }
   ASSERT_EQ(live.code, 0) << live.err;

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <thread>
+#include <vector>
+
+#include "analysis/analyze_scene.h"
+
+namespace livegs {
+
+// Makes the views of a scene's objects in their order while others wait for their answers, so that drawing
+// and waiting overlap. Threads of its own, which stand behind everything that has a deadline.
+class ViewsAhead {
+ public:
+  // How many objects may be drawn and not yet asked about: bounds the memory, about a megabyte an object.
+  static constexpr size_t kMaxAhead = 2 * kContextLag;
+
+  // `targets` and `views` outlive this.
+  ViewsAhead(std::span<const AnalysisTarget> targets, const TargetViews& views, int count,
+             std::stop_token stop);
+  ~ViewsAhead();  // stops what is being made
+
+  struct Made {
+    Result<std::vector<TargetView>> views;
+    double wall_s = 0;  // that making them took
+  };
+  // The views of target `index`, once. Blocks until they are made or a stop is requested, which is an error.
+  // Each target is to be taken, in any order that keeps within kContextLag of the first one that is left.
+  Made take(size_t index);
+
+ private:
+  void work();
+
+  std::span<const AnalysisTarget> targets_;
+  const TargetViews& views_;
+  const int count_;
+
+  std::mutex mutex_;  // guards what follows, but the threads
+  std::condition_variable_any changed_;
+  size_t next_ = 0, taken_ = 0;
+  std::vector<std::optional<Made>> made_;
+  std::stop_token asked_to_stop_;
+  std::stop_source ended_;
+  std::optional<std::stop_callback<std::function<void()>>> follow_;
+  std::vector<std::jthread> threads_;
+};
+
+}  // namespace livegs
