@@ -8,12 +8,15 @@
 // prints the figures for a list of weighed things of which only name, size and volume are known, columns
 // name,mass_kg,box_m3,filled_share: what its ranges are worth beyond the 26. Names that say nothing are
 // counted.
+//   mass_harness --judge BEFORE AFTER ...
+// says which of two folders of prompts is better (judge_prompts.h).
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include "analysis/object_kinds.h"
+#include "bench/judge_prompts.h"
 #include "bench/time_of.h"
 #include "server/analysis/known_objects.h"
 
@@ -103,8 +106,9 @@ int score_list(const char* path) {
 
 int main(int argc, char** argv) {
   if (argc == 3 && std::string(argv[1]) == "--list") return score_list(argv[2]);
+  if (argc >= 2 && std::string(argv[1]) == "--judge") return judge_prompts({argv + 2, argv + argc});
   if (argc != 2) {
-    std::fprintf(stderr, "usage: mass_harness OUTPUT_FOLDER | --list LIST.csv\n");
+    std::fprintf(stderr, "usage: mass_harness OUTPUT_FOLDER | --list LIST.csv | %s\n", kJudgeUsage);
     return 2;
   }
   const std::filesystem::path folder = argv[1];

@@ -70,6 +70,8 @@ std::vector<KnownObject> measure(KnownForm form) {
     object.label = words.at(object.id).label;
     object.noun = words.at(object.id).noun;
     object.mass_kg = entry["mass_kg"];
+    object.elastic = entry["sim_category_guess"] == "elastic";
+    object.asset = folder / object.id / "splat.ply";
     object.facts = facts_of(folder / object.id, form);
     objects.push_back(std::move(object));
   }

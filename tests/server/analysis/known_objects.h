@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,8 @@ struct KnownObject {
   std::string label;  // as a person who holds it would put it: "metal mug"
   std::string noun;   // as one who only sees it would: "mug"
   double mass_kg = 0;
+  bool elastic = false;        // as a judgement; not measured
+  std::filesystem::path asset;  // its splats
   ObjectFacts facts;  // metric, without a name
 };
 

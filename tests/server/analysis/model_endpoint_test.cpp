@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "analysis/endpoint_choice.h"
 #include "analysis/model_endpoint.h"
+#include "analysis/endpoint_choice.h"
 
 #include <gtest/gtest.h>
 
