@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes 2, 3, 6 and 9 at 4 substeps, 60 and 90 Hz: each bar is the catalogue's, each reference the closed
+// Scenes 2, 3, 6, 9 and 16 at 4 substeps, 60 and 90 Hz: each bar is the catalogue's, each reference the closed
 // form that study/rigid_scenes.h names. Tests of single settings and of single bodies are with the solver's
 // own tests.
 #include "accuracy/rigid_checks.h"
@@ -38,6 +38,14 @@ TEST(Tumbling, KeepsEnergyMomentumAndTime) {
     const RigidOutcome outcome = run(tumbling(setup));
     for (const char* quantity : {"energy", "momentum", "flip_time"})
       expect_within_bar(outcome, quantity, setup);
+  }
+}
+
+// dominoes_reference_test says how far the reference has converged.
+TEST(Dominoes, FallAtTheConvergedSpeed) {
+  for (const double rate_hz : kRates_hz) {
+    const RigidSetup setup{.rate_hz = rate_hz};
+    expect_within_bar(run(dominoes(setup)), "wave_speed", setup);
   }
 }
 
