@@ -14,6 +14,8 @@
 namespace livegs::rigid_fixtures {
 
 inline constexpr double kGravity = 9.81;
+// What the product runs at, with 4 substeps.
+inline constexpr double kRates_hz[] = {60.0, 90.0};
 inline constexpr double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 inline RigidBodyDescription body_of(uint32_t id, TriangleMesh mesh, double mass_kg) {

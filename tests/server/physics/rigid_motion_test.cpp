@@ -12,7 +12,7 @@ using namespace rigid_fixtures;
 using Eigen::Vector3d;
 
 TEST(RigidMotion, ProjectileFollowsTheParabola) {
-  for (const double rate : {60.0, 90.0}) {
+  for (const double rate : kRates_hz) {
     World world = world_at(rate, 4);
     auto box = box_body(1, {0.1, 0.1, 0.1}, 1.0);
     box.velocity_m_s = {10, 10, 0};
@@ -36,34 +36,40 @@ TEST(RigidMotion, ExponentialMapIsTheRotationByAxisAndAngle) {
 }
 
 TEST(RigidMotion, FreeSpinStays) {
-  World world = world_at(60, 4, Vector3d::Zero());
-  auto body = body_of(1, sphere_mesh(0.1, 3), 1.0);
-  body.angular_velocity_rad_s = {0, 50, 0};
-  ASSERT_TRUE(world.add_rigid(body));
-  run_seconds(world, 10.0);
-  // Icosahedral symmetry gives an isotropic inertia, so omega is constant; 1e-4 is the catalogue's bar (scene 10).
-  EXPECT_NEAR((body_state(world, 1).angular_velocity_rad_s - Vector3d(0, 50, 0)).norm() / 50.0, 0.0, 1e-4);
+  for (const double rate : kRates_hz) {
+    SCOPED_TRACE(rate);
+    World world = world_at(rate, 4, Vector3d::Zero());
+    auto body = body_of(1, sphere_mesh(0.1, 3), 1.0);
+    body.angular_velocity_rad_s = {0, 50, 0};
+    ASSERT_TRUE(world.add_rigid(body));
+    run_seconds(world, 10.0);
+    // Icosahedral symmetry gives an isotropic inertia, so omega is constant; 1e-4 is the catalogue's bar (scene 10).
+    EXPECT_NEAR((body_state(world, 1).angular_velocity_rad_s - Vector3d(0, 50, 0)).norm() / 50.0, 0.0, 1e-4);
+  }
 }
 
 TEST(RigidMotion, DzhanibekovKeepsEnergyAndMomentum) {
-  World world = world_at(60, 4, Vector3d::Zero());
-  // A box with moments 1 : 2 : 3 up to scale: b²+c² : a²+c² : a²+b² with a² = 2, b² = 1, c² = 0.2 gives the order;
-  // the unstable axis is the middle one, y here.
-  auto box = box_body(1, {0.3, 0.2, 0.05}, 1.0);
-  box.angular_velocity_rad_s = {0.01, 10, 0.01};
-  ASSERT_TRUE(world.add_rigid(box));
-  const BodyEnergy before = world.energy();
-  double least = 10.0;
-  for (int i = 0; i < 60 * 60; ++i) {
-    world.step();
-    const BodyState state = body_state(world, 1);
-    least = std::min(least, (state.world_from_body.orientation.conjugate() * state.angular_velocity_rad_s).y());
-    // Second-order midpoint; the energy error stays bounded. Bar of scene 9.
-    ASSERT_NEAR(world.energy().kinetic_j / before.kinetic_j, 1.0, 1e-3);
+  for (const double rate : kRates_hz) {
+    SCOPED_TRACE(rate);
+    World world = world_at(rate, 4, Vector3d::Zero());
+    // A box with moments 1 : 2 : 3 up to scale: b²+c² : a²+c² : a²+b² with a² = 2, b² = 1, c² = 0.2 gives the order;
+    // the unstable axis is the middle one, y here.
+    auto box = box_body(1, {0.3, 0.2, 0.05}, 1.0);
+    box.angular_velocity_rad_s = {0.01, 10, 0.01};
+    ASSERT_TRUE(world.add_rigid(box));
+    const BodyEnergy before = world.energy();
+    double least = 10.0;
+    for (int i = 0; i < 60 * rate; ++i) {
+      world.step();
+      const BodyState state = body_state(world, 1);
+      least = std::min(least, (state.world_from_body.orientation.conjugate() * state.angular_velocity_rad_s).y());
+      // Second-order midpoint; the energy error stays bounded. Bar of scene 9.
+      ASSERT_NEAR(world.energy().kinetic_j / before.kinetic_j, 1.0, 1e-3);
+    }
+    EXPECT_LT((world.energy().angular_momentum - before.angular_momentum).norm() / before.angular_momentum.norm(),
+              1e-12);  // constant by construction; rounding only
+    EXPECT_LT(least, -9.0) << "the spin about the middle axis must turn over";
   }
-  EXPECT_LT((world.energy().angular_momentum - before.angular_momentum).norm() / before.angular_momentum.norm(),
-            1e-12);  // constant by construction; rounding only
-  EXPECT_LT(least, -9.0) << "the spin about the middle axis must turn over";
 }
 
 // Euler's equations by fourth-order Runge-Kutta in body axes, as an independent reference.
@@ -85,21 +91,24 @@ double first_flip_s(const Vector3d& moments, Vector3d omega) {
 }
 
 TEST(RigidMotion, DzhanibekovTurnsOverWhenRungeKuttaDoes) {
-  World world = world_at(60, 4, Vector3d::Zero());
-  auto box = box_body(1, {0.3, 0.2, 0.05}, 1.0);
-  box.angular_velocity_rad_s = {0.01, 10, 0.01};
-  ASSERT_TRUE(world.add_rigid(box));
-  const double expected = first_flip_s(box.properties.inertia_m2.diagonal(), box.angular_velocity_rad_s);
-  double flip = 0.0;
-  for (int i = 0; i < 3600 && flip == 0.0; ++i) {
-    world.step();
-    const BodyState state = body_state(world, 1);
-    if ((state.world_from_body.orientation.conjugate() * state.angular_velocity_rad_s).y() < 0.0) {
-      flip = static_cast<double>(world.tick()) / 60.0;
+  for (const double rate : kRates_hz) {
+    SCOPED_TRACE(rate);
+    World world = world_at(rate, 4, Vector3d::Zero());
+    auto box = box_body(1, {0.3, 0.2, 0.05}, 1.0);
+    box.angular_velocity_rad_s = {0.01, 10, 0.01};
+    ASSERT_TRUE(world.add_rigid(box));
+    const double expected = first_flip_s(box.properties.inertia_m2.diagonal(), box.angular_velocity_rad_s);
+    double flip = 0.0;
+    for (int i = 0; i < 60 * rate && flip == 0.0; ++i) {
+      world.step();
+      const BodyState state = body_state(world, 1);
+      if ((state.world_from_body.orientation.conjugate() * state.angular_velocity_rad_s).y() < 0.0) {
+        flip = static_cast<double>(world.tick()) / rate;
+      }
     }
+    // 2 % (scene 9), plus the tick in which it is noticed.
+    EXPECT_NEAR(flip, expected, 0.02 * expected + 1.0 / rate);
   }
-  // 2 % (scene 9), plus the tick in which it is noticed.
-  EXPECT_NEAR(flip, expected, 0.02 * expected + 1.0 / 60.0);
 }
 
 TEST(RigidMotion, FarFromTheOriginMotionIsTheSame) {
