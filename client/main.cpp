@@ -74,6 +74,9 @@ int main(int argc, char** argv) {
   app.add_option("--connect-timeout", options.connect_timeout_s, "Seconds to wait for a server to be ready")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
+  auto* reconnect = app.add_option("--reconnect", options.reconnect_s,
+                                   "Seconds to look for a server that went away; 10, or with a window no end, when left out")
+                        ->check(CLI::Range(0.0, 1e6));
   app.add_option("--threads", threads, "Threads that draw; 0: one a core")->check(CLI::Range(0, 1024));
   app.add_flag("--verbose", verbose, "Log more");
   app.set_version_flag("--version", LIVEGS_VERSION);
@@ -96,11 +99,12 @@ int main(int argc, char** argv) {
   for (int signal_number : {SIGINT, SIGTERM}) signal(signal_number, [](int) { interrupted = true; });
 
   if (display == "window") {
-    const livegs::WindowRunOptions window{options.address, app.count("--seconds") > 0 ? options.seconds : 0.0,
+    livegs::WindowRunOptions window{options.address, app.count("--seconds") > 0 ? options.seconds : 0.0,
                                           options.size,    options.camera_file,
                                           options.poke,    app.count("--output") > 0 ? options.output : "",
                                           options.cache,   options.connect_timeout_s,
                                           options.renderer};
+    if (reconnect->count() > 0) window.reconnect_s = options.reconnect_s;
     if (const auto done = livegs::run_window(window, interrupted); !done) return report(done.error());
     return 0;
   }

@@ -27,6 +27,7 @@ void write_hand(const HandSample& hand, v1::HandInput& message) {
 void write_input(const InputSample& sample, v1::Input& message) {
   message.set_sequence(sample.sequence);
   message.set_sampled_ns(sample.sampled_ns);
+  message.set_for_tick(sample.for_tick);
   if (sample.hands[0].active) write_hand(sample.hands[0], *message.mutable_left());
   if (sample.hands[1].active) write_hand(sample.hands[1], *message.mutable_right());
 }

@@ -21,7 +21,7 @@ struct ObjectChanged {
 struct ObjectRemoved {
   uint32_t object_id = 0;
 };
-using StreamItem = std::variant<ReceivedFrame, ObjectAdded, ObjectChanged, ObjectRemoved>;
+using StreamItem = std::variant<ReceivedFrame, ObjectAdded, ObjectChanged, ObjectRemoved, ResumedSession>;
 
 // Between the stream's reader and a drawer that may be slower: everything in the order it came. Bounded: when more than `most_bytes` of frames wait, the oldest are dropped and counted, events
 // never. Any thread.

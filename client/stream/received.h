@@ -12,6 +12,7 @@
 #include "livegs/v1/session.pb.h"
 #include "skin/driver_frame.h"
 #include "skin/rest_body.h"
+#include "stream/clock_offset.h"
 
 namespace livegs {
 
@@ -56,22 +57,38 @@ struct ReceivedFrame {
   uint64_t tick = 0;
   std::shared_ptr<const DriverFrame> drivers;  // never null
   size_t bytes = 0;                            // that it took on the wire
-  int64_t received_ns =
-      0;  // this machine's clock, like all below but stepped_ns and sent_ns, which are the server's
+  // The moments of its way, the server's clock: its step was done, this client's turn came, it was encoded and handed on.
   int64_t stepped_ns = 0;
+  int64_t encode_begun_ns = 0;
   int64_t sent_ns = 0;
-  int64_t echoed_ns = 0;  // sent_ns of the newest message of ours the server had taken; 0 when none
+  // This machine's clock: it came, and it was decoded.
+  int64_t received_ns = 0;
+  int64_t decoded_ns = 0;
+  // The server's clock minus this one's, and how far off that may be. Nothing before an answer to a message of ours.
+  std::optional<ClockOffset::Estimate> clock;
   double step_ms = 0;
   uint64_t input_sequence = 0;
   std::vector<HeldByHand> hands;
 };
 
-// What a stream brings, on the reader's thread, in order: an object is added before the first frame it moves
+// A session that goes on after its stream broke.
+struct ResumedSession {
+  // False: the server was started anew. Ticks begin again, and an id may be another object than before; those that are
+  // not as they were are added or removed before the next frame.
+  bool same_server = true;
+  double outage_s = 0;  // since something last came
+};
+
+// What a stream brings, one call at a time, in order: an object is added before the first frame it moves
 // in. Frames are acknowledged when on_frame returns, so it should be quick.
 class StreamSink {
  public:
   virtual ~StreamSink() = default;
+  // Nothing comes any more, for this reason; it is tried again until on_resumed(), or the end of the session.
+  virtual void on_lost(const std::string& reason) = 0;
+  virtual void on_resumed(const ResumedSession& resumed) = 0;
   virtual void on_frame(ReceivedFrame frame) = 0;
+  // An id that is there already is replaced.
   virtual void on_object_added(StreamedObject object) = 0;
   // What the server now says of an object: a new asset and rest body when it broke. Frames of the revision before may
   // still follow.

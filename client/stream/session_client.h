@@ -15,9 +15,15 @@ namespace livegs {
 struct ConnectOptions {
   double timeout_s = 5.0;  // for the server to be there and its scene to be built
   std::string client_name = "livegs-client";
+  // How long a server that went away is looked for before the session is over; infinity: until stop().
+  double reconnect_s = 10.0;
+  // Whether a server that said goodbye is looked for, too.
+  bool outlive_draining = false;
 };
 
-// One session with a server. Errors name the address and the remedy.
+// One session with a server, which outlives its connections: when the stream breaks, or nothing came for a second, it
+// connects again (stream/retry_schedule.h), joins with its session's id, tells the sink what has changed meanwhile and
+// opens a new stream. Errors name the address and the remedy.
 class SessionClient {
  public:
   // Connects and joins. Tries again until the time is up while nobody answers or the scene is being built.
@@ -25,24 +31,24 @@ class SessionClient {
                                                      const ConnectOptions& options);
   ~SessionClient();
 
-  const JoinedScene& scene() const;
+  const JoinedScene& scene() const;  // as of join()
 
   // The bytes of an asset from `offset` on, in order, given to `take`; on a connection of its own. Stops
-  // early, with the error, when `take` fails. `asset_bytes` is what the description says. Any thread.
+  // early, with the error, when `take` fails. `asset_bytes` is what the description says. A connection that breaks is
+  // made again and goes on where it was, until reconnect_s have passed without a byte. Any thread.
   Result<void> fetch_asset(const std::string& hash, uint64_t asset_bytes, uint64_t offset,
                            const TakeChunk& take);
 
   Result<v1::AnalyzeObjectReply> analyze(const std::string& object);
 
-  // Opens the stream: a thread reads and calls `sink`, another sends inputs and acknowledgements, and at
-  // least every 50 ms a sign of life. Once.
+  // Opens the stream and keeps one open, on threads of its own that call `sink`. Once.
   void start(StreamSink& sink);
-  // A sample to send; any thread. The last three travel in each message.
+  // A sample to send; any thread. Lost while there is no stream: what hands did then is over.
   void send(const InputSample& sample);
-  // Ends the stream and waits for both threads. OK when this end wanted it or the server announced it; else
-  // why it broke. More than once is fine.
+  // Ends the session and waits for its threads. OK when this end wanted it or the server announced it; else
+  // why it could not go on. More than once is fine.
   Result<void> stop();
-  // Whether the stream has ended by itself.
+  // Whether the session has ended by itself.
   bool ended() const;
 
  private:

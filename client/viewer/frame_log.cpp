@@ -30,36 +30,51 @@ double percentile(std::vector<double> numbers, double share) {
   return *rank;
 }
 
+std::optional<double> age_ms(const ReceivedFrame& frame) {
+  if (!frame.clock) return std::nullopt;
+  return milliseconds_from_ns(frame.received_ns + frame.clock->offset_ns - frame.stepped_ns);
+}
+
 Result<ReceivedLog> ReceivedLog::create(const std::filesystem::path& path) {
   auto file =
-      open(path, "tick,stepped_ns,sent_ns,received_ns,age_ms,bytes,server_step_ms,input_sequence,held_hands");
+      open(path,
+           "tick,stepped_ns,encode_begun_ns,sent_ns,received_ns,decoded_ns,clock_offset_ns,clock_uncertainty_ns,age_ms,"
+           "bytes,server_step_ms,input_sequence,held_hands");
   if (!file) return cannot_write(path);
   return ReceivedLog(std::move(file));
 }
 
 void ReceivedLog::add(const ReceivedFrame& frame) {
-  const double age_ms = milliseconds_from_ns(frame.received_ns - frame.stepped_ns);
-  std::fprintf(file_.get(), "%llu,%lld,%lld,%lld,%.3f,%zu,%.3f,%llu,%zu\n",
-               static_cast<unsigned long long>(frame.tick), static_cast<long long>(frame.stepped_ns),
-               static_cast<long long>(frame.sent_ns), static_cast<long long>(frame.received_ns), age_ms,
-               frame.bytes, frame.step_ms, static_cast<unsigned long long>(frame.input_sequence),
-               frame.hands.size());
-  if (age_ms_.empty()) {
-    first_tick_ = frame.tick;
-    first_ns_ = frame.received_ns;
+  std::fprintf(file_.get(), "%llu,%lld,%lld,%lld,%lld,%lld,", static_cast<unsigned long long>(frame.tick),
+               static_cast<long long>(frame.stepped_ns), static_cast<long long>(frame.encode_begun_ns),
+               static_cast<long long>(frame.sent_ns), static_cast<long long>(frame.received_ns),
+               static_cast<long long>(frame.decoded_ns));
+  if (const auto age = age_ms(frame)) {
+    std::fprintf(file_.get(), "%lld,%lld,%.3f,", static_cast<long long>(frame.clock->offset_ns),
+                 static_cast<long long>(frame.clock->uncertainty_ns), *age);
+    age_ms_.push_back(*age);
+    clock_uncertainty_ms_ = milliseconds_from_ns(frame.clock->uncertainty_ns);
+  } else {
+    std::fprintf(file_.get(), ",,,");
   }
+  std::fprintf(file_.get(), "%zu,%.3f,%llu,%zu\n", frame.bytes, frame.step_ms,
+               static_cast<unsigned long long>(frame.input_sequence), frame.hands.size());
+  if (bytes_.empty()) first_ns_ = frame.received_ns;
+  if (last_tick_ && frame.tick > *last_tick_) missed_ticks_ += frame.tick - *last_tick_ - 1;
   last_tick_ = frame.tick;
   last_ns_ = frame.received_ns;
-  age_ms_.push_back(age_ms);
   bytes_.push_back(static_cast<double>(frame.bytes));
   step_ms_.push_back(frame.step_ms);
 }
 
+void ReceivedLog::begin_again() { last_tick_.reset(); }
+
 ReceivedLog::Summary ReceivedLog::summary() const {
   Summary summary;
-  summary.frames = age_ms_.size();
-  if (age_ms_.empty()) return summary;
-  summary.missed_ticks = last_tick_ - first_tick_ + 1 - summary.frames;
+  summary.frames = bytes_.size();
+  if (bytes_.empty()) return summary;
+  summary.missed_ticks = missed_ticks_;
+  summary.clock_uncertainty_ms = clock_uncertainty_ms_;
   summary.seconds = seconds_from_ns(last_ns_ - first_ns_);
   if (summary.seconds > 0) summary.rate_hz = static_cast<double>(summary.frames - 1) / summary.seconds;
   summary.age_ms_p50 = percentile(age_ms_, 0.50);

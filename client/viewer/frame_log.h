@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,12 +17,19 @@ namespace livegs {
 // The value below which `share` of the numbers lie; 0 for none.
 double percentile(std::vector<double> numbers, double share);
 
-// frames.csv, a row a received frame, and what the rows come to. Ages compare the server's clock with ours,
-// so they mean something on one machine only. One thread.
+// How long before it came the frame's step was done, by the server's clock as far as it is known; nothing before the
+// first estimate of it.
+std::optional<double> age_ms(const ReceivedFrame& frame);
+
+// frames.csv, a row a received frame, and what the rows come to. stepped_ns, encode_begun_ns and sent_ns are of the
+// server's clock, received_ns and decoded_ns of ours, which is clock_offset_ns behind it, give or take
+// clock_uncertainty_ns. One thread.
 class ReceivedLog {
  public:
   static Result<ReceivedLog> create(const std::filesystem::path& path);
   void add(const ReceivedFrame& frame);
+  // The next tick belongs to another count.
+  void begin_again();
 
   struct Summary {
     uint64_t frames = 0;
@@ -29,6 +37,7 @@ class ReceivedLog {
     double seconds = 0;
     double rate_hz = 0;                     // frames a second
     double age_ms_p50 = 0, age_ms_p99 = 0;  // end of the server's step to received
+    double clock_uncertainty_ms = 0;        // of the ages, at the end
     double bytes_p50 = 0, bytes_p99 = 0;
     double step_ms_p50 = 0, step_ms_p99 = 0;  // of the server
   };
@@ -39,7 +48,9 @@ class ReceivedLog {
   explicit ReceivedLog(File file) : file_(std::move(file)) {}
   File file_;
   std::vector<double> age_ms_, bytes_, step_ms_;
-  uint64_t first_tick_ = 0, last_tick_ = 0;
+  std::optional<uint64_t> last_tick_;
+  uint64_t missed_ticks_ = 0;
+  double clock_uncertainty_ms_ = 0;
   int64_t first_ns_ = 0, last_ns_ = 0;
 };
 

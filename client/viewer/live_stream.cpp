@@ -5,8 +5,23 @@
 
 namespace livegs {
 
+void LiveStream::on_lost(const std::string& reason) {
+  std::lock_guard lock(mutex_);
+  news_.lost = reason;
+  lost_ = true;
+}
+
+void LiveStream::on_resumed(const ResumedSession& resumed) {
+  std::lock_guard lock(mutex_);
+  if (resumed.same_server || holds_) return;
+  holds_ = true;
+  events_to_take_ = events_.size();
+}
+
 void LiveStream::on_frame(ReceivedFrame frame) {
   std::lock_guard lock(mutex_);
+  news_.back = news_.back || std::exchange(lost_, false);
+  holds_ = false;
   news_.frame = std::move(frame);
   ++news_.frames;
 }
@@ -38,7 +53,10 @@ Result<LiveStream::News> LiveStream::take(SceneView& view) {
   News news;
   {
     std::lock_guard lock(mutex_);
-    events = std::exchange(events_, {});
+    const auto ready = holds_ ? events_.begin() + static_cast<std::ptrdiff_t>(events_to_take_) : events_.end();
+    events.assign(std::make_move_iterator(events_.begin()), std::make_move_iterator(ready));
+    events_.erase(events_.begin(), ready);
+    events_to_take_ = 0;
     news = std::exchange(news_, {});
   }
   for (Event& event : events) {

@@ -19,7 +19,9 @@ class LiveStream final : public StreamSink {
  public:
   explicit LiveStream(AssetLibrary& assets) : assets_(assets) {}
 
-  // On the reader's thread.
+  // On the session's threads.
+  void on_lost(const std::string& reason) override;
+  void on_resumed(const ResumedSession& resumed) override;
   void on_frame(ReceivedFrame frame) override;
   void on_object_added(StreamedObject object) override;
   void on_object_changed(StreamedObject object) override;
@@ -27,13 +29,15 @@ class LiveStream final : public StreamSink {
   void on_draining(const std::string& reason) override;
 
   // On the drawer's: what came since the last call, events first. Waits for the asset of an object that is
-  // new.
+  // new. Events of a server that was started anew wait for its first frame, so that the last picture can still be drawn.
   struct News {
     std::optional<ReceivedFrame> frame;
     std::vector<StreamedObject> described;  // added or changed
     std::vector<uint32_t> removed;
     uint64_t frames = 0;                    // that came
     std::optional<std::string> goodbye;
+    std::optional<std::string> lost;  // why the stream is gone
+    bool back = false;                // `frame` is the first of a stream that came back
   };
   Result<News> take(SceneView& view);
 
@@ -47,6 +51,9 @@ class LiveStream final : public StreamSink {
   AssetLibrary& assets_;
   std::mutex mutex_;  // guards everything below
   std::vector<Event> events_;
+  size_t events_to_take_ = 0;  // those of before such a server
+  bool holds_ = false;         // the others, until the next frame
+  bool lost_ = false;
   News news_;
 };
 

@@ -102,6 +102,7 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
   if (!prepared) return prepared.error();
   ConnectOptions connect;
   connect.timeout_s = options.connect_timeout_s;
+  connect.reconnect_s = options.reconnect_s;
   auto joined = SessionClient::join(options.address, connect);
   if (!joined) return joined.error();
   SessionClient& client = **joined;
@@ -173,6 +174,7 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
   summary.assets = assets.totals();
   summary.received = recorder.summary();
   summary.drawn = player.summary();
+  summary.outages = recorder.outages();
   summary.dropped_frames = queue.dropped_frames();
   if (!played)
     summary.stream_error = played.error();
@@ -197,10 +199,16 @@ std::string summary_text(const OffscreenRunSummary& summary) {
   append("received: %llu frames in %.1f s, %.1f a second of %.1f; %llu ticks not sent\n",
          count(received.frames), received.seconds, received.rate_hz, summary.server_rate_hz,
          count(received.missed_ticks));
+  if (summary.outages.count > 0) {
+    append("  the stream was gone %llu times and came back %llu times, after %.1f s in all, %llu of them from a server that "
+           "was started anew; last reason: %.80s\n",
+           count(summary.outages.count), count(summary.outages.resumed), summary.outages.seconds,
+           count(summary.outages.restarted), summary.outages.last_reason.c_str());
+  }
   append(
-      "  staleness p50 %.2f ms, p99 %.2f ms; %.0f bytes a frame p50, %.0f p99; server tick p50 %.2f ms, p99 "
+      "  staleness p50 %.2f ms, p99 %.2f ms, known to %.2f ms; %.0f bytes a frame p50, %.0f p99; server tick p50 %.2f ms, p99 "
       "%.2f ms\n",
-      received.age_ms_p50, received.age_ms_p99, received.bytes_p50, received.bytes_p99, received.step_ms_p50,
+      received.age_ms_p50, received.age_ms_p99, received.clock_uncertainty_ms, received.bytes_p50, received.bytes_p99, received.step_ms_p50,
       received.step_ms_p99);
   const DrawnLog::Summary& drawn = summary.drawn;
   append("drawn: %llu pictures by %s; skinning p50 %.2f ms, p99 %.2f ms; render p50 %.2f ms, p99 %.2f ms\n",

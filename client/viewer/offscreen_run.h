@@ -12,6 +12,7 @@
 #include "viewer/asset_library.h"
 #include "viewer/camera_file.h"
 #include "viewer/frame_log.h"
+#include "viewer/recorder.h"
 
 namespace livegs {
 
@@ -27,6 +28,7 @@ struct OffscreenRunOptions {
   bool video = true;
   std::filesystem::path cache;  // empty: the user's
   double connect_timeout_s = 5;
+  double reconnect_s = 10;  // how long a server that went away is looked for
   RendererChoice renderer = RendererChoice::Auto;
 };
 
@@ -39,6 +41,7 @@ struct OffscreenRunSummary {
   AssetLibrary::Totals assets;
   ReceivedLog::Summary received;
   DrawnLog::Summary drawn;
+  Recorder::Outages outages;
   uint64_t dropped_frames = 0;        // received, but never drawn: the backlog was full
   std::optional<Error> stream_error;  // how the stream broke, if it did; the outputs are complete up to there
 };

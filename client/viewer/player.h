@@ -16,7 +16,7 @@ namespace livegs {
 
 // Takes what the recorder queued and draws it at the display's times, on one thread. A display time is shown
 // as the moment of the simulation that lies as long after the first frame; the video is even, whatever the
-// network and the drawing did, because simulated time is.
+// network and the drawing did, because simulated time is. While the stream is gone, the last picture stays.
 class Player {
  public:
   // Called with the view posed by the first frame, before the first picture.
@@ -41,8 +41,12 @@ class Player {
 
  private:
   Result<void> take(const ReceivedFrame& frame);
+  Result<void> take_object(const StreamItem& item);
   Result<void> take(const ObjectAdded& added);
   Result<void> take(const ObjectChanged& changed);
+  // What is drawn stands still until the next frame.
+  void take(const ResumedSession& resumed);
+  Result<void> hold_until(const ReceivedFrame& frame);
   Result<void> draw_until_newest();
   Result<void> draw(const DriverFrame& frame);
 
@@ -54,8 +58,13 @@ class Player {
   OnFirstFrame on_first_frame_;
 
   // Enough for the frames on both sides of a picture; what is older was drawn.
-  FrameHistory history_{8};
+  static constexpr size_t kFramesKept = 8;
+  FrameHistory history_{kFramesKept};
   ReceivedFrame last_;  // the newest taken
+  // The history's time is simulated time plus this: it goes on when a server that was started anew begins at zero.
+  int64_t shift_ns_ = 0;
+  bool holds_ = false, begins_again_ = false;  // with the next frame
+  std::vector<StreamItem> postponed_;          // until then: objects of a server that was started anew
   std::optional<int64_t> first_simulated_ns_;
   std::optional<PlannedFrame> planned_;
   std::vector<Image> pictures_;  // an eye each, of the last moment drawn

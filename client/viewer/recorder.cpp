@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "core/clock.h"
 #include "core/log.h"
@@ -24,14 +25,44 @@ std::optional<Eigen::Vector3d> middle_of(const DriverFrame& frame, uint32_t obje
 
 }  // namespace
 
+void Recorder::on_lost(const std::string& reason) {
+  std::lock_guard lock(mutex_);
+  ++outages_.count;
+  outages_.last_reason = reason;
+}
+
+void Recorder::on_resumed(const ResumedSession& resumed) {
+  {
+    std::lock_guard lock(mutex_);
+    ++outages_.resumed;
+    outages_.restarted += resumed.same_server ? 0 : 1;
+    outages_.seconds += resumed.outage_s;
+    if (!resumed.same_server) {
+      ticks_begin_again_ = true;
+      log_.begin_again();
+    }
+  }
+  queue_.add(resumed);
+}
+
+double Recorder::time_s(const ReceivedFrame& frame) const {
+  return static_cast<double>(static_cast<int64_t>(frame.tick) - first_tick_) / client_.scene().rate_hz;
+}
+
 void Recorder::on_frame(ReceivedFrame frame) {
   {
     std::lock_guard lock(mutex_);
     if (done_) return;
     if (first_ns_ == 0) {
       first_ns_ = frame.received_ns;
-      first_tick_ = frame.tick;
+      first_tick_ = static_cast<int64_t>(frame.tick);
+    } else if (ticks_begin_again_) {  // the script goes on where it would be by now
+      const double now_s = last_time_s_ + seconds_from_ns(frame.received_ns - last_ns_);
+      first_tick_ = static_cast<int64_t>(frame.tick) - std::llround(now_s * client_.scene().rate_hz);
     }
+    ticks_begin_again_ = false;
+    last_ns_ = frame.received_ns;
+    last_time_s_ = time_s(frame);
     log_.add(frame);
     play_script(frame);
     if (seconds_ > 0 && seconds_from_ns(frame.received_ns - first_ns_) >= seconds_) {
@@ -44,7 +75,6 @@ void Recorder::on_frame(ReceivedFrame frame) {
 
 void Recorder::play_script(const ReceivedFrame& frame) {
   if (!hands_) return;
-  const double time_s = static_cast<double>(frame.tick - first_tick_) / client_.scene().rate_hz;
   const auto locate = [&](const std::string& name) -> std::optional<ObjectExtent> {
     const auto target = targets_.find(name);
     if (target == targets_.end()) return std::nullopt;
@@ -52,11 +82,15 @@ void Recorder::play_script(const ReceivedFrame& frame) {
     if (!middle) return std::nullopt;
     return ObjectExtent{*middle, target->second.size_m};
   };
-  client_.send(hands_->at(time_s, locate));
+  client_.send(hands_->at(time_s(frame), locate));
 }
 
 void Recorder::on_object_added(StreamedObject object) {
   assets_.ask_for(object);
+  {
+    std::lock_guard lock(mutex_);
+    changed_objects_[object.id] = object;
+  }
   queue_.add(ObjectAdded{std::move(object)});
 }
 
@@ -93,6 +127,11 @@ bool Recorder::wait_done(double seconds) {
 std::string Recorder::draining_reason() const {
   std::lock_guard lock(mutex_);
   return draining_reason_;
+}
+
+Recorder::Outages Recorder::outages() const {
+  std::lock_guard lock(mutex_);
+  return outages_;
 }
 
 std::map<uint32_t, StreamedObject> Recorder::changed_objects() const {

@@ -23,6 +23,8 @@ class Recorder final : public StreamSink {
   Recorder(SessionClient& client, AssetLibrary& assets, PlaybackQueue& queue, ReceivedLog log, double seconds)
       : client_(client), assets_(assets), queue_(queue), log_(std::move(log)), seconds_(seconds) {}
 
+  void on_lost(const std::string& reason) override;
+  void on_resumed(const ResumedSession& resumed) override;
   void on_frame(ReceivedFrame frame) override;
   void on_object_added(StreamedObject object) override;
   void on_object_changed(StreamedObject object) override;
@@ -39,12 +41,20 @@ class Recorder final : public StreamSink {
   // Waits, at most so long, until the recording is done or the server drains. True when it is.
   bool wait_done(double seconds);
   std::string draining_reason() const;
+  // How often the stream was gone, and the time until it was joined again.
+  struct Outages {
+    uint64_t count = 0, resumed = 0, restarted = 0;  // restarted: of the resumed, with a server that was started anew
+    double seconds = 0;                              // of the resumed
+    std::string last_reason;
+  };
+  Outages outages() const;
   ReceivedLog::Summary summary() const;
-  // Objects that changed, by id, as the server last described them.
+  // Objects that came or changed, by id, as the server last described them.
   std::map<uint32_t, StreamedObject> changed_objects() const;
 
  private:
   void play_script(const ReceivedFrame& frame);
+  double time_s(const ReceivedFrame& frame) const;  // of simulation, since the first frame
 
   SessionClient& client_;
   AssetLibrary& assets_;
@@ -55,7 +65,11 @@ class Recorder final : public StreamSink {
   ReceivedLog log_;
   const double seconds_;
   int64_t first_ns_ = 0;
-  uint64_t first_tick_ = 0;
+  int64_t first_tick_ = 0;           // in ticks of the server that is there now
+  int64_t last_ns_ = 0;              // when the newest frame came
+  double last_time_s_ = 0;           // and its time_s()
+  bool ticks_begin_again_ = false;   // with the next frame
+  Outages outages_;
   bool done_ = false;
   std::string draining_reason_;
   std::map<uint32_t, StreamedObject> changed_objects_;

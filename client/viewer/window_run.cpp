@@ -62,6 +62,7 @@ class WindowRun {
   InputSample sample_;
   RenderScale scale_{kBudget_ms};
   std::string notice_ = "waiting for the first frame";
+  bool over_ = false;
   int64_t begun_ns_ = 0;
   double frames_a_second_ = 0, shown_a_second_ = 0, age_ms_ = 0;
   Image screenshot_;
@@ -93,10 +94,17 @@ Result<void> WindowRun::take_news() {
   if (!news) return news.error();
   for (StreamedObject& object : news->described) objects_[object.id] = std::move(object);
   for (const uint32_t id : news->removed) objects_.erase(id);
+  if (news->back) notice_.clear();
   if (news->goodbye) notice_ = "the server says goodbye: " + *news->goodbye;
-  if (client_.ended() && !news->goodbye && notice_.empty()) {
+  // What it said itself stays.
+  if (news->lost && notice_.rfind("the server says", 0) != 0) {
+    notice_ = "the server has gone: " + *news->lost + "; looking for it";
+    log_warn("%s", notice_.c_str());
+  }
+  if (client_.ended() && !over_) {
+    over_ = true;
     const auto stopped = client_.stop();
-    notice_ = "the server has gone" + (stopped ? std::string() : ": " + stopped.error().message);
+    notice_ = "the session is over" + (stopped ? std::string() : ": " + stopped.error().message);
     log_warn("%s", notice_.c_str());
   }
   if (!news->frame) return {};
@@ -196,7 +204,7 @@ Result<void> WindowRun::run(const std::atomic<bool>& interrupted) {
     if (second_is_over) {
       const double passed_s = seconds_from_ns(now - second_ns);
       const uint64_t tick = frame_ ? frame_->tick : 0;
-      frames_a_second_ = first_tick == 0 ? 0 : static_cast<double>(tick - first_tick) / passed_s;
+      frames_a_second_ = first_tick == 0 || tick < first_tick ? 0 : static_cast<double>(tick - first_tick) / passed_s;
       shown_a_second_ = static_cast<double>(shown) / passed_s;
       first_tick = tick;
       shown = 0;
@@ -223,7 +231,11 @@ Result<void> run_window(const WindowRunOptions& options, const std::atomic<bool>
   const PictureSize size = options.size.value_or(PictureSize{1280, 800});
   auto display = WindowDisplay::open("LiveGS " + options.address, size.width, size.height);
   if (!display) return display.error();
-  auto joined = SessionClient::join(options.address, {.timeout_s = options.connect_timeout_s});
+  ConnectOptions connect;
+  connect.timeout_s = options.connect_timeout_s;
+  connect.reconnect_s = options.reconnect_s;
+  connect.outlive_draining = true;  // it may be started again
+  auto joined = SessionClient::join(options.address, connect);
   if (!joined) return joined.error();
   auto renderer = choose_renderer(options.renderer);
   if (!renderer) return renderer.error();

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -22,10 +23,11 @@ struct WindowRunOptions {
   std::filesystem::path cache;        // empty: the user's
   double connect_timeout_s = 5;
   RendererChoice renderer = RendererChoice::Auto;
+  double reconnect_s = std::numeric_limits<double>::infinity();  // how long a server that went away is looked for
 };
 
 // Joins and shows the scene in a window, in which the mouse turns the view, takes hold of things and shoots.
-// When the server goes, its last picture stays with a notice. Until the window is closed, the time is up or
+// When the server goes, its last picture stays with a notice, and it is looked for. Until the window is closed, the time is up or
 // `interrupted`.
 Result<void> run_window(const WindowRunOptions& options, const std::atomic<bool>& interrupted);
 

@@ -24,6 +24,7 @@ struct HandSample {
 struct InputSample {
   uint64_t sequence = 0;
   int64_t sampled_ns = 0;           // the client's clock
+  uint64_t for_tick = 0;            // the server's tick it is meant for; 0: the next
   std::array<HandSample, 2> hands;  // left, right
 };
 

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "session/send_window.h"
@@ -16,14 +17,20 @@ class SessionWriter {
  public:
   virtual ~SessionWriter() = default;
   virtual void wake() = 0;
+  // Writes a message of no content if nothing was written for kBeatAfter_ns.
+  virtual void beat(int64_t now_ns) = 0;
   // Writes what waits, then ends the stream with UNAVAILABLE and `reason`.
   virtual void close(const std::string& reason) = 0;
   // Ends the stream at once, whether or not the client still reads.
   virtual void abort() = 0;
 };
 
-// One client from Join on. Its events are collected from that moment, so that none is lost before its stream
-// opens.
+inline constexpr int64_t kBeatAfter_ns = 200'000'000;
+
+// One client from Join on: joined, then streaming, and parked when its stream broke, until it joins again or its time is
+// up. Events are collected from each Join, so that none is lost before its stream opens; a parked session collects
+// none, since its client is told of all objects when it comes back. Streams of one session are numbered, and what the
+// one before still says is not heard. Any thread.
 class ClientSession {
  public:
   ClientSession(std::string session_id, SessionNumber session_number, int64_t joined_ns)
@@ -32,14 +39,45 @@ class ClientSession {
   const std::string id;
   const SessionNumber number;
   std::atomic<int64_t> heard_ns;  // of the last message, or of Join
-  std::atomic<bool> streaming{false};
 
-  // False if another stream has it already.
-  bool attach(std::weak_ptr<SessionWriter> writer) {
-    if (streaming.exchange(true)) return false;
+  enum class State { Joined, Streaming, Parked };
+  State state() const {
     std::lock_guard lock(mutex_);
+    return state_;
+  }
+
+  // The client joined again: as after its first Join. Returns the writer of the stream it left, to be aborted.
+  std::shared_ptr<SessionWriter> rejoin(int64_t now_ns) {
+    std::lock_guard lock(mutex_);
+    heard_ns = now_ns;
+    state_ = State::Joined;
+    ++stream_;
+    window_.restart();
+    return std::exchange(writer_, {}).lock();
+  }
+  // The number of the stream that begins. Nothing if another stream has the session, or it has to join again.
+  std::optional<uint64_t> attach(std::weak_ptr<SessionWriter> writer) {
+    std::lock_guard lock(mutex_);
+    if (state_ != State::Joined) return std::nullopt;
+    state_ = State::Streaming;
     writer_ = std::move(writer);
+    return stream_;
+  }
+  // That stream is over. False if the session has gone on without it.
+  bool park(uint64_t stream) {
+    std::lock_guard lock(mutex_);
+    if (stream != stream_ || state_ != State::Streaming) return false;
+    state_ = State::Parked;
+    writer_.reset();
+    window_.restart();
     return true;
+  }
+  // Whatever stream it has is over.
+  void park() {
+    std::lock_guard lock(mutex_);
+    state_ = State::Parked;
+    writer_.reset();
+    window_.restart();
   }
   std::shared_ptr<SessionWriter> writer() const {
     std::lock_guard lock(mutex_);
@@ -48,18 +86,22 @@ class ClientSession {
 
   bool add_event(const v1::SessionEvent& event) {
     std::lock_guard lock(mutex_);
-    return window_.add_event(event);
+    return state_ == State::Parked || window_.add_event(event);
   }
   void offer(std::shared_ptr<const PublishedTick> tick) {
     std::lock_guard lock(mutex_);
-    window_.offer(std::move(tick));
+    if (state_ != State::Parked) window_.offer(std::move(tick));
   }
-  void acknowledge(uint64_t tick) {
+  // False if this is not the session's stream any more.
+  bool acknowledge(uint64_t stream, uint64_t tick) {
     std::lock_guard lock(mutex_);
+    if (stream != stream_ || state_ != State::Streaming) return false;
     window_.acknowledge(tick);
+    return true;
   }
-  std::optional<SendWindow::Outgoing> take() {
+  std::optional<SendWindow::Outgoing> take(uint64_t stream) {
     std::lock_guard lock(mutex_);
+    if (stream != stream_ || state_ != State::Streaming) return std::nullopt;
     return window_.take();
   }
   uint64_t frames_sent() const {
@@ -72,7 +114,9 @@ class ClientSession {
   }
 
  private:
-  mutable std::mutex mutex_;  // guards the two below; taken last, never held while anything else is called
+  mutable std::mutex mutex_;  // guards everything below; taken last, never held while anything else is called
+  State state_ = State::Joined;
+  uint64_t stream_ = 1;
   SendWindow window_;
   std::weak_ptr<SessionWriter> writer_;
 };

@@ -61,6 +61,7 @@ Result<std::vector<InputSample>> check_inputs(const v1::ClientMessage& message) 
     InputSample sample;
     sample.sequence = input.sequence();
     sample.sampled_ns = input.sampled_ns();
+    sample.for_tick = input.for_tick();
     if (input.has_left()) {
       auto hand = checked_hand(input.left(), field + ".left");
       if (!hand) return hand.error();

@@ -69,16 +69,18 @@ grpc::Status LiveService::join(const std::string& peer, const v1::JoinRequest& r
                 " and this server, livegs " + kVersion + ", speaks " + std::to_string(kProtocolVersion) +
                 "; update the older one"};
   }
-  auto joined = table_.join();
+  auto joined = table_.join(request.resumed_session_id());
   if (!joined) return to_status(joined.error());
   const SessionTable::Status status = table_.status();
   reply.set_session_id(joined->session->id);
   reply.set_rate_hz(status.rate_hz);
   reply.set_tick(status.tick);
   reply.set_ball_speed_m_s(kBallSpeed_m_s);
+  reply.set_server_instance(table_.instance());
   for (const SessionTable::Object& object : joined->objects) *reply.add_objects() = *object;
-  log_info("session %.8s: \"%s\" joined from %s", joined->session->id.c_str(),
-           printable(request.client_name()).c_str(), peer.c_str());
+  log_info("session %.8s: \"%s\" joined %sfrom %s", joined->session->id.c_str(),
+           printable(request.client_name()).c_str(),
+           joined->session->id == request.resumed_session_id() ? "again " : "", peer.c_str());
   return grpc::Status::OK;
 }
 

@@ -32,4 +32,10 @@ std::optional<SendWindow::Outgoing> SendWindow::take() {
   return outgoing;
 }
 
+void SendWindow::restart() {
+  waiting_.reset();
+  events_.clear();
+  in_flight_.clear();
+}
+
 }  // namespace livegs

@@ -38,6 +38,9 @@ class SendWindow {
   // What to write now, if there is anything that may be; it counts as sent.
   std::optional<Outgoing> take();
 
+  // As for a stream that begins: nothing waits, nothing is in flight. Counts go on.
+  void restart();
+
   size_t in_flight() const { return in_flight_.size(); }
   uint64_t sent() const { return sent_; }
   uint64_t replaced() const { return replaced_; }

@@ -21,6 +21,8 @@ std::string random_id() {
 
 }  // namespace
 
+SessionTable::SessionTable() : instance_(random_id()) {}
+
 void SessionTable::open(std::string scene, double rate_hz, std::vector<Object> objects, InputSink& inputs) {
   std::stable_sort(objects.begin(), objects.end(),
                    [](const Object& a, const Object& b) { return a->environment() > b->environment(); });
@@ -42,27 +44,61 @@ void SessionTable::close(const std::string& reason) {
   draining.set_draining(reason);
   for (const auto& session : sessions_now()) {
     session->add_event(draining);
-    if (const auto writer = session->writer()) writer->close(reason);
+    if (const auto writer = session->writer())
+      writer->close(reason);
+    else
+      remove(*session);
   }
 }
 
-Result<SessionTable::Joined> SessionTable::join() {
-  std::lock_guard lock(mutex_);
-  if (!open_) return Error{ErrorCode::Unavailable, closed_reason_};
-  if (sessions_.size() >= kMaxSessions) {
-    return Error{ErrorCode::TooLarge,
-                 std::to_string(kMaxSessions) + " clients are here already; try again later"};
+Result<SessionTable::Joined> SessionTable::join(std::string_view resumed_id) {
+  std::shared_ptr<ClientSession> parked_longest;
+  std::shared_ptr<SessionWriter> left;
+  Joined joined;
+  {
+    std::lock_guard lock(mutex_);
+    if (!open_) return Error{ErrorCode::Unavailable, closed_reason_};
+    if (const auto found = sessions_.find(resumed_id); found != sessions_.end()) {
+      joined.session = found->second;
+      left = joined.session->rejoin(now_ns());
+    } else {
+      if (sessions_.size() >= kMaxSessions) {
+        for (const auto& [id, session] : sessions_) {
+          if (session->state() == ClientSession::State::Parked &&
+              (!parked_longest || session->heard_ns < parked_longest->heard_ns)) {
+            parked_longest = session;
+          }
+        }
+        if (!parked_longest) {
+          return Error{ErrorCode::TooLarge,
+                       std::to_string(kMaxSessions) + " clients are here already; try again later"};
+        }
+      }
+      joined.session = std::make_shared<ClientSession>(random_id(), next_number_++, now_ns());
+      sessions_.emplace(joined.session->id, joined.session);
+      ++totals_.sessions;
+    }
+    joined.objects = objects_;
   }
-  const auto session = std::make_shared<ClientSession>(random_id(), next_number_++, now_ns());
-  sessions_.emplace(session->id, session);
-  ++totals_.sessions;
-  return Joined{session, objects_};
+  if (left) left->abort();
+  if (parked_longest) remove(*parked_longest);
+  return joined;
 }
 
 std::shared_ptr<ClientSession> SessionTable::find(std::string_view session_id) const {
   std::lock_guard lock(mutex_);
   const auto found = sessions_.find(session_id);
   return found == sessions_.end() ? nullptr : found->second;
+}
+
+void SessionTable::stream_ended(ClientSession& session, uint64_t stream, bool in_order) {
+  if (!session.park(stream)) return;
+  bool keep = !in_order;
+  {
+    std::lock_guard lock(mutex_);
+    keep = keep && open_;
+  }
+  if (!keep) remove(session);
 }
 
 void SessionTable::remove(const ClientSession& session) {
@@ -118,21 +154,32 @@ void SessionTable::deliver(std::shared_ptr<const PublishedTick> tick, std::span<
     if (const auto writer = session->writer()) writer->wake();
   }
   for (const auto& session : not_reading) {
-    if (const auto writer = session->writer())
-      writer->abort();
-    else
-      remove(*session);
+    if (const auto writer = session->writer()) writer->abort();
+    session->park();  // when it comes back it is told of all there is
   }
 }
 
 void SessionTable::sweep(int64_t now) {
   for (const auto& session : sessions_now()) {
+    const ClientSession::State state = session->state();
     const int64_t silent_ns = now - session->heard_ns.load();
-    if (silent_ns < (session->streaming ? kSilentAfter_ns : kJoinExpiry_ns)) continue;
-    log_info("session %.8s: silent for %.1f s, dropped", session->id.c_str(), seconds_from_ns(silent_ns));
-    // First cancelled, then forgotten: else a client that hangs up in between is told that all went well.
-    if (const auto writer = session->writer()) writer->abort();
-    remove(*session);
+    const int64_t patience_ns = state == ClientSession::State::Streaming ? kSilentAfter_ns
+                                : state == ClientSession::State::Parked  ? kParkedExpiry_ns
+                                                                         : kJoinExpiry_ns;
+    const auto writer = session->writer();
+    if (silent_ns < patience_ns) {
+      if (writer) writer->beat(now);
+      continue;
+    }
+    if (state == ClientSession::State::Streaming) {
+      log_info("session %.8s: silent for %.1f s, its stream ends", session->id.c_str(), seconds_from_ns(silent_ns));
+      // First cancelled, then parked: else a client that hangs up in between is told that all went well.
+      if (writer) writer->abort();
+      session->park();
+    } else {
+      log_info("session %.8s: silent for %.1f s, dropped", session->id.c_str(), seconds_from_ns(silent_ns));
+      remove(*session);
+    }
   }
 }
 
@@ -162,7 +209,7 @@ void SessionTable::hear(const ClientSession& session, std::span<const InputSampl
 SessionTable::Status SessionTable::status() const {
   std::lock_guard lock(mutex_);
   size_t streaming = 0;
-  for (const auto& [id, session] : sessions_) streaming += session->streaming ? 1 : 0;
+  for (const auto& [id, session] : sessions_) streaming += session->state() == ClientSession::State::Streaming ? 1 : 0;
   return {scene_, rate_hz_, tick_, objects_.size(), sessions_.size(), streaming, open_};
 }
 

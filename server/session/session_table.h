@@ -17,6 +17,8 @@ namespace livegs {
 inline constexpr size_t kMaxSessions = 64;
 // A stream that sends nothing for so long is over: clients send a sign of life every 50 ms.
 inline constexpr int64_t kSilentAfter_ns = 2'000'000'000;
+// So long a session is kept whose stream broke.
+inline constexpr int64_t kParkedExpiry_ns = 30'000'000'000;
 // From Join to Stream a client fetches assets and ties kernels to drivers, which may take a while.
 inline constexpr int64_t kJoinExpiry_ns = 120'000'000'000;
 
@@ -24,8 +26,11 @@ inline constexpr int64_t kJoinExpiry_ns = 120'000'000'000;
 // is given and the events it gets afterwards fit together. Any thread.
 class SessionTable {
  public:
+  SessionTable();
   using Object = std::shared_ptr<const v1::ObjectDescription>;
 
+  // Random, drawn when the table was made.
+  const std::string& instance() const { return instance_; }
   // From now on clients may join. `inputs` outlives the table's sessions.
   void open(std::string scene, double rate_hz, std::vector<Object> objects, InputSink& inputs);
   // Ends every stream with the reason; nobody joins any more.
@@ -35,15 +40,19 @@ class SessionTable {
     std::shared_ptr<ClientSession> session;
     std::vector<Object> objects;
   };
-  // Unavailable before open and after close, TooLarge when kMaxSessions are there.
-  Result<Joined> join();
+  // `resumed_id`: of a session to go on with, if it is still there; else, and when empty, a new one. Unavailable before
+  // open and after close, TooLarge when kMaxSessions are there; of those the one parked longest makes room.
+  Result<Joined> join(std::string_view resumed_id = {});
   std::shared_ptr<ClientSession> find(std::string_view session_id) const;
-  void remove(const ClientSession& session);
+  // The session's stream of this number is over: in order, and so is the session, or it broke, and the session waits
+  // for its client. Nothing if the session has gone on without that stream.
+  void stream_ended(ClientSession& session, uint64_t stream, bool in_order);
 
   // A new tick for everybody, with what came, changed and went in it.
   void deliver(std::shared_ptr<const PublishedTick> tick, std::span<const Object> added,
                std::span<const Object> changed, std::span<const uint32_t> removed);
-  // Drops sessions that went silent or never opened a stream.
+  // Ends streams that went silent and drops sessions that were parked or never opened a stream for too long; sees to it
+  // that the others hear something.
   void sweep(int64_t now_ns);
 
   Object object(std::string_view name) const;  // nullptr if unknown
@@ -54,7 +63,7 @@ class SessionTable {
     std::string scene;
     double rate_hz = 0;
     uint64_t tick = 0;
-    size_t objects = 0, clients = 0, streaming = 0;
+    size_t objects = 0, clients = 0, streaming = 0;  // clients: parked ones too
     bool open = false;
   };
   Status status() const;
@@ -66,7 +75,9 @@ class SessionTable {
 
  private:
   std::vector<std::shared_ptr<ClientSession>> sessions_now() const;
+  void remove(const ClientSession& session);
 
+  const std::string instance_;
   mutable std::mutex mutex_;  // guards everything below
   bool open_ = false;
   std::string closed_reason_ = "the scene is still being built";

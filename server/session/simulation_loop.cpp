@@ -111,15 +111,27 @@ void SimulationLoop::tick() {
   log_every_second(stepped_ns);
 }
 
+std::vector<InputSample> SimulationLoop::due(std::deque<InputSample>& samples, uint64_t tick) {
+  std::vector<InputSample> taken;
+  while (!samples.empty()) {
+    const uint64_t meant = samples.front().for_tick;
+    if (meant > tick && meant - tick <= kMostTicksAhead) break;
+    taken.push_back(samples.front());
+    samples.pop_front();
+  }
+  return taken;
+}
+
 void SimulationLoop::apply_inputs() {
   const double now_s = static_cast<double>(scene_.world().tick()) / scene_.world().settings().rate_hz;
-  std::map<SessionNumber, std::deque<InputSample>> arrived;
+  const uint64_t next_tick = scene_.world().tick() + 1;
+  std::map<SessionNumber, std::vector<InputSample>> arrived;
   std::vector<SessionNumber> gone, stalled;
   {
     std::lock_guard lock(mutex_);
     gone.swap(gone_);
     for (auto& [session, mailbox] : mailboxes_) {
-      arrived[session].swap(mailbox.samples);
+      arrived[session] = due(mailbox.samples, next_tick);
       if (now_ns() - mailbox.heard_ns > kStalledAfter_ns) stalled.push_back(session);
     }
   }

@@ -18,7 +18,11 @@ namespace livegs {
 // A session that was silent for so long holds nothing any more.
 inline constexpr int64_t kStalledAfter_ns = 500'000'000;
 
-// Samples of one session that wait for a tick. At 90 Hz a tick sees one; more wait only while ticks are late.
+// A sample that is meant for a tick further ahead is not believed and goes into the next.
+inline constexpr uint64_t kMostTicksAhead = 30;
+
+// Samples of one session that wait for their tick. At 90 Hz a tick sees one; more wait while ticks are late or the client
+// sends ahead.
 inline constexpr size_t kMaxWaitingSamples = 64;
 
 // A tick that starts later than this many periods gives up the schedule: time slips, and no burst of ticks
@@ -67,6 +71,8 @@ class SimulationLoop : public InputSink {
   void tick();
   void apply_changes();
   void apply_inputs();
+  // Of a session's samples those whose tick has come, and all before them.
+  static std::vector<InputSample> due(std::deque<InputSample>& samples, uint64_t tick);
   SteppedTick stepped_tick(int64_t stepped_ns, double step_ms);
   void log_every_second(int64_t now_ns);
 

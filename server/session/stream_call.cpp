@@ -18,11 +18,9 @@ void write_floats(google::protobuf::RepeatedField<float>& out, const Eigen::Vect
   for (int i = 0; i < 3; ++i) out.Add(static_cast<float>(value[i]));
 }
 
-// Everything of a message but its frame.
-v1::ServerMessage header_of(const SendWindow::Outgoing& outgoing, SessionNumber session, int64_t echoed_ns) {
+// Everything of a message but its frame, the moments it was made at and what it echoes.
+v1::ServerMessage header_of(const SendWindow::Outgoing& outgoing, SessionNumber session) {
   v1::ServerMessage header;
-  header.set_sent_ns(now_ns());
-  header.set_echoed_ns(echoed_ns);
   for (const v1::SessionEvent& event : outgoing.events) *header.add_events() = event;
   if (!outgoing.tick) return header;
   const PublishedTick& tick = *outgoing.tick;
@@ -80,31 +78,43 @@ std::optional<grpc::Status> StreamCall::take_message() {
       return grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, "the message is no livegs.v1.ClientMessage");
     }
   }
+  const int64_t heard_ns = now_ns();
   std::shared_ptr<ClientSession> session;
+  uint64_t stream = 0;
   {
     std::lock_guard lock(mutex_);
     session = session_;
+    stream = stream_;
   }
   if (!session) {
     session = table_.find(message.session_id());
     if (!session) {
       return grpc::Status(grpc::StatusCode::NOT_FOUND, "session_id: no such session; call Join first");
     }
-    if (!session->attach(weak_from_this())) {
-      return grpc::Status(grpc::StatusCode::ALREADY_EXISTS, "session_id: the session has a stream already");
+    const auto attached = session->attach(weak_from_this());
+    if (!attached) {
+      return session->state() == ClientSession::State::Streaming
+                 ? grpc::Status(grpc::StatusCode::ALREADY_EXISTS, "session_id: the session has a stream already")
+                 : grpc::Status(grpc::StatusCode::NOT_FOUND,
+                                "session_id: the session lost its stream; call Join with resumed_session_id first");
     }
+    stream = *attached;
     log_info("session %.8s: streaming to %s", session->id.c_str(), context_.peer().c_str());
     std::lock_guard lock(mutex_);
     session_ = session;
+    stream_ = stream;
   }
   auto samples = check_inputs(message);
   if (!samples) return to_status(samples.error());
-  session->heard_ns = now_ns();
-  echoed_ns_ = message.sent_ns();
-  session->acknowledge(message.acknowledged_tick());
-  if (message.key_frame_wanted()) {
+  if (!session->acknowledge(stream, message.acknowledged_tick())) {
+    return grpc::Status(grpc::StatusCode::ABORTED, "the session goes on in another stream");
+  }
+  session->heard_ns = heard_ns;
+  {
     std::lock_guard lock(mutex_);
-    baseline_ = nullptr;
+    echoed_ns_ = message.sent_ns();
+    heard_ns_ = heard_ns;
+    if (message.key_frame_wanted()) baseline_ = nullptr;
   }
   table_.hear(*session, *samples);
   return std::nullopt;
@@ -117,21 +127,34 @@ void StreamCall::wake() {
 
 void StreamCall::write_next(const std::lock_guard<std::mutex>& lock) {
   if (writing_ || finish_status_ || !session_) return;
-  const auto outgoing = session_->take();
-  if (!outgoing) {
-    if (!finish_when_flushed_) return;
+  if (const auto outgoing = session_->take(stream_)) {
+    write(*outgoing, lock);
+  } else if (finish_when_flushed_) {
     finish_status_ = finish_when_flushed_;
     finish_if_idle(lock);
-    return;
   }
-  std::string header;
-  header_of(*outgoing, session_->number, echoed_ns_).SerializeToString(&header);
-  std::vector<grpc::Slice> slices{grpc::Slice(header)};
-  if (outgoing->tick) {
-    const EncodedFrame frame = outgoing->tick->against(baseline_);
+}
+
+void StreamCall::beat(int64_t now) {
+  std::lock_guard lock(mutex_);
+  if (writing_ || finish_status_ || !session_ || now - written_ns_ < kBeatAfter_ns) return;
+  write({}, lock);
+}
+
+void StreamCall::write(const SendWindow::Outgoing& outgoing, const std::lock_guard<std::mutex>&) {
+  v1::ServerMessage header = header_of(outgoing, session_->number);
+  std::vector<grpc::Slice> slices(1);
+  if (outgoing.tick) {
+    header.set_encode_begun_ns(now_ns());
+    const EncodedFrame frame = outgoing.tick->against(baseline_);
     baseline_ = frame.next;
     slices.push_back(frame.tail->slice);  // counted, not copied
   }
+  written_ns_ = now_ns();
+  header.set_sent_ns(written_ns_);
+  header.set_echoed_ns(echoed_ns_);
+  header.set_heard_ns(heard_ns_);
+  slices.front() = grpc::Slice(header.SerializeAsString());
   outgoing_ = grpc::ByteBuffer(slices.data(), slices.size());
   writing_ = true;
   StartWrite(&outgoing_);
@@ -176,14 +199,21 @@ void StreamCall::abort() {
 
 void StreamCall::OnDone() {
   std::shared_ptr<ClientSession> session;
+  uint64_t stream = 0;
+  bool in_order = false;
   {
     std::lock_guard lock(mutex_);
     done_ = true;
     session = session_;
+    stream = stream_;
+    // A message that was refused ends the session too. Not so a client that vanished, which never heard the status.
+    const bool refused = finish_status_ && finish_status_->error_code() == grpc::StatusCode::INVALID_ARGUMENT;
+    in_order = refused || (finish_status_ && finish_status_->ok() && !context_.IsCancelled());
   }
   if (session) {
-    table_.remove(*session);
-    log_info("session %.8s: ended, %llu frames sent, %llu replaced by newer ones", session->id.c_str(),
+    table_.stream_ended(*session, stream, in_order);
+    log_info("session %.8s: its stream %s, %llu frames sent, %llu replaced by newer ones", session->id.c_str(),
+             in_order ? "ended" : "broke",
              static_cast<unsigned long long>(session->frames_sent()),
              static_cast<unsigned long long>(session->frames_replaced()));
   }

@@ -5,7 +5,6 @@
 #include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/server_callback.h>
 
-#include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -28,6 +27,7 @@ class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
   static StreamCall* start(SessionTable& table, grpc::CallbackServerContext& context);
 
   void wake() override;
+  void beat(int64_t now_ns) override;
   void close(const std::string& reason) override;
   void abort() override;
 
@@ -41,6 +41,7 @@ class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
 
   std::optional<grpc::Status> take_message();  // a status ends the stream
   void write_next(const std::lock_guard<std::mutex>&);
+  void write(const SendWindow::Outgoing& outgoing, const std::lock_guard<std::mutex>&);
   void request_finish(const grpc::Status& status);
   void finish_if_idle(const std::lock_guard<std::mutex>&);
 
@@ -49,10 +50,13 @@ class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
   std::shared_ptr<StreamCall> self_;  // gRPC's share, given back in OnDone
 
   grpc::ByteBuffer incoming_;  // of the read that is under way
-  std::atomic<int64_t> echoed_ns_{0};
 
   std::mutex mutex_;                        // guards everything below
   std::shared_ptr<ClientSession> session_;  // set by the first message
+  uint64_t stream_ = 0;                     // of the session's streams, which one this is
+  int64_t echoed_ns_ = 0;                   // sent_ns of the newest message of the client
+  int64_t heard_ns_ = 0;                    // when that came
+  int64_t written_ns_ = 0;                  // when the last message was handed to gRPC
   StreamBaselinePtr baseline_;              // of what was written; null: the next frame is a key frame
   grpc::ByteBuffer outgoing_;               // of the write that is under way: it outlives OnWriteDone
   bool writing_ = false;

@@ -30,6 +30,8 @@ class Receiver final : public StreamSink {
     bytes.push_back(static_cast<double>(frame.bytes));
     steps_ms.push_back(frame.step_ms);
   }
+  void on_lost(const std::string&) override {}
+  void on_resumed(const ResumedSession&) override {}
   void on_object_added(StreamedObject) override {}
   void on_object_changed(StreamedObject) override {}
   void on_object_removed(uint32_t) override {}

@@ -46,7 +46,7 @@ TEST_F(Programs, AServerThatIsKilledEndsTheClientWithOneAndItsPicturesStay) {
   Program server(server_words());
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
-  Program client(client_words(port, {"--seconds", "0"}));
+  Program client(client_words(port, {"--seconds", "0", "--reconnect", "0.5"}));
   // Frames have come by the time another client, that came later, has had a second of them.
   ASSERT_TRUE(server.says("streaming to")) << server.err();
   Program probe(client_words(port, {"--seconds", "1", "--no-video"}, "probe"));
@@ -56,6 +56,59 @@ TEST_F(Programs, AServerThatIsKilledEndsTheClientWithOneAndItsPicturesStay) {
   EXPECT_NE(client.err().find("went away"), std::string::npos) << client.err();
   EXPECT_TRUE(read_png(folder_ / "view" / "last.png"));
   EXPECT_GT(std::filesystem::file_size(folder_ / "view" / "frames.csv"), 100u);
+}
+
+TEST_F(Programs, AServerThatIsKilledAndStartedAnewIsFoundAgain) {
+  Program server(server_words());
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  Program client(client_words(port, {"--seconds", "0", "--no-video", "--reconnect", "60"}));
+  ASSERT_TRUE(server.says("streaming to")) << server.err();
+  Program probe(client_words(port, {"--seconds", "0.5", "--no-video"}, "probe"));
+  ASSERT_EQ(probe.wait(), 0) << probe.err();
+  server.send(SIGKILL);
+  server.wait();
+  std::vector<std::string> words = server_words();
+  std::replace(words.begin(), words.end(), std::string("127.0.0.1:0"), "127.0.0.1:" + port);
+  Program again(words);
+  ASSERT_TRUE(again.says("streaming to")) << again.err();
+  Program probe_again(client_words(port, {"--seconds", "0.5", "--no-video"}, "probe"));
+  ASSERT_EQ(probe_again.wait(), 0) << probe_again.err();
+  client.send(SIGINT);
+  EXPECT_EQ(client.wait(), 0) << client.err();
+  EXPECT_NE(client.out().find("gone 1 times and came back 1 times"), std::string::npos) << client.out();
+  // As it joined, so it is at the end: nothing was fetched again.
+  const size_t joined = client.err().find(" assets fetched, ");
+  ASSERT_NE(joined, std::string::npos) << client.err();
+  EXPECT_NE(client.out().find(client.err().substr(joined, client.err().find('\n', joined) - joined)), std::string::npos)
+      << client.out();
+}
+
+// A laptop that is closed, and opened again: its session goes on, and nobody waited for it.
+TEST_F(Programs, AClientThatIsStoppedIsDroppedAndComesBack) {
+  Program server(server_words());
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  Program client(client_words(port, {"--seconds", "0", "--no-video", "--reconnect", "60"}));
+  ASSERT_TRUE(server.says("streaming to")) << server.err();
+  client.send(SIGSTOP);
+  ASSERT_TRUE(server.says("its stream ends")) << server.err();
+  client.send(SIGCONT);
+  ASSERT_TRUE(server.says("joined again")) << server.err();
+  client.send(SIGINT);
+  EXPECT_EQ(client.wait(), 0) << client.err();
+}
+
+TEST_F(Programs, AClientThatIsKilledLeavesTheOthersAlone) {
+  Program server(server_words());
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  Program victim(client_words(port, {"--seconds", "0", "--no-video"}, "victim"));
+  ASSERT_TRUE(server.says("streaming to")) << server.err();
+  Program other(client_words(port, {"--seconds", "1", "--no-video"}));
+  victim.send(SIGKILL);
+  ASSERT_TRUE(server.says("its stream broke")) << server.err();
+  EXPECT_EQ(other.wait(), 0) << other.err();
 }
 
 TEST_F(Programs, AServerThatIsStoppedTellsItsClients) {

@@ -30,17 +30,20 @@ class RawClient {
   explicit RawClient(int port) : stub_(v1::LiveGs::NewStub(channel_to(port))) {}
   v1::LiveGs::Stub& stub() { return *stub_; }
 
-  grpc::Status join(uint32_t protocol_version = kProtocolVersion) {
+  grpc::Status join(uint32_t protocol_version = kProtocolVersion, const std::string& resumed_session_id = "") {
     grpc::ClientContext context;
     set_patience(context);
     v1::JoinRequest request;
     request.set_protocol_version(protocol_version);
     request.set_client_name("a test");
+    request.set_resumed_session_id(resumed_session_id);
     return stub_->Join(&context, request, &joined);
   }
+  // May be called again once finish() has returned.
   void open() {
-    set_patience(context_);
-    stream_ = stub_->Stream(&context_);
+    context_ = std::make_unique<grpc::ClientContext>();
+    set_patience(*context_);
+    stream_ = stub_->Stream(context_.get());
     v1::ClientMessage message;
     message.set_session_id(joined.session_id());
     EXPECT_TRUE(stream_->Write(message));
@@ -51,12 +54,15 @@ class RawClient {
     message.set_acknowledged_tick(tick);
     return send(message);
   }
-  // The next message; one without a tick when the stream is over.
+  // The next message that says something; one without a tick when the stream is over.
   v1::ServerMessage read() {
     v1::ServerMessage message;
-    if (!stream_->Read(&message)) message.Clear();
-    return message;
+    while (read_any(message)) {
+      if (!message.frame().empty() || message.events_size() > 0) return message;
+    }
+    return {};
   }
+  bool read_any(v1::ServerMessage& message) { return stream_->Read(&message); }
   grpc::Status finish() {
     stream_->WritesDone();
     v1::ServerMessage message;
@@ -64,13 +70,13 @@ class RawClient {
     }
     return stream_->Finish();
   }
-  void cancel() { context_.TryCancel(); }
+  void cancel() { context_->TryCancel(); }
 
   v1::JoinReply joined;
 
  private:
   std::unique_ptr<v1::LiveGs::Stub> stub_;
-  grpc::ClientContext context_;
+  std::unique_ptr<grpc::ClientContext> context_;
   std::unique_ptr<grpc::ClientReaderWriter<v1::ClientMessage, v1::ServerMessage>> stream_;
 };
 

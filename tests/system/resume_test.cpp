@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+// A client whose network or server fails, through a proxy that makes it fail.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "core/clock.h"
+#include "stream/retry_schedule.h"
+#include "stream/session_client.h"
+#include "system/fault_proxy.h"
+#include "system/served_scene.h"
+#include "system/sink_log.h"
+
+namespace livegs {
+namespace {
+
+constexpr int kNobody = 1;  // a port on which connections are refused at once
+
+// How long after `moment_ns` the first frame came that came after it.
+double first_frame_after_ms(const SinkLog::State& state, int64_t moment_ns) {
+  for (const ReceivedFrame& frame : state.frames) {
+    if (frame.received_ns > moment_ns) return milliseconds_from_ns(frame.received_ns - moment_ns);
+  }
+  return 1e9;
+}
+
+class Resume : public ::testing::Test {
+ protected:
+  void start(Scene scene, const ConnectOptions& options) {
+    served_ = std::make_unique<ServedScene>(std::move(scene));
+    proxy_ = std::make_unique<FaultProxy>(served_->port());
+    auto joined = SessionClient::join("127.0.0.1:" + std::to_string(proxy_->port()), options);
+    ASSERT_TRUE(joined) << joined.error().message;
+    client_ = std::move(*joined);
+    client_->start(sink_);
+    ASSERT_TRUE(sink_.wait_frames(5));
+  }
+  void start() { start(box_scene(), patient()); }
+  static ConnectOptions patient() {
+    ConnectOptions options;
+    options.timeout_s = options.reconnect_s = 60;
+    return options;
+  }
+  // Also when an assertion left early: the sink goes last.
+  ~Resume() override { client_.reset(); }
+
+  std::unique_ptr<ServedScene> served_;
+  std::unique_ptr<FaultProxy> proxy_;
+  SinkLog sink_;
+  std::unique_ptr<SessionClient> client_;
+};
+
+TEST_F(Resume, AResetConnectionLosesNeitherSessionNorScene) {
+  start();
+  proxy_->reset();
+  ASSERT_TRUE(sink_.wait_resumed(1));
+  ASSERT_TRUE(sink_.wait_frames(5));
+  EXPECT_TRUE(client_->stop());
+  const SinkLog::State state = sink_.state();
+  EXPECT_EQ(state.lost.size(), 1u);
+  EXPECT_TRUE(state.resumed.front().same_server);
+  EXPECT_TRUE(state.added.empty() && state.changed.empty() && state.removed.empty());
+  for (size_t i = 1; i < state.frames.size(); ++i) EXPECT_GT(state.frames[i].tick, state.frames[i - 1].tick);
+  EXPECT_EQ(served_->server->sessions().sessions, 1u);  // it went on with the one it had
+}
+
+// Nobody is told of the cut: the client notices by the silence, the server too, and gives up the stream. Goal: pictures
+// move within 300 ms after it heals. Measured 21 to 160 ms; on a busy machine there is no telling, so what is held here
+// is what it follows from: a fresh connection every 150 ms, and the first that can brings the frames.
+TEST_F(Resume, AfterACutTheFirstConnectionBringsTheFrames) {
+  start();
+  proxy_->cut();
+  const int64_t cut_ns = now_ns();
+  ASSERT_TRUE(sink_.wait([](const SinkLog::State& state) { return !state.lost.empty(); }));
+  EXPECT_GE(seconds_from_ns(now_ns() - cut_ns), 0.9);
+  sleep_until_ns(cut_ns + 2'700'000'000);
+  EXPECT_EQ(served_->server->streaming_count(), 0u);  // given up after two seconds and a sweep
+  const uint64_t tried = proxy_->connections();
+  EXPECT_GE(tried, 6u);
+  proxy_->heal();
+  const int64_t healed_ns = now_ns();
+  ASSERT_TRUE(sink_.wait_resumed(1));
+  EXPECT_LE(proxy_->connections(), tried + 2);
+  ASSERT_TRUE(sink_.wait_frames(5));
+  const SinkLog::State state = sink_.state();
+  const double ms = first_frame_after_ms(state, healed_ns);
+  std::printf("moving %.0f ms after a cut of 2.7 s healed (goal 300)\n", ms);
+  EXPECT_LT(ms, 5000);
+  EXPECT_TRUE(state.resumed.front().same_server);
+  EXPECT_TRUE(state.added.empty() && state.changed.empty() && state.removed.empty());
+  EXPECT_TRUE(client_->stop());
+  EXPECT_EQ(served_->server->sessions().sessions, 1u);
+}
+
+TEST(RetrySchedule, LeavesNoPauseLongerThanTheBarsAllow) {
+  for (int64_t outage_s = 0; outage_s < 3600; ++outage_s) {
+    int64_t least_ns = kLongRetryPause_ns, most_ns = 0;
+    for (uint32_t random = 0; random < 4096; ++random) {
+      const int64_t pause_ns = retry_pause_ns(outage_s * 1'000'000'000, random * 2654435761u);
+      least_ns = std::min(least_ns, pause_ns);
+      most_ns = std::max(most_ns, pause_ns);
+    }
+    // Half of the 300 ms for a cut, most of the 500 ms for a server that comes back.
+    EXPECT_LE(most_ns, outage_s < 60 ? 150'000'000 : 400'000'000);
+    EXPECT_LT(least_ns, most_ns * 0.81);  // clients do not come in step
+    EXPECT_GE(least_ns, most_ns * 0.79);
+  }
+}
+
+// The server's end, as a client sees it: its connections are reset and its port answers no more.
+TEST_F(Resume, AServerThatIsStartedAnewHasTheSameScene) {
+  start();
+  proxy_->set_server(kNobody);
+  proxy_->reset();
+  ASSERT_TRUE(sink_.wait([](const SinkLog::State& state) { return !state.lost.empty(); }));
+  served_ = std::make_unique<ServedScene>(box_scene());
+  proxy_->set_server(served_->port());
+  const int64_t back_ns = now_ns();
+  ASSERT_TRUE(sink_.wait_resumed(1));
+  ASSERT_TRUE(sink_.wait_frames(5));
+  EXPECT_TRUE(client_->stop());
+  const SinkLog::State state = sink_.state();
+  const double ms = first_frame_after_ms(state, back_ns);
+  std::printf("moving %.0f ms after the server was back (goal 500)\n", ms);
+  EXPECT_LT(ms, 5000);
+  EXPECT_FALSE(state.resumed.back().same_server);
+  EXPECT_TRUE(state.added.empty() && state.changed.empty() && state.removed.empty());
+  const ReceivedFrame &before = state.frames.front(), &after = state.frames.back();
+  ASSERT_EQ(before.drivers->objects.size(), after.drivers->objects.size());
+  for (size_t i = 0; i < before.drivers->objects.size(); ++i) {
+    EXPECT_EQ(before.drivers->objects[i].object_id, after.drivers->objects[i].object_id);
+  }
+}
+
+TEST_F(Resume, WhatChangedWhileItWasGoneIsToldBeforeTheNextFrame) {
+  start(breaking_scene(), patient());
+  proxy_->cut();
+  ASSERT_TRUE(sink_.wait([](const SinkLog::State& state) { return !state.lost.empty(); }));
+  while (served_->tick < 120) std::this_thread::sleep_for(std::chrono::milliseconds(10));  // it broke at 90
+  proxy_->heal();
+  ASSERT_TRUE(sink_.wait_resumed(1));
+  ASSERT_TRUE(sink_.wait([](const SinkLog::State& state) {
+    return !state.changed.empty() && state.frames.back().drivers->objects.back().revision > 0;
+  }));
+  EXPECT_TRUE(client_->stop());
+  const SinkLog::State state = sink_.state();
+  EXPECT_TRUE(state.added.empty() && state.removed.empty());
+  const uint32_t revision = state.frames.back().drivers->objects.back().revision;
+  EXPECT_TRUE(std::any_of(state.changed.begin(), state.changed.end(),
+                          [&](const StreamedObject& object) { return object.rest.revision == revision; }));
+}
+
+TEST_F(Resume, AServerThatStaysAwayEndsTheSessionInTime) {
+  ConnectOptions options = patient();
+  options.reconnect_s = 0.5;
+  start(box_scene(), options);
+  proxy_->set_server(kNobody);
+  proxy_->reset();
+  const int64_t reset_ns = now_ns();
+  while (!client_->ended()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_GE(seconds_from_ns(now_ns() - reset_ns), 0.4);
+  const auto stopped = client_->stop();
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().code, ErrorCode::Unavailable);
+  EXPECT_NE(stopped.error().message.find("went away"), std::string::npos) << stopped.error().message;
+}
+
+TEST_F(Resume, AGoodbyeEndsTheSessionUnlessItIsToBeOutlived) {
+  start();
+  served_->server->shut_down("maintenance");
+  while (!client_->ended()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_TRUE(client_->stop());
+  EXPECT_EQ(sink_.state().draining, "maintenance");
+  EXPECT_TRUE(sink_.state().lost.empty());
+}
+
+TEST_F(Resume, AGoodbyeIsOutlived) {
+  ConnectOptions options = patient();
+  options.outlive_draining = true;
+  start(box_scene(), options);
+  served_->server->shut_down("maintenance");
+  served_ = std::make_unique<ServedScene>(box_scene());
+  proxy_->set_server(served_->port());
+  ASSERT_TRUE(sink_.wait_resumed(1));
+  EXPECT_TRUE(client_->stop());
+  EXPECT_EQ(sink_.state().draining, "maintenance");
+}
+
+}  // namespace
+}  // namespace livegs

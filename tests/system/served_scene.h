@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "server/session/box_scene.h"
+#include "session/live_server.h"
+#include "session/simulation_loop.h"
+
+namespace livegs {
+
+// A server in this process that simulates a scene, from making to destruction.
+class ServedScene {
+ public:
+  explicit ServedScene(Scene scene, std::function<void(const Scene&)> observe = {}) {
+    auto listening = LiveServer::listen("127.0.0.1:0");
+    EXPECT_TRUE(listening) << listening.error().message;
+    server = std::move(*listening);
+    loop = std::make_unique<SimulationLoop>(std::move(scene), server->ticks(), [this, observe](const Scene& now) {
+      tick = now.world().tick();
+      if (observe) observe(now);
+    });
+    server->open(loop->scene(), *loop);
+    loop->start();
+  }
+  ~ServedScene() {
+    server->shut_down("the test is over");
+    loop->stop();
+  }
+  int port() const { return server->port(); }
+
+  std::unique_ptr<LiveServer> server;
+  std::unique_ptr<SimulationLoop> loop;
+  std::atomic<uint64_t> tick{0};  // the newest that was simulated
+};
+
+}  // namespace livegs
