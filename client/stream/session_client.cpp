@@ -65,6 +65,7 @@ struct SessionClient::Connection {
   KnownObjects objects;        // the session's thread only, once it runs, like the next three
   ClockOffset clock;
   std::string session_id, server_instance;
+  double rate_hz = 0;
   StreamSink* sink = nullptr;
   std::thread thread;
   std::atomic<bool> ended{false};
@@ -146,7 +147,7 @@ Result<std::unique_ptr<SessionClient>> SessionClient::join(const std::string& ad
   }
   connection->session_id = connection->scene.session_id = reply->session_id();
   connection->server_instance = reply->server_instance();
-  connection->scene.rate_hz = reply->rate_hz();
+  connection->scene.rate_hz = connection->rate_hz = reply->rate_hz();
   connection->scene.tick = reply->tick();
   connection->scene.ball_speed_m_s = reply->ball_speed_m_s();
   for (const v1::ObjectDescription& description : reply->objects()) {
@@ -232,7 +233,7 @@ void SessionClient::send(const InputSample& sample) {
 SessionStream::Outcome SessionClient::Connection::stream_once() {
   const auto used = stub_now();
   const auto opened =
-      std::make_shared<SessionStream>(*used, session_id, SessionStream::Ends{*sink, clock, objects});
+      std::make_shared<SessionStream>(*used, session_id, rate_hz, SessionStream::Ends{*sink, clock, objects});
   {
     std::lock_guard lock(mutex);
     if (stopping) opened->stop();
@@ -276,6 +277,7 @@ Result<void> SessionClient::Connection::resume(const SessionStream::Outcome& los
   resumed.outage_s = seconds_from_ns(now_ns() - lost.heard_ns);
   session_id = reply->session_id();
   server_instance = reply->server_instance();
+  rate_hz = reply->rate_hz();
   if (!resumed.same_server) clock = ClockOffset();
   std::vector<const v1::ObjectDescription*> descriptions;
   for (const v1::ObjectDescription& description : reply->objects()) descriptions.push_back(&description);

@@ -25,8 +25,8 @@ Eigen::Vector3f vector_of(const google::protobuf::RepeatedField<float>& numbers)
 
 }  // namespace
 
-SessionStream::SessionStream(v1::LiveGs::Stub& stub, std::string session_id, Ends ends)
-    : stub_(stub), session_id_(std::move(session_id)), ends_(ends) {}
+SessionStream::SessionStream(v1::LiveGs::Stub& stub, std::string session_id, double rate_hz, Ends ends)
+    : stub_(stub), session_id_(std::move(session_id)), ends_(ends), aim_(rate_hz) {}
 
 SessionStream::Outcome SessionStream::run() {
   heard_ns_ = now_ns();
@@ -63,6 +63,7 @@ void SessionStream::send(const InputSample& sample) {
   {
     std::lock_guard lock(mutex_);
     samples_.push_back(sample);
+    samples_.back().for_tick = aim_.tick_at(now_ns());
     if (samples_.size() > kSamplesPerMessage) samples_.pop_front();
     samples_new_ = true;
   }
@@ -154,6 +155,8 @@ void SessionStream::take_clock(const v1::ServerMessage& message, int64_t receive
   if (message.echoed_ns() <= echoed_ns_ || message.heard_ns() == 0) return;  // heard of before
   echoed_ns_ = message.echoed_ns();
   ends_.clock.add({echoed_ns_, message.heard_ns(), message.sent_ns(), received_ns});
+  std::lock_guard lock(mutex_);
+  aim_.arrived(echoed_ns_, message.heard_ns());
 }
 
 Result<void> SessionStream::take(v1::ServerMessage& message, int64_t received_ns) {
@@ -174,6 +177,10 @@ Result<void> SessionStream::take(v1::ServerMessage& message, int64_t received_ns
   for (const v1::HandState& hand : message.hands()) {
     frame.hands.push_back({hand.hand(), hand.object_id(), vector_of(hand.point_m()), vector_of(hand.force_n()),
                            hand.grabbed(), hand.contact_impulse_n_s()});
+  }
+  {
+    std::lock_guard lock(mutex_);
+    aim_.saw(frame);
   }
   const uint64_t tick = frame.tick;
   const bool waits = frames_.needs_key_frame();

@@ -17,6 +17,7 @@
 #include "stream/clock_offset.h"
 #include "stream/known_objects.h"
 #include "stream/received.h"
+#include "stream/tick_aim.h"
 #include "wire/frame_stream.h"
 
 namespace livegs {
@@ -35,7 +36,7 @@ class SessionStream {
     ClockOffset& clock;
     KnownObjects& objects;
   };
-  SessionStream(v1::LiveGs::Stub& stub, std::string session_id, Ends ends);
+  SessionStream(v1::LiveGs::Stub& stub, std::string session_id, double rate_hz, Ends ends);
 
   struct Outcome {
     grpc::Status status;
@@ -48,8 +49,8 @@ class SessionStream {
   // Opens the stream and returns when it is over. A thread reads and calls the sink, another sends inputs,
   // acknowledgements and, at least every 50 ms, a sign of life. Once.
   Outcome run();
-  // Any thread: a sample to send; the last three travel in each message. The end: the server answers a half close by
-  // ending the stream, and one that does not within a second is left.
+  // Any thread: a sample to send, meant for the tick that TickAim says; the last three travel in each message. The end: the
+  // server answers a half close by ending the stream, and one that does not within a second is left.
   void send(const InputSample& sample);
   void stop();
 
@@ -73,6 +74,7 @@ class SessionStream {
   std::mutex mutex_;  // guards everything below
   std::condition_variable changed_;
   Outcome outcome_;
+  TickAim aim_;
   std::deque<InputSample> samples_;  // the last three
   bool samples_new_ = false;
   uint64_t acknowledged_tick_ = 0;

@@ -10,7 +10,8 @@
 
 namespace livegs {
 
-inline constexpr size_t kAssetChunkBytes = 1u << 20;
+// What a connection that breaks loses of a piece is fetched again.
+inline constexpr size_t kAssetChunkBytes = 64u << 10;
 
 // One FetchAsset rpc: chunks in order from an offset. gRPC's flow control paces it. Deletes itself.
 class AssetCall final : public grpc::ServerWriteReactor<v1::AssetChunk> {

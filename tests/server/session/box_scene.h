@@ -28,7 +28,7 @@ inline Scene breaking_scene(double rate_hz = 90) {
 }
 
 // A wooden box and a soft cube, a metre apart on a floor, made of shapes: no assets are needed.
-inline Scene box_scene(double rate_hz = 90) {
+inline Scene box_scene(double rate_hz = 90, double box_size_m = 0.2) {
   v1::Scene file;
   const auto parsed = google::protobuf::util::JsonStringToMessage(R"({
     "substeps": 4,
@@ -40,6 +40,7 @@ inline Scene box_scene(double rate_hz = 90) {
         "physics": { "behavior": "ELASTIC", "density_kg_m3": 300, "youngs_modulus_pa": 2e4 } } ] })",
                                                                   &file);
   EXPECT_TRUE(parsed.ok()) << parsed.message();
+  for (int i = 0; i < 3; ++i) file.mutable_objects(0)->mutable_shape()->mutable_box()->set_size_m(i, box_size_m);
   SceneOptions options;
   options.rate_hz = rate_hz;
   auto scene = Scene::build(file, ".", "boxes", options);

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+
 #include "server/session/box_scene.h"
 
 namespace livegs {
@@ -121,6 +124,62 @@ TEST(HandControls, JumpingHandsPullNoHarderThanTheGripIs) {
   EXPECT_LT((hands.middle("box")).norm(), 0.5 * 206.0 * std::pow(51.0 / 90.0, 2) + 1.0);
   hands.controls.release(hands.scene, 1);
   EXPECT_FALSE(hands.held().holding);
+}
+
+// Nobody takes anything from anybody: each hand pulls with a spring of its own, so what two people hold goes to the middle,
+// and to one of them once the other opens the hand or is gone.
+TEST(HandControls, TwoPeopleHoldOneObjectAndItStaysBetweenThem) {
+  for (const bool vanishes : {false, true}) {
+    Hands hands;
+    const Vector3d start = hands.middle("box");
+    std::array<Vector3d, 2> hand = {start - Vector3d(0.1, 0, 0), start + Vector3d(0.1, 0, 0)};
+    std::array<float, 2> squeeze = {1.0f, 1.0f};
+    uint64_t sequence = 0;
+    bool second_is_here = true;
+    const auto tick = [&] {
+      ++sequence;
+      for (const SessionNumber session : {1u, 2u}) {
+        if (session == 2 && !second_is_here) continue;
+        InputSample sample;
+        sample.sequence = sequence;
+        sample.sampled_ns = std::llround(1e9 * static_cast<double>(sequence) / hands.rate_hz());
+        sample.hands[1].active = true;
+        sample.hands[1].grip.position_m = hand[session - 1];
+        sample.hands[1].squeeze = squeeze[session - 1];
+        hands.controls.apply(hands.scene, session, sample, static_cast<double>(sequence) / hands.rate_hz());
+      }
+      hands.scene.step();
+    };
+    const auto move = [&](const Vector3d& first, const Vector3d& second, int ticks) {
+      for (int i = 0; i < ticks; ++i) {
+        hand[0] += first / ticks;
+        hand[1] += second / ticks;
+        tick();
+      }
+    };
+    tick();
+    ASSERT_TRUE(hands.controls.holding(1));
+    ASSERT_TRUE(hands.controls.holding(2));
+    const Vector3d up(0, 0.2, 0), apart(0.1, 0, 0);
+    move(up, up, 45);
+    move(-apart, apart, 45);
+    move(Vector3d::Zero(), Vector3d::Zero(), 60);
+    EXPECT_LT((hands.middle("box") - start - up).norm(), 0.01);
+    const auto force_n = [&](SessionNumber session) { return hands.controls.held_points(hands.scene, session)[1].force_n; };
+    EXPECT_NEAR(force_n(1).y() + force_n(2).y(), 9.81, 0.1);  // 1 kg between them
+    EXPECT_NEAR(force_n(1).x(), -force_n(2).x(), 0.1);
+    EXPECT_GT(std::abs(force_n(1).x()), 1.0);
+    if (vanishes) {
+      hands.controls.forget(hands.scene, 2);
+      second_is_here = false;
+    } else {
+      squeeze[1] = 0.0f;
+    }
+    move(Vector3d::Zero(), Vector3d::Zero(), 90);
+    EXPECT_FALSE(hands.controls.holding(2));
+    EXPECT_TRUE(hands.controls.holding(1));
+    EXPECT_LT((hands.middle("box") - start - up + apart).norm(), 0.02);  // as the first holds it
+  }
 }
 
 }  // namespace

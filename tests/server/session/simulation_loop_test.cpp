@@ -140,5 +140,88 @@ TEST(SimulationLoop, ASilentSessionLetsGoAfterHalfASecond) {
   EXPECT_EQ(log.ticks().back().hands.size(), 1u);  // it is still there
 }
 
+// A hand that never opened while its client was gone takes nothing when it comes back: it must open first.
+TEST(SimulationLoop, AHandThatComesBackClosedHoldsNothing) {
+  TickLog log;
+  SimulationLoop loop(box_scene(), log);
+  const Eigen::Vector3d from_m(-0.5, 0.1, 1);
+  loop.hear(1, one(hand_sample(1, from_m, 1.0f)));
+  loop.start();
+  const auto holds = [](const Ticks& ticks) {
+    return !ticks.empty() && !ticks.back().hands.empty() && ticks.back().hands[0].hands[1].holding;
+  };
+  ASSERT_TRUE(log.wait(holds));
+  ASSERT_TRUE(log.wait([&](const Ticks& ticks) { return !holds(ticks); }));
+  uint64_t sequence = 1;
+  const auto send = [&](float trigger) {
+    loop.hear(1, one(hand_sample(++sequence, from_m, trigger)));
+    return log.wait([&](const Ticks& ticks) { return ticks.back().hands[0].input_sequence == sequence; });
+  };
+  ASSERT_TRUE(send(1.0f));
+  EXPECT_FALSE(holds(log.ticks()));
+  ASSERT_TRUE(send(0.0f));
+  ASSERT_TRUE(send(1.0f));
+  EXPECT_TRUE(holds(log.ticks()));
+}
+
+TEST(SimulationLoop, AppliesASampleAtTheTickItIsMeantFor) {
+  TickLog log;
+  SimulationLoop loop(box_scene(), log);
+  std::array<InputSample, 4> samples;
+  for (size_t i = 0; i < samples.size(); ++i) samples[i] = hand_sample(i + 1, {-0.5, 0.1, 1}, 1.0f);
+  samples[0].for_tick = 5;
+  samples[1].for_tick = 7;
+  samples[2].for_tick = 6;              // one that is meant for before waits for those before it
+  samples[3].for_tick = 1'000'000'000;  // not believed
+  loop.hear(1, samples);
+  loop.start();
+  ASSERT_TRUE(log.wait([](const Ticks& ticks) { return ticks.size() >= 10; }));
+  loop.stop();
+  const Ticks ticks = log.ticks();
+  for (const auto& [tick, sequence] : {std::pair{4, 0}, {5, 1}, {6, 1}, {7, 4}, {8, 4}}) {
+    const SteppedTick& stepped = ticks.at(static_cast<size_t>(tick) - 1);
+    ASSERT_EQ(stepped.drivers.tick, static_cast<uint64_t>(tick));
+    const uint64_t applied = stepped.hands.empty() ? 0 : stepped.hands[0].input_sequence;
+    EXPECT_EQ(applied, static_cast<uint64_t>(sequence)) << "at tick " << tick;
+  }
+  EXPECT_TRUE(ticks.at(4).hands.at(0).hands[1].holding);
+}
+
+// Of two people who do something in one tick, who joined first comes first, whoever's message came first.
+TEST(SimulationLoop, TheOrderOfArrivalOfTwoPeopleChangesNothing) {
+  std::vector<Ticks> runs;
+  for (const bool swapped : {false, true}) {
+    TickLog log;
+    SimulationLoop loop(box_scene(), log);
+    std::array<std::vector<InputSample>, 2> samples;
+    for (uint64_t i = 1; i <= 20; ++i) {
+      for (int who = 0; who < 2; ++who) {
+        InputSample sample = hand_sample(i, {-0.5, 0.1 + 0.004 * static_cast<double>(i) * (who + 1), 0.5}, 1.0f);
+        sample.hands[1].grip.position_m = {-0.5 + 0.1 * who, 0.1 + 0.01 * static_cast<double>(i), 0};
+        sample.hands[1].squeeze = who == 1 ? 1.0f : 0.0f;  // one pulls by the ray, the other holds it
+        sample.for_tick = i;
+        samples[static_cast<size_t>(who)].push_back(sample);
+      }
+    }
+    for (const size_t who : swapped ? std::array<size_t, 2>{1, 0} : std::array<size_t, 2>{0, 1}) {
+      loop.hear(who + 1, samples[who]);
+    }
+    loop.start();
+    ASSERT_TRUE(log.wait([](const Ticks& ticks) { return ticks.size() >= 25; }));
+    loop.stop();
+    runs.push_back(log.ticks());
+  }
+  for (size_t i = 0; i < 25; ++i) {
+    for (size_t o = 0; o < runs[0][i].drivers.objects.size(); ++o) {
+      const ObjectDrivers &a = runs[0][i].drivers.objects[o], &b = runs[1][i].drivers.objects[o];
+      ASSERT_EQ(a.poses.size(), b.poses.size());
+      for (size_t p = 0; p < a.poses.size(); ++p) ASSERT_EQ(a.poses[p].position_m, b.poses[p].position_m);
+      ASSERT_EQ(a.positions_m, b.positions_m);
+    }
+  }
+  EXPECT_TRUE(runs[0][15].hands.at(0).hands[1].holding);
+  EXPECT_TRUE(runs[0][15].hands.at(1).hands[1].grabbed);
+}
+
 }  // namespace
 }  // namespace livegs
