@@ -164,7 +164,7 @@ AnalysisSummary analyze_scene(std::span<const AnalysisTarget> targets, ModelEndp
     }
   };
   if (endpoint && !targets.empty()) {
-    ahead.emplace(targets, views, options.views, stop);
+    ahead.emplace(targets, views, options, stop);
     const auto limit = static_cast<size_t>(std::max(1, endpoint->state().max_in_flight));
     std::vector<std::jthread> workers;
     for (size_t i = 0; i < std::min({limit, kContextLag, targets.size()}); ++i) workers.emplace_back(work);

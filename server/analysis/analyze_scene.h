@@ -80,6 +80,7 @@ inline constexpr double kSlowViews_s = 2;
 struct AnalysisOptions {
   int views = 1;                 // 1 or 3; more than one is a vote
   AnswerCache* cache = nullptr;  // outlives the call
+  bool behind = true;            // pictures are drawn only with what others leave of the cores
   std::string prompt_version;    // part of what a cached answer belongs to
 };
 

@@ -2,9 +2,7 @@
 #include "analysis/views_ahead.h"
 
 #include <pthread.h>
-#include <sys/resource.h>
-#include <sys/syscall.h>
-#include <unistd.h>
+#include <sched.h>
 
 #include <algorithm>
 
@@ -14,20 +12,22 @@
 namespace livegs {
 namespace {
 
-// One core each at most, and only what nobody else wants of it.
-void step_behind() {
+// One core each at most; `behind`, only while nobody else wants it: whoever wakes takes it back at once.
+void become_drawer(bool behind) {
   pthread_setname_np(pthread_self(), "views");
-  (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::syscall(SYS_gettid)), 15);
+  const sched_param none{};
+  if (behind) (void)::sched_setscheduler(0, SCHED_IDLE, &none);
   set_serial_here(true);
 }
 
 }  // namespace
 
-ViewsAhead::ViewsAhead(std::span<const AnalysisTarget> targets, const TargetViews& views, int count,
-                       std::stop_token stop)
+ViewsAhead::ViewsAhead(std::span<const AnalysisTarget> targets, const TargetViews& views,
+                       const AnalysisOptions& options, std::stop_token stop)
     : targets_(targets),
       views_(views),
-      count_(count),
+      count_(options.views),
+      behind_(options.behind),
       made_(targets.size()),
       asked_to_stop_(std::move(stop)) {
   follow_.emplace(asked_to_stop_, [this] { ended_.request_stop(); });
@@ -40,7 +40,7 @@ ViewsAhead::ViewsAhead(std::span<const AnalysisTarget> targets, const TargetView
 ViewsAhead::~ViewsAhead() { ended_.request_stop(); }
 
 void ViewsAhead::work() {
-  step_behind();
+  become_drawer(behind_);
   const std::stop_token stop = ended_.get_token();
   for (;;) {
     size_t index = 0;

@@ -14,15 +14,15 @@
 namespace livegs {
 
 // Makes the views of a scene's objects in their order while others wait for their answers, so that drawing
-// and waiting overlap. Threads of its own, which stand behind everything that has a deadline.
+// and waiting overlap. Threads of its own.
 class ViewsAhead {
  public:
   // How many objects may be drawn and not yet asked about: bounds the memory, about a megabyte an object.
   static constexpr size_t kMaxAhead = 2 * kContextLag;
 
   // `targets` and `views` outlive this.
-  ViewsAhead(std::span<const AnalysisTarget> targets, const TargetViews& views, int count,
-             std::stop_token stop);
+  ViewsAhead(std::span<const AnalysisTarget> targets, const TargetViews& views,
+             const AnalysisOptions& options, std::stop_token stop);
   ~ViewsAhead();  // stops what is being made
 
   struct Made {
@@ -39,6 +39,7 @@ class ViewsAhead {
   std::span<const AnalysisTarget> targets_;
   const TargetViews& views_;
   const int count_;
+  const bool behind_;
 
   std::mutex mutex_;  // guards what follows, but the threads
   std::condition_variable_any changed_;

@@ -225,6 +225,7 @@ int run(const AnalyzeCommand& options) {
   AnalysisOptions asked;
   asked.views = options.views;
   asked.cache = &cache;
+  asked.behind = false;  // a person waits for them
   KeptViews views(analysis->views());
   // With an endpoint they are made while others wait for their answers.
   for (size_t i = 0; explained && !*endpoint && i < targets->size(); ++i) {
