@@ -101,6 +101,7 @@ ParticleSet sample_particles(const TriangleMesh& mesh, int density, double spaci
     for (uint32_t vertex : triangle) used[vertex] = true;
   }
   for (size_t v = 0; v < mesh.vertices_m.size(); ++v) {
+    if (used[v]) particles.mesh_vertices_m.push_back(mesh.vertices_m[v]);
     if (used[v] && !taken.any_nearer(mesh.vertices_m[v], least_distance_m)) take(mesh.vertices_m[v], true);
   }
   particles.volumes_m3 = share_volume(mesh, bounds, spacing_m, std::max(signed_volume_m3(mesh), 0.0), taken);

@@ -17,6 +17,7 @@ struct ParticleSet {
   std::vector<Eigen::Vector3d> positions_m;
   std::vector<double> volumes_m3;  // sums to the volume of the body
   std::vector<bool> on_surface;    // mesh vertices; the rest are voxel centres
+  std::vector<Eigen::Vector3d> mesh_vertices_m;  // all, of the mesh they were sampled from; empty for a list of points
 };
 
 // LIVE-GS's rule: one particle at the centre of each voxel inside the mesh, and mesh vertices at least half a

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "physics/cut_boxes.h"
 #include "physics/lattice.h"
 
 namespace livegs {
@@ -55,25 +56,64 @@ Matrix3d principal_axes(const ParticleSet& particles) {
   return axes;
 }
 
+// How far the surface goes: of a mesh where all its vertices are, of a list of points where they are.
+Bounds surface_bounds(const ParticleSet& particles, const Matrix3d& lattice_from_object) {
+  Bounds bounds;
+  const auto& points = particles.mesh_vertices_m.empty() ? particles.positions_m : particles.mesh_vertices_m;
+  for (const Vector3d& point : points) bounds.add(lattice_from_object * point);
+  return bounds;
+}
+
 // Whether the voxel centres alone describe the solid: they hold most of its volume, and reach to within a voxel of
 // every face. Then mesh vertices, which would carry mass half outside the body, are contact samples only. A potted
 // plant fails the second test: its leaves hold no voxel centre, and the pot must not be stretched over them.
-bool voxels_fill(const ParticleSet& particles, double volume, const Matrix3d& lattice_from_object) {
+bool voxels_fill(const ParticleSet& particles, double volume, const Matrix3d& lattice_from_object,
+                 const Bounds& surface) {
   if (particles.on_surface.size() != particles.positions_m.size()) return false;
-  Bounds voxels, all;
+  Bounds voxels;
   size_t count = 0;
   for (size_t i = 0; i < particles.positions_m.size(); ++i) {
-    const Vector3d centre = lattice_from_object * particles.positions_m[i];
-    all.add(centre);
     if (particles.on_surface[i]) continue;
-    voxels.add(centre, 0.5 * particles.spacing_m);
+    voxels.add(lattice_from_object * particles.positions_m[i], 0.5 * particles.spacing_m);
     ++count;
   }
-  if (count == 0 || count == particles.positions_m.size()) return false;
+  const bool of_mesh = !particles.mesh_vertices_m.empty();
+  if (count == 0 || (count == particles.positions_m.size() && !of_mesh)) return false;
   if (static_cast<double>(count) * std::pow(particles.spacing_m, 3) <= 0.5 * volume) return false;
   const double reach = particles.spacing_m;
-  return ((voxels.min - all.min).cwiseAbs().array() <= reach).all() &&
-         ((voxels.max - all.max).cwiseAbs().array() <= reach).all();
+  return ((voxels.min - surface.min).cwiseAbs().array() <= reach).all() &&
+         ((voxels.max - surface.max).cwiseAbs().array() <= reach).all();
+}
+
+// Whole voxels end before or after the true faces. Along the object's axes the outermost are cut or lengthened to them:
+// a box is filled exactly. Volumes were shared by samples, some to an edge of a voxel: a box that has about its own is
+// taken to be full, and what that adds or takes is made up by the others.
+void end_at_faces(const Bounds& surface, double volume, BodyExtent& extent) {
+  constexpr double kAbout = 0.25, kRounding = 1e-6;
+  double full_m3 = 0.0, partial_m3 = 0.0;
+  std::vector<char> full;
+  for (MassBox& box : extent.boxes) {
+    Vector3d low = box.centre_m - box.half_m, high = box.centre_m + box.half_m;
+    const double edge = 2.0 * box.half_m.x();
+    for (int d = 0; d < 3; ++d) {
+      if (low[d] < extent.min_m[d] + kRounding * edge) low[d] = surface.min[d];
+      if (high[d] > extent.max_m[d] - kRounding * edge) high[d] = surface.max[d];
+      low[d] = std::clamp(low[d], surface.min[d], box.centre_m[d]);
+      high[d] = std::clamp(high[d], box.centre_m[d], surface.max[d]);
+    }
+    const double own_m3 = (high - low).prod();
+    box.centre_m = 0.5 * (low + high);
+    box.half_m = 0.5 * (high - low);
+    full.push_back(std::abs(box.volume_m3 - own_m3) <= kAbout * own_m3);
+    if (full.back()) box.volume_m3 = own_m3;
+    (full.back() ? full_m3 : partial_m3) += box.volume_m3;
+  }
+  // All of the change falls to the partial ones where they can bear it.
+  const bool bearable = partial_m3 > 0.0 && std::abs(volume - full_m3 - partial_m3) < 0.5 * partial_m3;
+  for (size_t i = 0; i < extent.boxes.size(); ++i) {
+    if (!bearable) extent.boxes[i].volume_m3 *= volume / (full_m3 + partial_m3);
+    if (bearable && !full[i]) extent.boxes[i].volume_m3 *= (volume - full_m3) / partial_m3;
+  }
 }
 
 }  // namespace
@@ -91,12 +131,12 @@ BodyExtent measure_extent(const ParticleSet& particles) {
 
   double volume = 0.0;
   for (const double v : particles.volumes_m3) volume += v;
-  const bool voxels_only = voxels_fill(particles, volume, lattice_from_object);
-  Bounds surface, material;
+  const Bounds surface = surface_bounds(particles, lattice_from_object);
+  const bool voxels_only = voxels_fill(particles, volume, lattice_from_object, surface);
+  Bounds material;
   double used = 0.0;
   for (size_t i = 0; i < particles.positions_m.size(); ++i) {
     const Vector3d centre = lattice_from_object * particles.positions_m[i];
-    surface.add(centre);
     if (voxels_only && particles.on_surface[i]) continue;
     const double half = voxels_only ? 0.5 * particles.spacing_m : 0.5 * std::cbrt(particles.volumes_m3[i]);
     extent.boxes.push_back({centre, Vector3d::Constant(half), particles.volumes_m3[i]});
@@ -105,18 +145,23 @@ BodyExtent measure_extent(const ParticleSet& particles) {
   }
   extent.box_edge_m = voxels_only ? particles.spacing_m
                                   : std::cbrt(volume / static_cast<double>(particles.positions_m.size()));
-  if (voxels_only) {
-    // Whole voxels end before or after the true faces, which the mesh vertices know: stretched to them.
+  extent.min_m = material.min;
+  extent.max_m = material.max;
+  if (!voxels_only) return extent;
+  if (along_object_axes(extent)) {
+    for (MassBox& box : extent.boxes) box.volume_m3 *= volume / used;
+    end_at_faces(surface, volume, extent);
+  } else {
+    // Voxels stand obliquely: all are stretched.
     const Vector3d stretch = (surface.max - surface.min).cwiseQuotient(material.max - material.min);
     for (MassBox& box : extent.boxes) {
       box.centre_m = surface.min + (box.centre_m - material.min).cwiseProduct(stretch);
       box.half_m = box.half_m.cwiseProduct(stretch);
       box.volume_m3 *= volume / used;
     }
-    material = surface;
   }
-  extent.min_m = material.min;
-  extent.max_m = material.max;
+  extent.min_m = surface.min;
+  extent.max_m = surface.max;
   return extent;
 }
 

@@ -104,6 +104,25 @@ LatticeCell make_cell(const Moments& moments) {
   return cell;
 }
 
+// Points of an irregular list fill the cells within a body unevenly, 8 of them in one and 7 in the next, and a body of
+// uneven stiffness shows neither its modulus nor a mean strain. A cell with cells all around that is about full is; mass
+// stays where the points are.
+void fill_inner_cells(Lattice& lattice) {
+  constexpr double kAboutFull = 0.3;
+  std::vector<uint8_t> cells_around(lattice.node_coordinates.size(), 0);
+  for (const LatticeCell& cell : lattice.cells) {
+    for (const uint32_t node : cell.nodes) ++cells_around[node];
+  }
+  const double full_m3 = std::pow(lattice.cell_width_m, 3);
+  for (LatticeCell& cell : lattice.cells) {
+    const bool inner = std::all_of(cell.nodes.begin(), cell.nodes.end(), [&](uint32_t n) { return cells_around[n] == 8; });
+    if (!inner || std::abs(cell.volume_m3 - full_m3) > kAboutFull * full_m3) continue;
+    cell.volume_m3 = full_m3;
+    cell.centroid.setZero();
+    cell.spread.setOnes();
+  }
+}
+
 // No node is too light to be moved, and the sum stays the body's volume.
 void set_node_volumes(Lattice& lattice) {
   const size_t count = lattice.node_coordinates.size();
@@ -180,6 +199,7 @@ Lattice build_lattice(const BodyExtent& extent, double cell_width_m, std::span<c
     lattice.cells.push_back(std::move(cell));
     ++lattice.colour_begin[virtual_cells.cells[i].colour + 1];
   }
+  fill_inner_cells(lattice);
   find_thin_shapes(extent, links, entries, virtual_cells.cell_of_entry, origin + cell_width_m * lowest.cast<double>(),
                    lattice);
   for (int colour = 0; colour < kLatticeColours; ++colour) {

@@ -49,8 +49,16 @@ void CellsBody::hold_regions(const ElasticBodyDescription& description) {
       held.node_rest_m.push_back(lattice_.node_position_m(node));
     };
     if (region.boundary) {
+      // All that is outside, and of a cell that is not full all nodes: those within would else meet a free surface.
       for (uint32_t node = 0; node < taken.size(); ++node) {
         if (cells_around[node] < 8) take(node);
+      }
+      const double full_m3 = std::pow(lattice_.cell_width_m, 3);
+      for (const LatticeCell& cell : lattice_.cells) {
+        const bool outer = std::any_of(cell.nodes.begin(), cell.nodes.end(),
+                                       [&](uint32_t node) { return cells_around[node] < 8; });
+        if (!outer || cell.volume_m3 > (1.0 - 1e-6) * full_m3) continue;
+        for (const uint32_t node : cell.nodes) take(node);
       }
     } else {
       for (const LatticeCell& cell : lattice_.cells) {

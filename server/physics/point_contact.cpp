@@ -93,6 +93,27 @@ std::vector<SurfacePoint> surface_points(const ParticleSet& particles) {
     return away.norm() > 0.0 ? Vector3d(away.normalized()) : Vector3d::UnitY();
   };
 
+  // Where the mesh is known, whole voxels that end before or after its outermost faces end at them.
+  Eigen::AlignedBox3d mesh, voxels;
+  for (const Vector3d& vertex : particles.mesh_vertices_m) mesh.extend(vertex);
+  for (size_t i = 0; i < count; ++i) {
+    if (on_surface(i)) continue;
+    voxels.extend(Vector3d(particles.positions_m[i].array() - 0.5 * edge));
+    voxels.extend(Vector3d(particles.positions_m[i].array() + 0.5 * edge));
+  }
+  const auto on_face = [&](Vector3d point) {
+    for (int d = 0; d < 3 && !mesh.isEmpty(); ++d) {
+      if (std::abs(mesh.min()[d] - voxels.min()[d]) <= edge && point[d] < voxels.min()[d] + 1e-6 * edge) {
+        point[d] = mesh.min()[d];
+      }
+      if (std::abs(mesh.max()[d] - voxels.max()[d]) <= edge && point[d] > voxels.max()[d] - 1e-6 * edge) {
+        point[d] = mesh.max()[d];
+      }
+      point[d] = std::clamp(point[d], mesh.min()[d], mesh.max()[d]);
+    }
+    return point;
+  };
+
   std::vector<SurfacePoint> points;
   for (size_t i = 0; i < count; ++i) {
     const Vector3d& p = particles.positions_m[i];
@@ -122,7 +143,7 @@ std::vector<SurfacePoint> surface_points(const ParticleSet& particles) {
           }
           if (!outermost) continue;
           SurfacePoint& point = points.emplace_back(
-              SurfacePoint{static_cast<uint32_t>(i), p + 0.5 * edge * Vector3d(x, y, z), 0.5 * edge, {}});
+              SurfacePoint{static_cast<uint32_t>(i), on_face(p + 0.5 * edge * Vector3d(x, y, z)), 0.5 * edge, {}});
           for (int d = 0; d < 3; ++d) {
             if (side[d]) point.normals.push_back(side[d] * Vector3d::Unit(d));
           }

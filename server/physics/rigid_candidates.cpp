@@ -53,6 +53,18 @@ void points_near(const RigidBody& from, const RigidBody& to, const ContactSearch
   }
 }
 
+// The ball within `from` against `to`'s surface; normals point to `from`.
+void core_against(const RigidBody& from, const RigidBody& to, const ContactSearch& search,
+                  std::vector<ContactCandidate>& candidates) {
+  const Pose& pose = to.world_from_body;
+  const auto sample = [&](const Vector3d& point) {
+    const DistanceField::Sample field = to.shape.sample(pose.orientation.conjugate() * (point - pose.position_m));
+    return SurfaceSample{field.distance_m, pose.orientation * field.gradient};
+  };
+  const Vector3d velocity = from.velocity_m_s - to.point_velocity(from.world_from_body.position_m - pose.position_m);
+  core_candidates(from, sample, velocity, 1.0, search, candidates);
+}
+
 PlacedPolyhedron advanced(const MovingPolyhedron& body, double time_s) {
   PlacedPolyhedron placed = body.placed;
   placed.position_m += time_s * body.velocity_m_s;
@@ -84,6 +96,14 @@ void mesh_candidates(const RigidBody& a, const RigidBody& b, const ContactSearch
     found.normal = -found.normal;
     candidates.push_back(found);
   });
+  core_against(a, b, search, candidates);
+  std::vector<ContactCandidate> seen_from_other;
+  core_against(b, a, search, seen_from_other);
+  for (ContactCandidate& candidate : seen_from_other) {
+    candidate.feature_id += kOtherPoint - kForeignFeature;
+    candidate.normal = -candidate.normal;
+    candidates.push_back(candidate);
+  }
 }
 
 MovingPolyhedron moving_polyhedron(const RigidBody& body) {

@@ -24,6 +24,7 @@ struct ContactSearch {
 
 inline constexpr uint64_t kBallFeature = kForeignFeature;
 inline constexpr uint64_t kAheadFeature = kBallFeature + 1;
+inline constexpr uint64_t kCoreFeature = uint64_t{1} << 30;  // added to a ball's
 inline constexpr uint64_t kOtherPoint = kForeignFeature + (uint64_t{1} << 31);  // + index of the other's contact point
 
 // A ball of `radius_m` against any surface: where it touches now, and what lies ahead if it is fast. `sample` gives the
@@ -50,6 +51,23 @@ void ball_candidates(const Eigen::Vector3d& centre_m, double radius_m, const Sam
   if (!hit) return;
   if (!candidates.empty() && hit->normal.dot(candidates.front().normal) > 0.866) return;
   candidates.push_back({kAheadFeature, centre_m - radius_m * hit->normal, hit->normal, hit->separation_m});
+}
+
+// The ball within a body that is not one, if it goes or turns so far in a substep that its points, found at the start,
+// say nothing of the end: nothing thin gets past its centre. Appends.
+template <class Sample>
+void core_candidates(const RigidBody& body, const Sample& sample, const Eigen::Vector3d& relative_velocity_m_s,
+                     double marching, const ContactSearch& search, std::vector<ContactCandidate>& candidates) {
+  const double radius = body.shape.inner_radius_m;
+  const double way = search.duration_s * relative_velocity_m_s.norm();
+  const double turn = search.duration_s * body.angular_velocity_rad_s.norm();
+  if (!(radius > 0.0) || (way < 0.5 * radius && turn < 0.5)) return;
+  std::vector<ContactCandidate> found;
+  ball_candidates(body.world_from_body.position_m, radius, sample, relative_velocity_m_s, marching, search, found);
+  for (ContactCandidate& candidate : found) {
+    candidate.feature_id += kCoreFeature;
+    candidates.push_back(candidate);
+  }
 }
 
 // One point that moves by `way_m` relative to a surface in the substep. The normal is the surface's.

@@ -124,6 +124,9 @@ void collider_candidates(const RigidBody& body, const Collider& collider, const 
   }
   point_candidates(body, collider, motion, search, candidates);
   feature_candidates(body, collider, search, candidates);
+  core_candidates(
+      body, [&](const Eigen::Vector3d& point) { return sample_surface(collider, point); }, body.velocity_m_s,
+      marching_factor(collider), search, candidates);
 }
 
 void find_collider_contacts(RigidBody& body, std::span<const Collider> colliders, double gravity_m_s2,

@@ -7,6 +7,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "geometry/triangle_distance.h"
+
 namespace livegs {
 namespace {
 
@@ -107,6 +109,20 @@ std::vector<Eigen::Vector3d> contact_points(const TriangleMesh& mesh, double spa
   return kept;
 }
 
+double inner_radius_m(const RigidShape& shape) {
+  const Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  const double inside = -shape.sample(centre).distance_m;
+  if (!(inside > 0.0)) return 0.0;
+  if (!shape.field) return inside;
+  // A field is off by up to a cell.
+  double nearest = INFINITY;
+  for (const auto& [a, b, c] : shape.mesh.triangles) {
+    const auto& at = shape.mesh.vertices_m;
+    nearest = std::min(nearest, closest_point_on_triangle(centre, at[a], at[b], at[c]).norm());
+  }
+  return nearest;
+}
+
 RigidShape mesh_shape(const TriangleMesh& object_mesh, const Eigen::Vector3d& centre_of_mass_m,
                       const ShapeDetail& detail) {
   RigidShape shape;
@@ -134,6 +150,7 @@ RigidShape mesh_shape(const TriangleMesh& object_mesh, const Eigen::Vector3d& ce
     shape.contact_points_m = contact_points(shape.mesh, shape.contact_spacing_m, detail.max_points);
   }
   shape.contact_tree = PointTree(shape.contact_points_m);
+  shape.inner_radius_m = inner_radius_m(shape);
   return shape;
 }
 

@@ -39,6 +39,7 @@ struct RigidShape {
   std::vector<Part> parts;
   Eigen::Vector3d min_m, max_m;
   double bounding_radius_m = 0.0;  // about the centre of mass
+  double inner_radius_m = 0.0;     // of a ball about the centre of mass that lies within; 0: that centre is outside
 
   bool is_ball() const { return sphere_radius_m > 0.0; }
   // Signed distance to the body's surface. Never more than the true distance away from it, so that it can be marched.
@@ -63,6 +64,8 @@ struct ShapeDetail {
 RigidShape mesh_shape(const TriangleMesh& object_mesh, const Eigen::Vector3d& centre_of_mass_m,
                       const ShapeDetail& detail = {});
 RigidShape ball_shape(double radius_m);
+// RigidShape::inner_radius_m of a shape that is not a ball.
+double inner_radius_m(const RigidShape& shape);
 
 // Points of the surface. Few vertices (up to three quarters of `max_points`) are all kept: a round thing rolls on
 // them, and every facet that is left out costs it speed. Of more, those at least `spacing_m` apart, the most exposed

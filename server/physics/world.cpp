@@ -117,7 +117,8 @@ Result<void> World::add_rigid(const RigidBodyDescription& description) {
   RigidBody& body = *object.body;
   body.object_id = id;
   body.rest_centre_m = description.properties.centre_of_mass_m;
-  body.shape = mesh_shape(description.mesh, body.rest_centre_m);
+  body.shape = description.sphere_radius_m > 0.0 ? ball_shape(description.sphere_radius_m)
+                                                 : mesh_shape(description.mesh, body.rest_centre_m);
   body.mass_kg = description.material.mass_kg;
   body.unit_inertia_body = 0.5 * (description.properties.inertia_m2 + description.properties.inertia_m2.transpose());
   body.friction = description.material.friction;

@@ -38,6 +38,8 @@ struct RigidBodyDescription {
   uint32_t object_id = 0;
   TriangleMesh mesh;           // object frame; closed
   MassProperties properties;   // of 1 kg, object frame
+  // > 0: it is a sphere about its centre of mass and touches as one; the mesh is what breaks.
+  double sphere_radius_m = 0.0;
   Material material;
   Pose world_from_object;
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();            // world frame, of the centre of mass

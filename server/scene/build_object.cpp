@@ -305,6 +305,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
         }
       }
       body.properties = properties_of(*built.cut_mesh, material.fill);
+      if (shape && object.shape().has_sphere()) body.sphere_radius_m = object.shape().sphere().radius_m();
       place(body);
       built.body = std::move(body);
     }

@@ -70,6 +70,7 @@ struct Stage {
   std::vector<MovingBody*> bodies;
   std::vector<PointForce> forces;
   std::unique_ptr<ElasticBody> body;
+  double time_s = 0.0;
 
   void make(const ElasticBodyDescription& description, ElasticSolver solver = ElasticSolver::Cells,
             bool may_sleep = false) {
@@ -80,7 +81,9 @@ struct Stage {
   double substep_s() const { return 1.0 / (rate_hz * substeps); }
   void substep() {
     SubstepContext context;
+    context.start_s = time_s;
     context.duration_s = substep_s();
+    time_s += context.duration_s;
     context.gravity_m_s2 = gravity_m_s2;
     context.colliders = colliders;
     context.bodies = bodies;

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bodies as scenes make them: a mesh sampled with the spacing that nobody told, a list of points that fills nothing evenly.
+// Whole voxels end before or after the faces, and points fill one cell with eight and the next with seven; the modulus
+// and a patch must be those of the body all the same.
+#include <algorithm>
+#include <random>
+
+#include "geometry/shape_mesh.h"
+#include "server/physics/elastic_bodies.h"
+
+namespace livegs::test {
+namespace {
+
+// Slope of mean displacement along x over the middle half, per unit: the strain.
+double strain_along(const ElasticBody& body, const ParticleSet& rest, double half_length_m) {
+  const std::vector<ParticleState> now = body.particles();
+  double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+  for (size_t i = 0; i < now.size(); ++i) {
+    const double x = rest.positions_m[i].x();
+    if (std::abs(x) > 0.5 * half_length_m) continue;
+    n += 1;
+    sx += x;
+    sy += now[i].position_m.x();
+    sxx += x * x;
+    sxy += x * now[i].position_m.x();
+  }
+  return (n * sxy - sx * sy) / (n * sxx - sx * sx) - 1.0;
+}
+
+// E_app / E of a bar along x, pulled at both ends by half a per cent of E over its true section.
+double apparent_modulus(const ElasticBodyDescription& described, const Vector3d& size, double rate_hz) {
+  ElasticBodyDescription bar = described;
+  bar.material.loss_factor = 2.0;
+  Stage stage;
+  stage.rate_hz = rate_hz;
+  stage.make(bar);
+  const double stress_pa = 0.005 * bar.material.youngs_modulus_pa;
+  constexpr int n = 8;
+  const double force_n = stress_pa * size.y() * size.z() / (n * n);
+  for (const double side : {-1.0, 1.0}) {
+    for (int j = 0; j < n; ++j) {
+      for (int k = 0; k < n; ++k) {
+        stage.forces.push_back({{0.5 * side * size.x(), ((j + 0.5) / n - 0.5) * size.y(), ((k + 0.5) / n - 0.5) * size.z()},
+                                {side * force_n, 0, 0}});
+      }
+    }
+  }
+  stage.run(20.0 * size.x() / std::sqrt(bar.material.youngs_modulus_pa / 1000.0) + 1.0);
+  // Neo-Hookean, to second order in the strain: half a per cent is 0.5 % off the line at most.
+  return stress_pa / bar.material.youngs_modulus_pa / strain_along(*stage.body, bar.particles, 0.5 * size.x());
+}
+
+TEST(SampledBody, BoxesOfAnySizeShowTheirModulus) {
+  for (const Vector3d& size : {Vector3d(0.4, 0.1, 0.1), Vector3d(0.3, 0.07, 0.07), Vector3d(1.0, 0.3, 0.3),
+                               Vector3d(0.35, 0.13, 0.09)}) {
+    for (const double rate_hz : {60.0, 90.0}) {
+      const auto bar = describe(sample_particles(box_mesh(size)), 1e5, 0.3);
+      EXPECT_NEAR(apparent_modulus(bar, size, rate_hz), 1.0, 0.05) << size.transpose() << ", " << rate_hz << " Hz";
+    }
+  }
+}
+
+// Particles on a grid of 12.5 mm, moved by up to three tenths of it each way.
+ParticleSet jittered(const Vector3d& size, double spacing) {
+  ParticleSet set = particle_grid(size, spacing);
+  std::mt19937_64 random(7);
+  const auto step = [&] { return 0.6 * spacing * (static_cast<double>(random() >> 11) * 0x1p-53 - 0.5); };
+  for (Vector3d& point : set.positions_m) point += Vector3d(step(), step(), step());
+  set.on_surface.assign(set.positions_m.size(), true);  // as a scene takes a list of points
+  return set;
+}
+
+// A ball filled on a grid of 10 mm.
+ParticleSet gridded_ball(double radius) {
+  const ParticleSet cube = particle_grid(Vector3d::Constant(2.0 * radius + 0.02), 0.01);
+  ParticleSet ball;
+  ball.spacing_m = cube.spacing_m;
+  for (const Vector3d& point : cube.positions_m) {
+    if (point.norm() < radius) ball.positions_m.push_back(point);
+  }
+  ball.volumes_m3.assign(ball.positions_m.size(), 1e-6);
+  ball.on_surface.assign(ball.positions_m.size(), true);
+  return ball;
+}
+
+TEST(SampledBody, AJitteredBarShowsItsModulus) {
+  const Vector3d size(0.4, 0.1, 0.1);
+  for (const double rate_hz : {60.0, 90.0}) {
+    EXPECT_NEAR(apparent_modulus(describe(jittered(size, 0.0125), 1e5, 0.3), size, rate_hz), 1.0, 0.05) << rate_hz;
+  }
+}
+
+// The outer particles are moved by a matrix; a cell or more within, the deformation gradient becomes that matrix.
+TEST(SampledBody, PassesThePatchTest) {
+  Matrix3d stretch = Vector3d(1.5, 1.0, 0.8).asDiagonal(), shear = Matrix3d::Identity();
+  shear(0, 1) = 1.0;
+  struct Case {
+    const char* name;
+    ParticleSet particles;
+    std::function<double(const Vector3d&)> depth_m;  // below the surface
+  };
+  const double radius = 0.1, half = 0.1;
+  const auto in_cube = [&](const Vector3d& p) { return half - p.cwiseAbs().maxCoeff(); };
+  const std::vector<Case> cases = {
+      {"ball of points", gridded_ball(radius), [&](const Vector3d& p) { return radius - p.norm(); }},
+      {"jittered block", jittered(Vector3d::Constant(2 * half), 0.0125), in_cube},
+      {"sphere", sample_particles(sphere_mesh(radius, 3)), [&](const Vector3d& p) { return radius - p.norm(); }},
+      {"box", sample_particles(box_mesh(Vector3d::Constant(2 * half))), in_cube}};
+  for (const Case& one : cases) {
+    for (const Matrix3d& matrix : {stretch, shear}) {
+      for (const double rate_hz : {60.0, 90.0}) {
+        ElasticBodyDescription body = describe(one.particles, 1e4, 0.3);
+        body.material.loss_factor = 2.0;
+        body.material.plasticity = 0.0;  // strain of a half is past yield
+        AffineRamp ramp;
+        ramp.matrix = matrix;
+        ramp.end_s = 1.0;
+        BodyRegion boundary;
+        boundary.boundary = true;
+        boundary.motion = ramp;
+        body.regions.push_back(boundary);
+        Stage stage;
+        stage.rate_hz = rate_hz;
+        stage.substeps = 8;
+        stage.make(body);
+        stage.run(2.5);
+        const double cell_m = stage.body->accuracy().cell_width_m;
+        const std::vector<ParticleState> now = stage.body->particles();
+        double worst = 0.0;
+        int inside = 0;
+        for (size_t i = 0; i < now.size(); ++i) {
+          if (one.depth_m(one.particles.positions_m[i]) < cell_m) continue;
+          ++inside;
+          worst = std::max(worst, (now[i].deformation_gradient - matrix).norm() / matrix.norm());
+        }
+        EXPECT_GT(inside, 0) << one.name;
+        EXPECT_LT(worst, 0.02) << one.name << ", " << rate_hz << " Hz, of " << inside;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace livegs::test
