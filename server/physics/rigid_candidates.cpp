@@ -96,14 +96,18 @@ void mesh_candidates(const RigidBody& a, const RigidBody& b, const ContactSearch
     found.normal = -found.normal;
     candidates.push_back(found);
   });
+}
+
+std::vector<ContactCandidate> core_candidates_of_pair(const RigidBody& a, const RigidBody& b, const ContactSearch& search) {
+  std::vector<ContactCandidate> candidates, seen_from_other;
   core_against(a, b, search, candidates);
-  std::vector<ContactCandidate> seen_from_other;
   core_against(b, a, search, seen_from_other);
   for (ContactCandidate& candidate : seen_from_other) {
     candidate.feature_id += kOtherPoint - kForeignFeature;
     candidate.normal = -candidate.normal;
     candidates.push_back(candidate);
   }
+  return candidates;
 }
 
 MovingPolyhedron moving_polyhedron(const RigidBody& body) {

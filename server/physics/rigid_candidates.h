@@ -61,7 +61,7 @@ void core_candidates(const RigidBody& body, const Sample& sample, const Eigen::V
   const double radius = body.shape.inner_radius_m;
   const double way = search.duration_s * relative_velocity_m_s.norm();
   const double turn = search.duration_s * body.angular_velocity_rad_s.norm();
-  if (!(radius > 0.0) || (way < 0.5 * radius && turn < 0.5)) return;
+  if (body.shape.is_ball() || !(radius > 0.0) || (way < 0.5 * radius && turn < 0.5)) return;
   std::vector<ContactCandidate> found;
   ball_candidates(body.world_from_body.position_m, radius, sample, relative_velocity_m_s, marching, search, found);
   for (ContactCandidate& candidate : found) {
@@ -91,6 +91,9 @@ std::optional<ContactCandidate> point_candidate(uint64_t id, const Eigen::Vector
 // Contact points of each mesh against the other's surface.
 void mesh_candidates(const RigidBody& a, const RigidBody& b, const ContactSearch& search,
                      std::vector<ContactCandidate>& candidates);
+
+// The balls within two meshes, each against the other's surface.
+std::vector<ContactCandidate> core_candidates_of_pair(const RigidBody& a, const RigidBody& b, const ContactSearch& search);
 
 // A convex body and another, or a box collider at rest; b's velocities are zero for a collider. A fast pair is advanced
 // to where it meets first.

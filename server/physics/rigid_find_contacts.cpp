@@ -124,14 +124,12 @@ void collider_candidates(const RigidBody& body, const Collider& collider, const 
   }
   point_candidates(body, collider, motion, search, candidates);
   feature_candidates(body, collider, search, candidates);
-  core_candidates(
-      body, [&](const Eigen::Vector3d& point) { return sample_surface(collider, point); }, body.velocity_m_s,
-      marching_factor(collider), search, candidates);
 }
 
 void find_collider_contacts(RigidBody& body, std::span<const Collider> colliders, double gravity_m_s2,
                             double duration_s, std::vector<ContactCandidate>& candidates) {
   const ContactSearch search{duration_s, margin_m(body)};
+  std::vector<ContactCandidate> cores;
   for (size_t index = 0; index < colliders.size(); ++index) {
     const Collider& collider = colliders[index];
     candidates.clear();
@@ -143,10 +141,15 @@ void find_collider_contacts(RigidBody& body, std::span<const Collider> colliders
     } else {
       collider_candidates(body, collider, search, candidates);
     }
-    if (candidates.empty()) continue;
+    cores.clear();
+    core_candidates(
+        body, [&](const Eigen::Vector3d& point) { return sample_surface(collider, point); }, body.velocity_m_s,
+        marching_factor(collider), search, cores);
+    if (candidates.empty() && cores.empty()) continue;
     ContactPair pair = pair_of(body, nullptr, collider.friction, collider.restitution, gravity_m_s2, duration_s);
     pair.other_id = kColliderBit + index;
     append_patches(body, pair, duration_s, candidates);
+    append_patches(body, pair, duration_s, cores);  // of its own: among points nearer to the surface it would be passed over
   }
 }
 
@@ -204,6 +207,8 @@ void find_pair_contacts(RigidBody& body, RigidBody& other, double gravity_m_s2, 
     polyhedron_candidates(moving_polyhedron(body), moving_polyhedron(other), search, candidates);
   } else if (!part_coincident(body, other, candidates)) {
     mesh_candidates(body, other, search, candidates);
+    std::vector<ContactCandidate> cores = core_candidates_of_pair(body, other, search);
+    if (!cores.empty()) append_patches(body, pair, duration_s, cores);
   }
   if (!candidates.empty()) append_patches(body, pair, duration_s, candidates);
 }
