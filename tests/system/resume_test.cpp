@@ -3,14 +3,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
 #include <thread>
 
+#include "client/stream/sink_log.h"
 #include "core/clock.h"
+#include "scratch_folder.h"
 #include "stream/retry_schedule.h"
 #include "stream/session_client.h"
 #include "system/fault_proxy.h"
 #include "system/served_scene.h"
-#include "system/sink_log.h"
+#include "viewer/offscreen_run.h"
 
 namespace livegs {
 namespace {
@@ -185,6 +188,54 @@ TEST_F(Resume, AGoodbyeIsOutlived) {
   ASSERT_TRUE(sink_.wait_resumed(1));
   EXPECT_TRUE(client_->stop());
   EXPECT_EQ(sink_.state().draining, "maintenance");
+}
+
+// The offscreen client through a restart in which things became others: the last picture stays until the new server's
+// first frame, its objects are fetched and drawn, and the video's time goes on.
+TEST(OffscreenRun, GoesOnWithAServerThatWasStartedAnew) {
+  auto served = std::make_unique<ServedScene>(box_scene());
+  FaultProxy proxy(served->port());
+  const ScratchFolder folder;
+  OffscreenRunOptions run;
+  run.address = "127.0.0.1:" + std::to_string(proxy.port());
+  run.seconds = 0;
+  run.output = folder / "view";
+  run.cache = folder / "cache";
+  run.size = PictureSize{64, 48};
+  run.video = false;
+  run.png_every = 0;
+  run.renderer = RendererChoice::Cpu;
+  run.connect_timeout_s = run.reconnect_s = 60;
+  std::atomic<bool> interrupted{false};
+  Result<OffscreenRunSummary> summary = Error{};
+  std::thread client([&] { summary = run_offscreen(run, interrupted); });
+  const auto pause = [] { std::this_thread::sleep_for(std::chrono::milliseconds(300)); };
+  while (served->server->streaming_count() == 0) pause();
+  pause();
+  proxy.set_server(kNobody);
+  proxy.reset();
+  pause();
+  served = std::make_unique<ServedScene>(box_scene(90, 0.25));
+  proxy.set_server(served->port());
+  while (served->server->streaming_count() == 0) pause();
+  pause();
+  interrupted = true;
+  client.join();
+  ASSERT_TRUE(summary) << summary.error().message;
+  EXPECT_FALSE(summary->stream_error) << summary->stream_error->message;
+  EXPECT_EQ(summary->outages.count, 1u);
+  EXPECT_EQ(summary->outages.resumed, 1u);
+  EXPECT_EQ(summary->outages.restarted, 1u);
+  EXPECT_GT(summary->outages.seconds, 0.3);
+  EXPECT_EQ(summary->assets.assets, 5u);  // the first three, and another box and floor; the cube is what it was
+  EXPECT_NE(summary_text(*summary).find("came back 1 times"), std::string::npos) << summary_text(*summary);
+  std::ifstream file(run.output / "timings.csv");
+  std::string line;
+  std::getline(file, line);
+  size_t pictures = 0;
+  while (std::getline(file, line)) ++pictures;
+  // 30 a second of all the time there was, the outage included: three pauses of 0.3 s at the least.
+  EXPECT_GE(pictures, 27u);
 }
 
 }  // namespace

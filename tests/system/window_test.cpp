@@ -88,12 +88,20 @@ TEST_F(WindowOnADisplay, ShowsTheSceneAndAPull) {
   EXPECT_EQ(server_->wait(), 0) << server_->err();
 }
 
-// The last picture stays, with a notice, and the window ends when its time is up.
+// The last picture stays, with a notice; a server that is started anew at its place is found, and the window ends as it
+// would have.
 TEST_F(WindowOnADisplay, OutlivesItsServer) {
-  Program window(window_words(display_, port_, {"--seconds", "3", "--renderer", "cpu"}));
+  Program window(window_words(display_, port_, {"--renderer", "cpu"}));
   ASSERT_TRUE(server_->says("streaming to")) << server_->err();
   server_->send(SIGKILL);
   EXPECT_TRUE(window.says("the server has gone")) << window.err();
+  server_->wait();
+  std::vector<std::string> words = server_words();
+  std::replace(words.begin(), words.end(), std::string("127.0.0.1:0"), "127.0.0.1:" + port_);
+  Program again(words);
+  EXPECT_TRUE(window.says("a server that was started anew")) << window.err();
+  EXPECT_TRUE(again.says("streaming to")) << again.err();
+  window.send(SIGINT);
   EXPECT_EQ(window.wait(), 0) << window.err();
 }
 

@@ -7,12 +7,10 @@
 #include <mutex>
 #include <vector>
 
+#include "patience.h"
 #include "session/stepped_tick.h"
 
 namespace livegs {
-
-// How long a test waits for what should be there at once: a loaded machine under a sanitizer is slow.
-inline constexpr std::chrono::seconds kPatience{60};
 
 // Remembers every tick.
 class TickLog final : public TickSink {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/clock.h"
-#include "server/session/tick_log.h"
+#include "patience.h"
 #include "stream/received.h"
 
 namespace livegs {
