@@ -11,36 +11,6 @@ namespace {
 using namespace soft_fixtures;
 using Eigen::Vector2d;
 
-// How far the lowest point of a 1 kg sphere settles below the top of an unloaded block; the mean of the last second.
-double settled_depth_m(double spacing_m, double cell_width_m, double rate) {
-  World world = world_with(ElasticSolver::Cells, rate);
-  world.add_collider(floor_plane(0.6));
-  ElasticBodyDescription block = soft_block(1, {0.2, 0.1, 0.2}, 4.0, 2e4, spacing_m, 0.3, cell_width_m);
-  block.material.loss_factor = 2.0;
-  block.world_from_object.position_m = {0, 0.05, 0};
-  EXPECT_TRUE(world.add_elastic(block));
-  EXPECT_TRUE(world.add_ball(ball(2, {0.004, 0.15, 0.003}, 0.05, 1.0)));
-  run_seconds(world, 2.0);
-  double height = 0.0;
-  for (int i = 0; i < 60; ++i) {
-    world.step();
-    height += body_state(world, 2).world_from_body.position_m.y() / 60;
-  }
-  return 0.1 - (height - 0.05);
-}
-
-TEST(SoftScenes, SphereOnASoftBlockSettlesAtTheConvergedDepth) {
-  // Hertz on a half-space: d = (F (1 - nu²) / (4/3 E sqrt(R)))^(2/3) = 13 mm. The block is as deep as four contact radii
-  // and sinks under its own weight too, so the reference is the same block in cells of half the width.
-  const double converged = settled_depth_m(0.0125, 0.0125, 90.0);
-  const double hertz = std::pow(kGravity * 0.91 / (4.0 / 3.0 * 2e4 * std::sqrt(0.05)), 2.0 / 3.0);
-  for (const double rate : {60.0, 90.0}) {
-    const double depth = settled_depth_m(0.0125, 0.025, rate);
-    EXPECT_NEAR(depth / converged, 1.0, 0.1) << rate;
-  }
-  EXPECT_NEAR(converged / hertz, 1.0, 0.35);
-}
-
 // Two soft cubes of 0.1 m and 0.5 kg on a floor, the upper one's centre at `high_m`.
 World two_cubes(double rate, const Vector3d& high_m, double loss_factor, double spacing_m = 0.0125,
                 double cell_width_m = 0.0) {

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scene 31 for elastic bodies: a pile lies where it would lie awake, and wakes at a poke.
+#include <algorithm>
+
+#include "server/physics/soft_fixtures.h"
+
+namespace livegs {
+namespace {
+
+using namespace soft_fixtures;
+
+constexpr uint32_t kPiled = 6;
+constexpr double kSettled_s = 3.5;
+
+// Blocks of 0.1 x 0.06 x 0.1 m let go a millimetre above each other: three, two and one.
+World pile(double rate, bool sleep) {
+  WorldSettings settings;
+  settings.rate_hz = rate;
+  settings.sleep = sleep;
+  World world(settings);
+  world.add_collider(floor_plane(0.6));
+  uint32_t id = 1;
+  for (int row = 0; row < 3; ++row) {
+    for (int i = 0; i < 3 - row; ++i) {
+      ElasticBodyDescription block = soft_block(id++, {0.1, 0.06, 0.1}, 0.4, 3e4, 0.02);
+      block.world_from_object.position_m = {0.11 * (i - 0.5 * (2 - row)), 0.031 + 0.061 * row, 0.0};
+      EXPECT_TRUE(world.add_elastic(block));
+    }
+  }
+  return world;
+}
+
+bool all_asleep(const World& world) {
+  for (uint32_t id = 1; id <= kPiled; ++id) {
+    if (!world.elastic_body(id)->asleep()) return false;
+  }
+  return true;
+}
+
+TEST(SoftSleep, APileLiesWhereItWouldLieAwake) {
+  for (const double rate : kRates_hz) {
+    World sleeping = pile(rate, true), waking = pile(rate, false);
+    for (World* world : {&sleeping, &waking}) run_seconds(*world, kSettled_s);
+    EXPECT_TRUE(all_asleep(sleeping)) << rate;
+    double apart_m = 0;
+    for (uint32_t id = 1; id <= kPiled; ++id) {
+      const auto one = sleeping.elastic_body(id)->particles(), other = waking.elastic_body(id)->particles();
+      for (size_t i = 0; i < one.size(); ++i) {
+        apart_m = std::max(apart_m, (one[i].position_m - other[i].position_m).norm());
+      }
+    }
+    EXPECT_LT(apart_m, 1e-3) << rate;
+  }
+}
+
+TEST(SoftSleep, APokeWakesThePileAtOnce) {
+  for (const double rate : kRates_hz) {
+    World world = pile(rate, true);
+    run_seconds(world, kSettled_s);
+    ASSERT_TRUE(all_asleep(world)) << rate;
+    world.set_force(1, kPiled, {Vector3d::Zero(), {0.1 * rate, 0, 0}});  // 0.1 N s in one tick
+    world.step();
+    for (uint32_t id = 1; id <= kPiled; ++id) EXPECT_FALSE(world.elastic_body(id)->asleep()) << id << " " << rate;
+  }
+}
+
+}  // namespace
+}  // namespace livegs
