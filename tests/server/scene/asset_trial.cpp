@@ -156,7 +156,7 @@ AssetTrial run_asset_trial(const std::string& path, TrialBody body, TrialAction 
     return now.kinetic_j + now.elastic_j + now.gravity_j;
   };
   const double start_j = energy();
-  double work_j = 0.0, most = 0.0;
+  double work_j = 0.0, most = 0.0, let_go_j = 0.0;
   trial.lowest_m = trial.lowest_centre_m = INFINITY;
   const Vector3d held = points[points.size() / 3];
   Vector3d hand_at = none;
@@ -175,14 +175,16 @@ AssetTrial run_asset_trial(const std::string& path, TrialBody body, TrialAction 
         world.set_spring(kPull, id, spring);
         work_j += 0.5 * spring.stiffness_n_m * (world.world_point(id, held) - hand_at).squaredNorm();  // at most
       }
-    } else if (action == TrialAction::Pulled) {
+    } else if (action == TrialAction::Pulled && let_go_j == 0.0) {
       world.clear_spring(kPull);
+      let_go_j = energy();
     }
     const std::clock_t begun = std::clock();
     scene->step();
     ticks_ms.push_back(1e3 * static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC);
     trial.finite = all_finite(world.drivers());
     most = std::max(most, energy() / (start_j + work_j));
+    if (let_go_j > 0.0) trial.let_go_ratio = std::max(trial.let_go_ratio, energy() / let_go_j);
     for (const BodyState& state : world.bodies()) {
       if (std::find(ids.begin(), ids.end(), state.object_id) == ids.end()) continue;
       trial.lowest_centre_m = std::min(trial.lowest_centre_m, state.world_from_body.position_m.y());
@@ -208,15 +210,15 @@ AssetTrial run_asset_trial(const std::string& path, TrialBody body, TrialAction 
 }
 
 std::string csv_header() {
-  return "asset,body,action,seconds,bodies,finite,lowest_by_size,lowest_centre_by_size,energy_ratio,end_speed_m_s,asleep,"
-         "tick_cpu_p99_ms,error";
+  return "asset,body,action,seconds,bodies,finite,lowest_by_size,lowest_centre_by_size,energy_ratio,let_go_ratio,"
+         "end_speed_m_s,asleep,tick_cpu_p99_ms,error";
 }
 
 std::string csv_row(const AssetTrial& trial) {
   char row[256];
-  std::snprintf(row, sizeof row, ",%s,%s,%.1f,%zu,%d,%.4f,%.4f,%.4f,%.2g,%d,%.2f,", name_of(trial.body), name_of(trial.action),
-                trial.seconds, trial.bodies, trial.finite, trial.lowest_m, trial.lowest_centre_m, trial.energy_ratio,
-                trial.end_speed_m_s, trial.asleep, trial.tick_p99_ms);
+  std::snprintf(row, sizeof row, ",%s,%s,%.1f,%zu,%d,%.4f,%.4f,%.4f,%.4f,%.2g,%d,%.2f,", name_of(trial.body),
+                name_of(trial.action), trial.seconds, trial.bodies, trial.finite, trial.lowest_m, trial.lowest_centre_m,
+                trial.energy_ratio, trial.let_go_ratio, trial.end_speed_m_s, trial.asleep, trial.tick_p99_ms);
   std::string error = trial.error;
   std::replace(error.begin(), error.end(), ',', ';');
   return trial.asset + row + error;
@@ -230,18 +232,20 @@ namespace {
 constexpr double kLowestGoal = -0.05, kLowestCentreGoal = 0.0, kEnergyGoal = 1.02;
 
 struct Reached {
-  double lowest, lowest_centre, energy;
+  double lowest, lowest_centre, energy, let_go;
 };
 Reached reached(TrialBody body) {
   switch (body) {
     case TrialBody::Rigid:
-      return {-0.08, kLowestCentreGoal, kEnergyGoal};  // garden_init, a cloud of points, 0.073
+      return {-0.08, kLowestCentreGoal, kEnergyGoal, kEnergyGoal};  // garden_init, a cloud of points, 0.073
     case TrialBody::Elastic:
-      return {-0.18, -0.07, 1.05};  // thin shells of 50 kPa fold; points of theirs far from any particle go below
+      // Thin shells of 50 kPa fold; points of theirs far from any particle go below. Let go, narcissus gains 20 % and
+      // garden_init 8, the others at most 2.
+      return {-0.18, -0.07, 1.05, 1.22};
     case TrialBody::Fragile:
-      return {kLowestGoal, kLowestCentreGoal, kEnergyGoal};
+      return {kLowestGoal, kLowestCentreGoal, kEnergyGoal, kEnergyGoal};
   }
-  return {kLowestGoal, kLowestCentreGoal, kEnergyGoal};
+  return {kLowestGoal, kLowestCentreGoal, kEnergyGoal, kEnergyGoal};
 }
 
 }  // namespace
@@ -252,6 +256,7 @@ void expect_nothing_exploded(const AssetTrial& trial) {
   EXPECT_TRUE(trial.finite) << what;
   const Reached bar = reached(trial.body);
   EXPECT_LT(trial.energy_ratio, bar.energy) << what << ", goal " << kEnergyGoal;
+  EXPECT_LT(trial.let_go_ratio, bar.let_go) << what << " and let go, goal " << kEnergyGoal;
   EXPECT_GT(trial.lowest_m, bar.lowest) << what << ", goal " << kLowestGoal;
   EXPECT_GT(trial.lowest_centre_m, bar.lowest_centre) << what << ", goal " << kLowestCentreGoal;
 }

@@ -25,6 +25,7 @@ struct AssetTrial {
   double lowest_m = 0;      // of points of the captured surface above the floor, ever, by size_m
   double lowest_centre_m = 0;  // of centres of mass, by size_m
   double energy_ratio = 0;  // the most there was of it, over what it started with and the hand's work
+  double let_go_ratio = 0;  // pulled: the most there was of it after the hand let go, over what there was then
   double end_speed_m_s = 0;  // of the fastest body, or of an elastic one's centre
   bool asleep = false;       // all of it
   double tick_p99_ms = 0;    // processor time

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every captured asset, as three kinds of body, in four ways, for twenty seconds. Appends a row of each to the file that
-// LIVEGS_TRIAL_CSV names; the rows of one run are in tests/bench/results/<machine>/asset_trials.csv.
+// LIVEGS_TRIAL_CSV names; the rows of one run are in tests/bench/results/<machine>/asset_trial.csv.
 #include <gtest/gtest.h>
 
 #include <algorithm>
