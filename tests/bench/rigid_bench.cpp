@@ -3,14 +3,27 @@
 // `rigid_bench > results/<machine>/rigid.csv`. Sleep is off; 90 frames of 1/60 s go before, in which things fall and
 // settle, then 60 are timed. Bullet (single precision, 10 iterations) runs twice: one step a frame, as games use it, and
 // four as ours do. `ratio` is processor time over that of Bullet with as many steps.
+//   pyramid           465 boxes
+//   pile of sherds    eight cups cut into 25 pieces each and taken apart, in a bin. To Bullet a sherd is its convex hull,
+//                     which is less to do
+//   mixed objects     balls, boxes, the pieces of a cup and soft blocks, in a bin. To Bullet a soft block is a rigid box, so
+//                     this ratio has the price of softness in it
+#include <Eigen/Eigenvalues>
 #include <cstdio>
+#include <cstdlib>
+#include <memory>
 #include <random>
 #include <string>
 
 #include "bench/time_of.h"
+#include "core/log.h"
 #include "core/parallel_for.h"
-#include "geometry/convex_hull.h"
 #include "geometry/mass_properties.h"
+#include "geometry/sample_particles.h"
+#include "geometry/shape_mesh.h"
+#include "physics/breakable_pieces.h"
+#include "physics/world.h"
+#include "server/geometry/fracture_shapes.h"
 #include "study/rigid_solver.h"
 
 using namespace livegs;
@@ -19,91 +32,261 @@ using Eigen::Vector3d;
 
 namespace {
 
-std::vector<RigidPart> pyramid() {
-  std::vector<RigidPart> parts;
+constexpr double kRate_hz = 60.0, kFriction = 0.6, kCup_kg = 0.3, kBin_m = 0.6;
+constexpr int kWarmUp = 90, kTimed = 60;
+
+struct Cup {
+  Pose world_from_object;
+  std::shared_ptr<const BreakablePieces> pieces;
+};
+
+struct BenchScene {
+  const char* name = "";
+  bool bin = false;              // walls about a square of kBin_m
+  std::vector<RigidPart> parts;  // balls and boxes
+  std::vector<RigidPart> soft;   // boxes that are soft blocks in our World
+  std::vector<Cup> cups;
+
+  size_t bodies() const {
+    size_t count = parts.size() + soft.size();
+    for (const Cup& cup : cups) count += cup.pieces->pieces.size();
+    return count;
+  }
+};
+
+template <typename T>
+T must(Result<T> result) {
+  if (result) return std::move(*result);
+  std::fprintf(stderr, "%s\n", result.error().message.c_str());
+  std::exit(1);
+}
+void must(const Result<void>& result) {
+  if (result) return;
+  std::fprintf(stderr, "%s\n", result.error().message.c_str());
+  std::exit(1);
+}
+
+BenchScene pyramid() {
+  BenchScene scene;
+  scene.name = "pyramid";
   for (int row = 0; row < 30; ++row) {
     for (int i = 0; i < 30 - row; ++i) {
       RigidPart box;
       box.size_m.setConstant(0.1);
-      box.friction = 0.6;
+      box.friction = kFriction;
       box.world_from_part.position_m = {(i - 0.5 * (29 - row)) * 0.105, 0.05 + 0.1 * row, 0};
-      parts.push_back(box);
+      scene.parts.push_back(box);
     }
   }
-  return parts;
+  return scene;
+}
+
+std::shared_ptr<const BreakablePieces> cut_cup(size_t pieces) {
+  BreakableOptions options;
+  options.piece_count = pieces;
+  return must(prepare_pieces(livegs::testing::cup_mesh(32, 8), Fill::Solid, options));
 }
 
 double uniform(std::mt19937& random) { return static_cast<double>(random()) / 4294967296.0; }
 
-// Corners of a convex fragment about its centre of mass.
-void make_fragment(RigidPart& part, std::mt19937& random) {
-  std::vector<Vector3d> cloud;
-  for (int i = 0; i < 12; ++i) {
-    Vector3d p;
-    for (int d = 0; d < 3; ++d) p[d] = uniform(random) - 0.5;
-    cloud.push_back((0.04 + 0.03 * uniform(random)) * p.normalized());
-  }
-  const TriangleMesh mesh = convex_hull(cloud);
-  const MassProperties properties = solid_mass_properties(mesh);
-  for (const Vector3d& corner : mesh.vertices_m) part.corners_m.push_back(corner - properties.centre_of_mass_m);
-  part.moments_kg_m2 = part.mass_kg * properties.inertia_m2.diagonal();
+Eigen::Quaterniond any_turn(std::mt19937& random) {
+  return Eigen::Quaterniond(Eigen::AngleAxisd(
+      6.0 * uniform(random), Vector3d(uniform(random) - 0.5, 1, uniform(random) - 0.5).normalized()));
 }
 
-// Things over a square, layer upon layer: every `balls`-th a ball, half of the others boxes, half fragments.
-std::vector<RigidPart> pile(int count, int across, int balls) {
-  std::vector<RigidPart> parts;
+// Two by two, layer upon layer.
+BenchScene pile_of_sherds() {
+  BenchScene scene;
+  scene.name = "pile of sherds";
+  scene.bin = true;
   std::mt19937 random(7);
-  for (int i = 0; i < count; ++i) {
+  const auto pieces = cut_cup(25);
+  for (int i = 0; i < 8; ++i) {
+    Cup cup{{}, pieces};
+    cup.world_from_object.position_m = {0.15 * (i % 2) - 0.075, 0.15 + 0.16 * (i / 4), 0.15 * (i / 2 % 2) - 0.075};
+    cup.world_from_object.orientation = any_turn(random);
+    scene.cups.push_back(cup);
+  }
+  return scene;
+}
+
+// Twelve balls, fourteen boxes, twelve soft blocks and a cup in twelve pieces.
+BenchScene mixed_objects() {
+  BenchScene scene;
+  scene.name = "mixed objects";
+  scene.bin = true;
+  std::mt19937 random(7);
+  for (int i = 0; i < 38; ++i) {
     RigidPart part;
     part.mass_kg = 0.3;
-    if (balls > 0 && i % balls == 0) part.radius_m = 0.04;
-    else if (i % 2) part.size_m = Vector3d(0.06 + 0.05 * uniform(random), 0.05, 0.08);
-    else make_fragment(part, random);
-    const int layer = i / (across * across), place = i % (across * across);
-    part.world_from_part.position_m = {0.13 * (place % across - 0.5 * across) + 0.02 * uniform(random),
-                                       0.1 + 0.13 * layer,
-                                       0.13 * (place / across - 0.5 * across) + 0.02 * uniform(random)};
-    part.world_from_part.orientation =
-        Eigen::AngleAxisd(6.0 * uniform(random), Vector3d(uniform(random), 1, uniform(random)).normalized());
-    parts.push_back(part);
+    part.friction = kFriction;
+    const int layer = i / 9, place = i % 9;
+    part.world_from_part.position_m = {0.15 * (place % 3 - 1) + 0.02 * uniform(random), 0.08 + 0.14 * layer,
+                                       0.15 * (place / 3 - 1) + 0.02 * uniform(random)};
+    if (i % 3 == 0 && i < 36) {
+      part.radius_m = 0.04;
+    } else {
+      part.size_m = Vector3d(0.06 + 0.04 * uniform(random), 0.05, 0.08);
+      part.world_from_part.orientation = any_turn(random);
+    }
+    const bool soft = i % 3 == 1 && i < 36;
+    (soft ? scene.soft : scene.parts).push_back(part);
   }
-  return parts;
+  Cup cup{{}, cut_cup(12)};
+  cup.world_from_object.position_m = {0, 0.85, 0};
+  scene.cups.push_back(cup);
+  return scene;
 }
 
-bench::Times run(const std::vector<RigidPart>& parts, RigidEngine engine, int substeps, int threads) {
-  set_thread_count(threads);
+// The floor, and the walls of a bin: half-spaces.
+std::vector<Pose> planes_of(const BenchScene& scene) {
+  std::vector<Pose> planes{Pose{}};
+  for (int side = 0; scene.bin && side < 4; ++side) {
+    const Vector3d inwards = Eigen::AngleAxisd(0.5 * M_PI * side, Vector3d::UnitY()) * Vector3d::UnitX();
+    planes.push_back({-0.5 * kBin_m * inwards, Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitY(), inwards)});
+  }
+  return planes;
+}
+
+void add_box_or_ball(World& world, uint32_t id, const RigidPart& part) {
+  if (part.radius_m > 0.0) {
+    BallDescription ball;
+    ball.object_id = id;
+    ball.position_m = part.world_from_part.position_m;
+    ball.velocity_m_s.setZero();
+    ball.radius_m = part.radius_m;
+    ball.mass_kg = part.mass_kg;
+    ball.friction = part.friction;
+    ball.restitution = 0.0;
+    return must(world.add_ball(ball));
+  }
+  RigidBodyDescription box;
+  box.object_id = id;
+  box.mesh = box_mesh(part.size_m);
+  box.properties = solid_mass_properties(box.mesh);
+  box.material.behavior = Behavior::Rigid;
+  box.material.mass_kg = part.mass_kg;
+  box.material.friction = part.friction;
+  box.material.restitution = 0.0;
+  box.world_from_object = part.world_from_part;
+  must(world.add_rigid(box));
+}
+
+void add_soft_block(World& world, uint32_t id, const RigidPart& part) {
+  ElasticBodyDescription block;
+  block.object_id = id;
+  block.particles = sample_particles(box_mesh(part.size_m), 6);
+  block.material.behavior = Behavior::Elastic;
+  block.material.mass_kg = part.mass_kg;
+  block.material.youngs_modulus_pa = 5e4;
+  block.material.poisson_ratio = 0.3;
+  block.material.loss_factor = 0.3;
+  block.material.friction = part.friction;
+  block.world_from_object = part.world_from_part;
+  must(world.add_elastic(block));
+}
+
+// A cup that is broken where it stands until each of its pieces is alone.
+void add_sherds(World& world, uint32_t id, const Cup& cup) {
+  RigidBodyDescription whole;
+  whole.object_id = id;
+  whole.mesh = livegs::testing::cup_mesh(32, 8);
+  whole.properties = solid_mass_properties(whole.mesh);
+  whole.material.behavior = Behavior::Rigid;
+  whole.material.mass_kg = kCup_kg;
+  whole.material.friction = kFriction;
+  whole.material.restitution = 0.0;
+  whole.material.fragile = true;
+  whole.material.break_impulse_n_s = 0.1;
+  whole.world_from_object = cup.world_from_object;
+  must(world.add_rigid(whole));
+  must(world.set_pieces(id, cup.pieces));
+  for (int round = 0; round < 4; ++round) {
+    for (const VoronoiPiece& piece : cup.pieces->cut.pieces) {
+      // Fails where there is nothing left to break.
+      (void)world.break_object(id, piece.mesh.vertices_m[0] * 0.999 + piece.mass.centre_of_mass_m * 0.001);
+    }
+  }
+}
+
+World our_world(const BenchScene& scene) {
+  WorldSettings settings;
+  settings.rate_hz = kRate_hz;
+  settings.substeps = 4;
+  settings.sleep = false;
+  World world(settings);
+  for (const Pose& plane : planes_of(scene)) world.add_collider({PlaneShape{}, plane, kFriction, 0.0});
+  uint32_t id = 1;
+  for (const RigidPart& part : scene.parts) add_box_or_ball(world, id++, part);
+  for (const RigidPart& part : scene.soft) add_soft_block(world, id++, part);
+  for (const Cup& cup : scene.cups) add_sherds(world, id++, cup);
+  return world;
+}
+
+// A piece as the convex hull of its corners, in its principal axes.
+RigidPart hull_of(const Cup& cup, size_t index) {
+  const BreakablePiece& piece = cup.pieces->pieces[index];
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(piece.mass.inertia_m2);
+  Eigen::Matrix3d axes = principal.eigenvectors();
+  if (axes.determinant() < 0.0) axes.col(0) = -axes.col(0);
+  RigidPart part;
+  part.mass_kg = kCup_kg * piece.mass_share;
+  part.moments_kg_m2 = part.mass_kg * principal.eigenvalues();
+  part.friction = kFriction;
+  part.world_from_part = cup.world_from_object * Pose{piece.mass.centre_of_mass_m, Eigen::Quaterniond(axes)};
+  for (const Vector3d& corner : cup.pieces->cut.pieces[index].mesh.vertices_m) {
+    part.corners_m.push_back(axes.transpose() * (corner - piece.mass.centre_of_mass_m));
+  }
+  return part;
+}
+
+std::unique_ptr<RigidSolver> bullet(const BenchScene& scene, int substeps) {
   RigidSetup setup;
-  setup.engine = engine;
+  setup.engine = RigidEngine::Bullet;
+  setup.rate_hz = kRate_hz;
   setup.substeps = substeps;
-  auto solver = make_rigid_solver(setup, {});
-  if (!solver) std::fprintf(stderr, "%s\n", solver.error().message.c_str());
-  (*solver)->add_floor({}, 0.6);
-  for (const RigidPart& part : parts) {
-    if (auto added = (*solver)->add(part); !added) std::fprintf(stderr, "%s\n", added.error().message.c_str());
+  auto solver = must(make_rigid_solver(setup, {}));
+  for (const Pose& plane : planes_of(scene)) solver->add_floor(plane, kFriction);
+  for (const std::vector<RigidPart>* parts : {&scene.parts, &scene.soft}) {
+    for (const RigidPart& part : *parts) must(solver->add(part));
   }
-  return bench::time_of(90, 60, [&] { (*solver)->frame(); });
+  for (const Cup& cup : scene.cups) {
+    for (size_t i = 0; i < cup.pieces->pieces.size(); ++i) must(solver->add(hull_of(cup, i)));
+  }
+  return solver;
 }
 
-void report(const char* scene, const std::vector<RigidPart>& parts) {
+void report(const BenchScene& scene) {
   const auto row = [&](const char* engine, int substeps, int threads, const bench::Times& times, double ratio) {
-    std::printf("%s,%zu,%s,%d,%d,%.3f,%.3f,%.3f,%.2f\n", scene, parts.size(), engine, substeps, threads,
+    std::printf("%s,%zu,%s,%d,%d,%.3f,%.3f,%.3f,%.2f\n", scene.name, scene.bodies(), engine, substeps, threads,
                 times.median_ms, times.p99_ms, times.cpu_ms, ratio);
     std::fflush(stdout);
   };
-  const bench::Times bullet1 = run(parts, RigidEngine::Bullet, 1, 1), bullet4 = run(parts, RigidEngine::Bullet, 4, 1);
-  row("bullet", 1, 1, bullet1, 1.0);
-  row("bullet", 4, 1, bullet4, 1.0);
+  set_thread_count(1);
+  double bullet_ms = 0.0;
+  for (const int substeps : {1, 4}) {
+    const auto solver = bullet(scene, substeps);
+    const bench::Times times = bench::time_of(kWarmUp, kTimed, [&] { solver->frame(); });
+    row("bullet", substeps, 1, times, 1.0);
+    bullet_ms = times.cpu_ms;
+  }
   for (const int threads : {1, 2}) {
-    const bench::Times ours = run(parts, RigidEngine::Livegs, 4, threads);
-    row("livegs", 4, threads, ours, ours.cpu_ms / bullet4.cpu_ms);
+    set_thread_count(threads);
+    World world = our_world(scene);
+    if (const size_t made = world.bodies().size(); made != scene.bodies()) {
+      std::fprintf(stderr, "%s: %zu bodies, not %zu\n", scene.name, made, scene.bodies());
+    }
+    const bench::Times ours = bench::time_of(kWarmUp, kTimed, [&] { world.step(); });
+    row("livegs", 4, threads, ours, ours.cpu_ms / bullet_ms);
   }
 }
 
 }  // namespace
 
 int main() {
+  set_log_level(LogLevel::Warn);
   std::printf("scene,bodies,engine,substeps,threads,median_ms,p99_ms,cpu_ms,ratio\n");
-  report("pyramid", pyramid());
-  report("pile of boxes and fragments", pile(200, 5, 0));
-  report("mixed objects", pile(50, 4, 3));
+  report(pyramid());
+  report(pile_of_sherds());
+  report(mixed_objects());
 }
