@@ -69,7 +69,7 @@ TEST_F(Resume, AResetConnectionLosesNeitherSessionNorScene) {
 }
 
 // Nobody is told of the cut: the client notices by the silence, the server too, and gives up the stream. Goal: pictures
-// move within 300 ms after it heals. Measured 21 to 160 ms; on a busy machine there is no telling, so what is held here
+// move within 300 ms after it heals. `resume_bench` measured 31 to 192 ms; on a machine busy enough there is no telling, so what is held here
 // is what it follows from: a fresh connection every 150 ms, and the first that can brings the frames.
 TEST_F(Resume, AfterACutTheFirstConnectionBringsTheFrames) {
   start();
