@@ -20,6 +20,7 @@ std::string v1_spread(const std::vector<ChartRow>& rows) {
   std::string words;
   for (const Engine engine : {Engine::LivegsV1, Engine::LivegsV1Steady}) {
     std::string each;
+    std::pair<int, int> substeps{1 << 30, 0};
     for (const double pa : {1e4, 1e5, 1e6, 1e7}) {
       double low = 1e300, high = 0.0;
       int runs = 0;
@@ -33,13 +34,16 @@ std::string v1_spread(const std::vector<ChartRow>& rows) {
         low = std::min(low, ratio);
         high = std::max(high, ratio);
         ++runs;
+        substeps.first = std::min(substeps.first, row.setup.substeps);
+        substeps.second = std::max(substeps.second, row.setup.substeps);
       }
       if (runs > 1) each += format_text("%s %.2g to %.2g at %s", each.empty() ? "" : ",", low, high, modulus(pa).c_str());
     }
     if (each.empty()) continue;
     words += engine == Engine::LivegsV1
                  ? "`livegs-v1` blends toward its goals by the same share every substep, so its stiffness is that of the "
-                   "substep count: over 1 to 64 substeps E_app / E goes from" + each + ".\n"
+                   "substep count: over " + std::to_string(substeps.first) + " to " + std::to_string(substeps.second) +
+                       " substeps E_app / E goes from" + each + ".\n"
                  : "`livegs-v1 steady`, whose blend is converted once to a stiffness at 1/240 s:" + each + ".\n";
   }
   return words;
@@ -98,8 +102,8 @@ std::string pulse_remark(const std::vector<ChartRow>& rows) {
   return "## A pulse in a thin bar\n\nA bump of velocity, 0.4 m wide at its foot, in the middle of a free bar of 2.4 x 0.1 x "
          "0.1 m at 60 Hz parts into two halves, which should travel at sqrt(E / rho) and keep their height. A sweep "
          "carries a stress little more than one cell a substep: at a step that resolves the wave (Courant number well "
-         "under 1) the pulse is right; at the scene's 4 substeps a stiff bar's pulse comes late and flat, or not at all "
-         "before its echo would. A body that hangs, stands or is pressed does not care; one that is struck shows it.\n\n"
+         "under 1) the pulse is right; at the scene's 4 substeps a stiff bar's pulse comes early or late and "
+         "flat, or not at all before its echo would. A body that hangs, stands or is pressed does not care; one that is struck shows it.\n\n"
          "| E | cells | substeps | Courant | band | speed over sqrt(E / rho) | height kept |\n|---|---|---|---|---|---|---|\n" +
          lines + "\n";
 }

@@ -47,7 +47,7 @@ TEST_P(Tension, IsWhatTheBodySays) {
       EXPECT_NEAR(shown_pa / accuracy.reached_youngs_modulus_pa, 1.0, 0.1) << text_of(setup, outcome);
     }
   }
-  // Independent of substeps, spacing and rate: figures that are called exact differ by 5 % at most.
+  // Independent of substeps, cells and rate (of particles: sampled_body_test.cpp): figures that are called exact differ by 5 % at most.
   if (most > 0.0) {
     EXPECT_LE(most / least - 1.0, 0.05) << least << " to " << most;
   }
