@@ -2,7 +2,8 @@
 #include "analysis/views_ahead.h"
 
 #include <pthread.h>
-#include <sched.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 
@@ -12,11 +13,12 @@
 namespace livegs {
 namespace {
 
-// One core each at most; `behind`, only while nobody else wants it: whoever wakes takes it back at once.
+// One core each at most; `behind`, a small part of it while others want it. Not the idle class, which beside busy
+// programs gets nothing at all for minutes.
+constexpr int kNiceBehind = 10;
 void become_drawer(bool behind) {
   pthread_setname_np(pthread_self(), "views");
-  const sched_param none{};
-  if (behind) (void)::sched_setscheduler(0, SCHED_IDLE, &none);
+  if (behind) (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNiceBehind);
   set_serial_here(true);
 }
 

@@ -80,19 +80,21 @@ bool voxels_fill(const ParticleSet& particles, double volume, const Matrix3d& la
   const bool of_mesh = !particles.mesh_vertices_m.empty();
   if (count == 0 || (count == particles.positions_m.size() && !of_mesh)) return false;
   if (static_cast<double>(count) * std::pow(particles.spacing_m, 3) <= 0.5 * volume) return false;
-  const double reach = particles.spacing_m;
+  const double reach = particles.spacing_m * (1.0 + 1e-6);
   return ((voxels.min - surface.min).cwiseAbs().array() <= reach).all() &&
          ((voxels.max - surface.max).cwiseAbs().array() <= reach).all();
 }
 
-// Whole voxels end before or after the true faces. Along the object's axes the outermost are cut or lengthened to them:
-// a box is filled exactly. Volumes were shared by samples, some to an edge of a voxel: a box that has about its own is
-// taken to be full, and what that adds or takes is made up by the others.
-void end_at_faces(const Bounds& surface, double volume, BodyExtent& extent) {
-  constexpr double kAbout = 0.25, kRounding = 1e-6;
-  double full_m3 = 0.0, partial_m3 = 0.0;
+// Whole voxels end before or after the true faces. Of a compact body along the object's axes the outermost are cut or
+// lengthened to them: a box is filled exactly. Volumes were shared by samples, some to an edge of a voxel: a box that has
+// about its own is taken to be full, and what that adds or takes is made up by the others. False, and nothing changed, where
+// full ones are not nearly all.
+bool end_at_faces(const Bounds& surface, double volume, BodyExtent& extent) {
+  constexpr double kAbout = 0.25, kRounding = 1e-6, kNearlyAll = 0.8;
+  std::vector<MassBox> boxes = extent.boxes;
   std::vector<char> full;
-  for (MassBox& box : extent.boxes) {
+  double full_m3 = 0.0, partial_m3 = 0.0;
+  for (MassBox& box : boxes) {
     Vector3d low = box.centre_m - box.half_m, high = box.centre_m + box.half_m;
     const double edge = 2.0 * box.half_m.x();
     for (int d = 0; d < 3; ++d) {
@@ -108,12 +110,15 @@ void end_at_faces(const Bounds& surface, double volume, BodyExtent& extent) {
     if (full.back()) box.volume_m3 = own_m3;
     (full.back() ? full_m3 : partial_m3) += box.volume_m3;
   }
+  if (full_m3 < kNearlyAll * volume) return false;
   // All of the change falls to the partial ones where they can bear it.
   const bool bearable = partial_m3 > 0.0 && std::abs(volume - full_m3 - partial_m3) < 0.5 * partial_m3;
-  for (size_t i = 0; i < extent.boxes.size(); ++i) {
-    if (!bearable) extent.boxes[i].volume_m3 *= volume / (full_m3 + partial_m3);
-    if (bearable && !full[i]) extent.boxes[i].volume_m3 *= (volume - full_m3) / partial_m3;
+  for (size_t i = 0; i < boxes.size(); ++i) {
+    if (!bearable) boxes[i].volume_m3 *= volume / (full_m3 + partial_m3);
+    if (bearable && !full[i]) boxes[i].volume_m3 *= (volume - full_m3) / partial_m3;
   }
+  extent.boxes = std::move(boxes);
+  return true;
 }
 
 }  // namespace
@@ -121,6 +126,7 @@ void end_at_faces(const Bounds& surface, double volume, BodyExtent& extent) {
 BodyExtent measure_extent(const ParticleSet& particles) {
   BodyExtent extent;
   extent.spacing_m = particles.spacing_m;
+  extent.of_points = particles.mesh_vertices_m.empty();
   Matrix3d lattice_from_object = Matrix3d::Identity();
   const Matrix3d principal = principal_axes(particles).transpose();
   if (bounds_along(particles, principal).volume() < kTighter * bounds_along(particles, lattice_from_object).volume()) {
@@ -148,16 +154,13 @@ BodyExtent measure_extent(const ParticleSet& particles) {
   extent.min_m = material.min;
   extent.max_m = material.max;
   if (!voxels_only) return extent;
-  if (along_object_axes(extent)) {
-    for (MassBox& box : extent.boxes) box.volume_m3 *= volume / used;
-    end_at_faces(surface, volume, extent);
-  } else {
-    // Voxels stand obliquely: all are stretched.
+  for (MassBox& box : extent.boxes) box.volume_m3 *= volume / used;
+  if (!along_object_axes(extent) || !end_at_faces(surface, volume, extent)) {
+    // Voxels stand obliquely, or the body is little more than surface: all are stretched.
     const Vector3d stretch = (surface.max - surface.min).cwiseQuotient(material.max - material.min);
     for (MassBox& box : extent.boxes) {
       box.centre_m = surface.min + (box.centre_m - material.min).cwiseProduct(stretch);
       box.half_m = box.half_m.cwiseProduct(stretch);
-      box.volume_m3 *= volume / used;
     }
   }
   extent.min_m = surface.min;

@@ -199,7 +199,7 @@ Lattice build_lattice(const BodyExtent& extent, double cell_width_m, std::span<c
     lattice.cells.push_back(std::move(cell));
     ++lattice.colour_begin[virtual_cells.cells[i].colour + 1];
   }
-  fill_inner_cells(lattice);
+  if (extent.of_points) fill_inner_cells(lattice);
   find_thin_shapes(extent, links, entries, virtual_cells.cell_of_entry, origin + cell_width_m * lowest.cast<double>(),
                    lattice);
   for (int colour = 0; colour < kLatticeColours; ++colour) {

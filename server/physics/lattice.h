@@ -74,6 +74,7 @@ struct BodyExtent {
   Eigen::Vector3d min_m, max_m;  // of the boxes
   double box_edge_m = 0.0;       // of a typical box
   double spacing_m = 0.0;        // of the particles
+  bool of_points = false;        // of a list of points: no mesh says where it is full
 };
 // Preconditions: at least one particle, finite positions, positive volumes.
 BodyExtent measure_extent(const ParticleSet& particles);

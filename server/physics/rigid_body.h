@@ -78,6 +78,7 @@ struct RigidBody {
   double contact_impulse_n_s = 0.0;
   Eigen::Vector3d contact_moment = Eigen::Vector3d::Zero();  // impulse times point
   ImpulseSum blow;  // over the tick, what may break it
+  double tick_energy_j = 0.0;  // of its motion and its weight, at the start of the tick
   ImpulseSum substep_blow;
   double carried_speed_m_s = 0.0;  // what the supports of its own weight took of its speed in this substep
 

@@ -44,9 +44,11 @@ void become_fragment(RigidBody& body, const RigidBody& whole, const RigidObject&
   const MassProperties properties = joined_mass(*object.pieces, members);
   const Eigen::Vector3d spin = whole.angular_velocity_rad_s;
   const Eigen::Vector3d arm = whole.arm_of(properties.centre_of_mass_m);
+  const double mass_kg = object.material.mass_kg * joined_share(*object.pieces, members);
+  body.tick_energy_j = whole.tick_energy_j * mass_kg / whole.mass_kg;
   body.velocity_m_s = whole.velocity_m_s + spin.cross(arm);
   body.world_from_body = {whole.world_from_body.position_m + arm, whole.world_from_body.orientation};
-  take_mass(body, properties, object.material.mass_kg * joined_share(*object.pieces, members));
+  take_mass(body, properties, mass_kg);
   body.shape = joined_shape(*object.pieces, members, properties.centre_of_mass_m);
   body.friction = object.material.friction;
   body.restitution = object.material.restitution;
@@ -143,24 +145,33 @@ bool World::State::strike(uint32_t object_id, RigidObject& object, uint32_t body
   const Eigen::Vector3d arm = body.arm_of(blow.point_m);
   body.apply_impulse(-(body.world_from_body.orientation * given_back_n_s), arm);
   if (object.piece_bodies.empty()) object.piece_bodies.assign(group_of.size(), 0);
-  // In a jam impulses are far larger than the approach they ended: they cannot have taken more than was lost by all.
-  const double most_j = kRecoilPart * std::max(0.0, tick_energy_j - rigid_energy_j());
+  // In a jam impulses are far larger than the approach they ended: they cannot have taken more than was lost.
+  const double most_j = kRecoilPart * std::max(0.0, lost_near_j(body));
   split_body(object_id, object, body_index, groups);
   spring_back(object, broken, std::min(recoil_j, most_j));
   ++object.revision;
   return true;
 }
 
-double World::State::rigid_energy_j() const {
-  double sum = 0.0;
+double World::State::energy_j(const RigidBody& body) const {
+  return body.kinetic_j() - body.mass_kg * settings.gravity_m_s2.dot(body.world_from_body.position_m);
+}
+
+double World::State::lost_near_j(const RigidBody& body) const {
+  const double tick_s = 1.0 / settings.rate_hz;
+  const auto reach_m = [&](const RigidBody& one) {
+    return one.shape.bounding_radius_m + tick_s * (one.velocity_m_s.norm() + tick_s * settings.gravity_m_s2.norm());
+  };
+  double lost = 0.0;
   for (const auto& [id, thing] : objects) {
     const RigidObject* object = thing.rigid();
     for (size_t i = 0; object && i < object->body_count(); ++i) {
-      const RigidBody& body = object->body_at(static_cast<uint32_t>(i));
-      sum += body.kinetic_j() - body.mass_kg * settings.gravity_m_s2.dot(body.world_from_body.position_m);
+      const RigidBody& one = object->body_at(i);
+      const double apart = (one.world_from_body.position_m - body.world_from_body.position_m).norm();
+      if (apart < reach_m(one) + reach_m(body)) lost += one.tick_energy_j - energy_j(one);
     }
   }
-  return sum;
+  return lost;
 }
 
 void World::State::break_struck() {

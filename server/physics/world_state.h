@@ -173,14 +173,15 @@ struct World::State {
   bool wake_body(uint64_t contact_id, bool awake);
   void rest_company(double tick_s);
   void report_contacts();
-  // Of the motion of rigid bodies, and their weight's.
-  double rigid_energy_j() const;
-  double tick_energy_j = 0.0;  // it, at the start of the tick
+  // Of the motion of a rigid body, and its weight's.
+  double energy_j(const RigidBody& body) const;
+  // What it and those that it can have met in this tick have lost since the tick began.
+  double lost_near_j(const RigidBody& body) const;
   // At the end of a tick: what was struck hard enough comes apart.
   void break_struck();
   // Breaks what a blow on one body breaks. Returns whether the body came apart.
   // `given_back_n_s` (body axes) is taken from it first, at the blow's point; `recoil_j`, as far as
-  // the tick has lost ten times as much, drives the fragments apart.
+  // it and what it met have lost ten times as much, drives the fragments apart.
   bool strike(uint32_t object_id, RigidObject& object, uint32_t body_index, const Blow& blow,
               const Eigen::Vector3d& given_back_n_s, double recoil_j);
   // Makes a body of each group of pieces (at least two groups, together all of the body's); the largest keeps the index.

@@ -139,7 +139,7 @@ void World::step() {
   state.times = {};
   ++state.tick;
   state.wake_company();
-  state.tick_energy_j = state.rigid_energy_j();
+  for (RigidBody* body : state.rigid_bodies) body->tick_energy_j = state.energy_j(*body);
   for (int substep = 0; substep < state.settings.substeps; ++substep) {
     state.gather_loads(duration_s);
     const int64_t elastic_ns = now_ns();

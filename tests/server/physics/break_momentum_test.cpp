@@ -112,7 +112,7 @@ World falling_cups(double rate, std::optional<uint64_t> landing_tick) {
 }
 
 // The block loses 300 J where the cups have 5. Nothing joins them, so the cups should break as they do alone.
-TEST(Breaking, ACrashElsewhereHardlyFeedsABreak) {
+TEST(Breaking, ACrashElsewhereFeedsNoBreak) {
   for (const double rate : kRates_hz) {
     World alone = falling_cups(rate, {});
     int breaks = 0;
@@ -131,7 +131,7 @@ TEST(Breaking, ACrashElsewhereHardlyFeedsABreak) {
       for (size_t i = 0; i < one.size(); ++i) {
         differ_m_s = std::max(differ_m_s, (other[i].velocity_m_s - one[i].velocity_m_s).norm());
       }
-      EXPECT_LT(differ_m_s, 0.3) << "tick " << tick << " of " << rate << " Hz";  // of 2 to 3 m/s; goal 0
+      EXPECT_LT(differ_m_s, 1e-9) << "tick " << tick << " of " << rate << " Hz";  // of 2 to 3 m/s
     }
     EXPECT_GE(breaks, 2);
   }
