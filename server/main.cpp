@@ -17,6 +17,7 @@
 #include "core/parallel_for.h"
 #include "scene/scene.h"
 #include "session/live_analysis.h"
+#include "session/live_run.h"
 #include "session/live_server.h"
 #include "session/run_summary.h"
 #include "session/simulation_loop.h"
@@ -100,8 +101,20 @@ int run(const Options& options) {
     analysis_options.answers = cache_folder() / "answers";
   }
   LiveAnalysis analysis(std::move(*analysed), std::move(*endpoint), loop, analysis_options);
+  LiveRun run(
+      loop,
+      [&](uint32_t first_object_id) {
+        SceneOptions again = scene_options;
+        again.first_object_id = first_object_id;
+        return Scene::load(options.scene, again);
+      },
+      [&](const Scene& loaded) {
+        (*server)->encode_ahead(loaded);
+        analysis.take_reloaded(loaded);
+      });
   (*server)->open(loop.scene(), loop);
   (*server)->open_analysis(analysis);
+  (*server)->open_run(run);
   log_info("ready: livegs-client 127.0.0.1:%d", (*server)->port());
   if (options.print_port) {
     std::printf("%d\n", (*server)->port());

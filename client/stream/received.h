@@ -69,6 +69,7 @@ struct ReceivedFrame {
   double step_ms = 0;
   uint64_t input_sequence = 0;
   std::vector<HeldByHand> hands;
+  v1::RunState run;  // what the simulation did in this tick
 };
 
 // A session that goes on after its stream broke.

@@ -174,6 +174,7 @@ Result<void> SessionStream::take(v1::ServerMessage& message, int64_t received_ns
   frame.clock = ends_.clock.at(received_ns);
   frame.step_ms = message.step_ms();
   frame.input_sequence = message.input_sequence();
+  frame.run = message.run();
   for (const v1::HandState& hand : message.hands()) {
     frame.hands.push_back({hand.hand(), hand.object_id(), vector_of(hand.point_m()), vector_of(hand.force_n()),
                            hand.grabbed(), hand.contact_impulse_n_s()});

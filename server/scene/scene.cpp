@@ -27,6 +27,14 @@ const Eigen::Vector3f kBallRgb(0.85f, 0.25f, 0.2f);
 
 // Ids of forces of the file's events; hands and tools use ids without this bit.
 constexpr uint64_t kEventForceBit = uint64_t{1} << 63;
+constexpr uint64_t kPersonForceBit = uint64_t{1} << 62;  // of apply_force
+
+constexpr double kMostForce_n = 1e5, kLongestForce_s = 60;
+
+// Of three numbers that were checked.
+Eigen::Vector3d vector_of(const Numbers& numbers) {
+  return vector_value(numbers, Eigen::Vector3d::Zero(), "").value();
+}
 
 Result<WorldSettings> world_settings(const v1::Scene& file, const SceneOptions& options) {
   WorldSettings settings;
@@ -102,6 +110,7 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
   auto settings = world_settings(file, options);
   if (!settings) return settings.error();
   Scene scene;
+  scene.next_id_ = options.first_object_id;
   scene.name_ = std::move(name);
   scene.file_ = file;
   scene.seed_ = options.seed;
@@ -315,10 +324,32 @@ Result<std::vector<std::string>> Scene::set_physics(uint32_t object_id, v1::Phys
   return later;
 }
 
+Result<void> check_force(const v1::Event::Force& force) {
+  for (const auto& [field, numbers] : {std::pair("force.point_m", &force.point_m()), {"force.force_n", &force.force_n()}}) {
+    if (numbers->size() != 3) return invalid_argument(std::string(field) + ": give three numbers");
+    auto value = vector_value(*numbers, Eigen::Vector3d::Zero(), field);
+    if (!value) return value.error();
+    if (!(value->norm() <= kMostForce_n)) {
+      return invalid_argument(std::string(field) + ": is too large; at most 1e5, in newtons or metres");
+    }
+  }
+  if (!(force.duration_s() > 0 && force.duration_s() <= kLongestForce_s)) {
+    return invalid_argument("force.duration_s: must be over 0 and at most 60");
+  }
+  return {};
+}
+
+void Scene::apply_force(const v1::Event::Force& force) {
+  const SceneObject* object = find(force.object());
+  if (!object) return;
+  const uint64_t force_id = kPersonForceBit | next_force_++;
+  world_->set_force(force_id, object->id, {vector_of(force.point_m()), vector_of(force.force_n())});
+  const double ticks = std::max(1.0, std::round(force.duration_s() * world_->settings().rate_hz));
+  running_forces_.emplace_back(world_->tick() + static_cast<uint64_t>(ticks), force_id);
+}
+
 void Scene::apply(const v1::Event& event, uint64_t event_id) {
-  const auto vector = [](const Numbers& numbers) {
-    return vector_value(numbers, Eigen::Vector3d::Zero(), "").value();
-  };
+  const auto vector = vector_of;
   switch (event.action_case()) {
     case v1::Event::kForce: {
       const SceneObject* object = find(event.force().object());

@@ -69,6 +69,7 @@ struct SceneOptions {
   bool sleep = true;
   uint64_t seed = 1;            // of the cuts of fragile objects
   bool wait_for_pieces = true;  // before load() returns; else they break only once their pieces are made
+  uint32_t first_object_id = 1;  // of objects and balls: a scene that takes another's place has none of its ids
   bool cut_fragile = true;      // false: nothing breaks, for those who only look
 };
 
@@ -103,6 +104,10 @@ class Scene {
   const SceneObject& shoot_ball(const Eigen::Vector3d& from_m, const Eigen::Vector3d& velocity_m_s);
   static constexpr size_t kMaxBalls = 16;
 
+  // A force as the file's events have it, from the next tick on. Precondition: check_force() was content with it. Nothing
+  // happens when there is no such object.
+  void apply_force(const v1::Event::Force& force);
+
   // What an object is made of from the next tick on. It goes on as the kind of body it was built as: what of this holds
   // only once the scene is loaded anew is told, a line each (hold_as_built).
   Result<std::vector<std::string>> set_physics(uint32_t object_id, v1::PhysicalParameters physics);
@@ -136,6 +141,7 @@ class Scene {
   uint32_t next_id_ = 1;
   Eigen::AlignedBox3d bounds_m_;
   size_t next_event_ = 0;
+  uint64_t next_force_ = 0;  // of apply_force
   std::vector<std::pair<uint64_t, uint64_t>> running_forces_;  // end tick, force id; in the order they began
   std::map<size_t, GrabPath> paths_;  // by the index of the event
   ScriptedGrabs grabs_;
@@ -154,6 +160,8 @@ class Scene {
 
 // A scene file, checked as far as that goes without its assets. Comments (//, /* */) are allowed.
 Result<v1::Scene> read_scene_file(const std::filesystem::path& path);
+// A force that a person applies: numbers, at most 1e5 N, for at most 60 s. InvalidArgument names the field.
+Result<void> check_force(const v1::Event::Force& force);
 // A scene of every asset in a folder, standing in rows on a floor, all AUTO.
 Result<v1::Scene> scene_of_folder(const std::filesystem::path& folder);
 

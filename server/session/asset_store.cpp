@@ -15,6 +15,8 @@ std::shared_ptr<const AssetBytes> AssetStore::add(const std::shared_ptr<const Ga
   encoded->bytes = encode_ply(*asset);
   encoded->hash = content_hash(encoded->bytes);
   std::lock_guard lock(mutex_);
+  // Those of a scene that another has taken the place of are nobody's any more; their bytes stay for clients that fetch.
+  std::erase_if(by_asset_, [](const auto& known) { return known.first.use_count() == 1; });
   const auto kept = by_hash_.try_emplace(encoded->hash, encoded).first->second;  // equal content is kept once
   by_asset_.emplace(asset, kept);
   return kept;

@@ -101,6 +101,7 @@ void FramePublisher::deliver(const SteppedTick& tick) {
   auto published = std::make_shared<PublishedTick>(tick.drivers, record_);
   published->stepped_ns = tick.stepped_ns;
   published->step_ms = tick.step_ms;
+  published->run = tick.run;
   published->hands = tick.hands;
   {
     std::lock_guard lock(mutex_);

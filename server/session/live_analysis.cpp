@@ -67,6 +67,19 @@ void LiveAnalysis::begin() {
   }
 }
 
+void LiveAnalysis::take_reloaded(const Scene& scene) {
+  for (const auto& [id, known] : known_) {
+    const SceneObject* object = scene.find(known.object->name);
+    if (!object) continue;
+    {
+      std::lock_guard lock(mutex_);
+      rebuilt_[id] = scene.built_as(*object);
+    }
+    const auto kept = known.decided->present();
+    if (kept && (kept->has_physics() || kept->has_edits())) (void)apply(known, *kept, "");
+  }
+}
+
 Result<void> LiveAnalysis::analyze(std::vector<std::string> objects, Progress progress,
                                    std::function<void()> ended) {
   auto targets = scene_.targets(objects);
@@ -166,11 +179,18 @@ Result<v1::PhysicsReply> LiveAnalysis::apply(const Known& known, const v1::Physi
   if (!size_note.empty()) reply.add_warnings(size_note);
   *layered->mutable_longest_side_m() = known.object->target.offline.longest_side_m();
   reply.set_object(known.object->name);
-  for (const std::string& later : hold_as_built(known.object->built, *layered)) reply.add_warnings(later);
+  BuiltAs built = known.object->built;
+  {
+    std::lock_guard lock(mutex_);
+    if (const auto anew = rebuilt_.find(known.object->target.object_id); anew != rebuilt_.end()) built = anew->second;
+  }
+  for (const std::string& later : hold_as_built(built, *layered)) reply.add_warnings(later);
   *reply.mutable_parameters() = *layered;
   loop_.post(
-      [id = known.object->target.object_id, name = known.object->name, physics = *layered](Scene& scene) {
-        const auto set = scene.set_physics(id, physics);
+      [name = known.object->name, physics = *layered](Scene& scene) {
+        const SceneObject* object = scene.find(name);  // by name: a reset gives new ids
+        if (!object) return;
+        const auto set = scene.set_physics(object->id, physics);
         if (!set) log_warn("%s: %s", name.c_str(), set.error().message.c_str());
       });
   for (const std::string& later : reply.warnings()) {

@@ -34,6 +34,10 @@ class LiveAnalysis final : public AnalysisControl {
   // Asks about every AUTO object that no model's values are kept for yet. Returns at once.
   void begin();
 
+  // A scene that was loaded anew will take the place of the one that runs: what it was built as holds from now on, and
+  // what was decided meanwhile is applied at its first tick.
+  void take_reloaded(const Scene& scene);
+
   Result<void> analyze(std::vector<std::string> objects, Progress progress,
                        std::function<void()> ended) override;
   Result<v1::PhysicsReply> set_physics(const std::string& object, const v1::Physics& physics) override;
@@ -66,7 +70,8 @@ class LiveAnalysis final : public AnalysisControl {
   AnswerCache cache_;
   std::map<uint32_t, Known> known_;  // not changed after construction
 
-  std::mutex mutex_;  // guards requests_
+  std::mutex mutex_;  // guards requests_ and rebuilt_
+  std::map<uint32_t, BuiltAs> rebuilt_;  // by the id it had at first
   std::condition_variable_any changed_;
   std::deque<Request> requests_;
   std::jthread thread_;

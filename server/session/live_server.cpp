@@ -133,6 +133,15 @@ void LiveServer::open(const Scene& scene, InputSink& inputs) {
   open(scene.name(), scene.world().settings().rate_hz, objects, inputs);
 }
 
+void LiveServer::open_run(RunControl& run) { parts_->service.set_run(&run); }
+
+void LiveServer::encode_ahead(const Scene& scene) {
+  for (const SceneObject& object : scene.objects()) {
+    (void)parts_->assets.add(object.asset);
+    if (object.broken) (void)parts_->assets.add(object.broken->asset);
+  }
+}
+
 void LiveServer::open_analysis(AnalysisControl& analysis) { parts_->service.set_analysis(&analysis); }
 
 void LiveServer::shut_down(const std::string& reason) {

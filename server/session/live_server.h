@@ -9,6 +9,7 @@
 #include "scene/scene.h"
 #include "session/analysis_control.h"
 #include "session/frame_publisher.h"
+#include "session/run_control.h"
 #include "session/stepped_tick.h"
 
 namespace livegs {
@@ -39,6 +40,10 @@ class LiveServer {
   void open(const Scene& scene, InputSink& inputs);
   // From now on clients may analyse and edit what things are made of. `analysis` outlives shut_down().
   void open_analysis(AnalysisControl& analysis);
+  // From now on clients may halt, step and reset it. `run` outlives shut_down().
+  void open_run(RunControl& run);
+  // Encodes what this scene draws, on the calling thread, so that nothing waits for that when it takes the other's place.
+  void encode_ahead(const Scene& scene);
 
   // Tells every client, waits for their streams to end, at most a second, then ends them. More than once is
   // fine.

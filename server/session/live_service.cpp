@@ -129,16 +129,51 @@ grpc::ServerUnaryReactor* LiveService::UndoPhysics(grpc::CallbackServerContext* 
   return reactor;
 }
 
+grpc::ServerUnaryReactor* LiveService::ControlRun(grpc::CallbackServerContext* context,
+                                                  const v1::ControlRunRequest* request, v1::RunState* reply) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  reactor->Finish(control_run(*request, *reply));
+  return reactor;
+}
+
+grpc::Status LiveService::control_run(const v1::ControlRunRequest& request, v1::RunState& reply) const {
+  RunControl* run = run_;
+  if (!run) return {grpc::StatusCode::UNAVAILABLE, "the scene is still being built, or this server halts nothing"};
+  const auto status = run->control(request);
+  if (!status) return to_status(status.error());
+  write_run(*status, reply);
+  return grpc::Status::OK;
+}
+
+grpc::ServerUnaryReactor* LiveService::ApplyForce(grpc::CallbackServerContext* context,
+                                                  const v1::ApplyForceRequest* request,
+                                                  v1::ApplyForceReply* reply) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  reactor->Finish(apply_force(*request, *reply));
+  return reactor;
+}
+
+grpc::Status LiveService::apply_force(const v1::ApplyForceRequest& request, v1::ApplyForceReply& reply) const {
+  RunControl* run = run_;
+  if (!run) return {grpc::StatusCode::UNAVAILABLE, "the scene is still being built, or this server takes no forces"};
+  if (!table_.object(request.force().object())) return unknown_object(request.force().object());
+  reply.set_tick(table_.status().tick);
+  if (auto applied = run->apply_force(request.force()); !applied) return to_status(applied.error());
+  return grpc::Status::OK;
+}
+
+grpc::Status LiveService::unknown_object(const std::string& name) const {
+  std::string known;
+  for (const std::string& one : table_.object_names()) known += (known.empty() ? "" : ", ") + one;
+  return {grpc::StatusCode::NOT_FOUND, "object: the scene has no \"" + printable(name) +
+                                           "\"; it has: " + (known.empty() ? "nothing yet" : known)};
+}
+
 grpc::Status LiveService::analyze(const v1::AnalyzeObjectRequest& request,
                                   v1::AnalyzeObjectReply& reply) const {
   const int64_t begun_ns = now_ns();
   const SessionTable::Object object = table_.object(request.object());
-  if (!object) {
-    std::string known;
-    for (const std::string& name : table_.object_names()) known += (known.empty() ? "" : ", ") + name;
-    return {grpc::StatusCode::NOT_FOUND, "object: the scene has no \"" + printable(request.object()) +
-                                             "\"; it has: " + (known.empty() ? "nothing yet" : known)};
-  }
+  if (!object) return unknown_object(request.object());
   reply.set_object(object->name());
   *reply.mutable_parameters() = object->physics();
   if (object->has_elastic()) *reply.mutable_elastic() = object->elastic();

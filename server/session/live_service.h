@@ -6,6 +6,7 @@
 #include "livegs/v1/session.grpc.pb.h"
 #include "session/analysis_control.h"
 #include "session/asset_store.h"
+#include "session/run_control.h"
 #include "session/session_table.h"
 
 namespace livegs {
@@ -17,7 +18,8 @@ class LiveService final
           v1::LiveGs::WithCallbackMethod_GetServerInfo<v1::LiveGs::WithCallbackMethod_Join<
               v1::LiveGs::WithCallbackMethod_FetchAsset<v1::LiveGs::WithCallbackMethod_AnalyzeObject<
                   v1::LiveGs::WithCallbackMethod_AnalyzeScene<v1::LiveGs::WithCallbackMethod_SetPhysics<
-                      v1::LiveGs::WithCallbackMethod_UndoPhysics<v1::LiveGs::Service>>>>>>>> {
+                      v1::LiveGs::WithCallbackMethod_UndoPhysics<v1::LiveGs::WithCallbackMethod_ControlRun<
+                          v1::LiveGs::WithCallbackMethod_ApplyForce<v1::LiveGs::Service>>>>>>>>>> {
  public:
   LiveService(SessionTable& table, const AssetStore& assets) : table_(table), assets_(assets) {}
 
@@ -42,16 +44,28 @@ class LiveService final
                                         const v1::UndoPhysicsRequest* request,
                                         v1::PhysicsReply* reply) override;
 
+  grpc::ServerUnaryReactor* ControlRun(grpc::CallbackServerContext* context,
+                                       const v1::ControlRunRequest* request, v1::RunState* reply) override;
+  grpc::ServerUnaryReactor* ApplyForce(grpc::CallbackServerContext* context,
+                                       const v1::ApplyForceRequest* request,
+                                       v1::ApplyForceReply* reply) override;
+
+  // From now on clients may halt, step and reset; nullptr: no more. It outlives the calls.
+  void set_run(RunControl* run) { run_ = run; }
   // From now on clients may analyse and edit; nullptr: no more. It outlives the calls.
   void set_analysis(AnalysisControl* analysis) { analysis_ = analysis; }
 
  private:
   grpc::Status join(const std::string& peer, const v1::JoinRequest& request, v1::JoinReply& reply);
+  grpc::Status control_run(const v1::ControlRunRequest& request, v1::RunState& reply) const;
+  grpc::Status apply_force(const v1::ApplyForceRequest& request, v1::ApplyForceReply& reply) const;
+  grpc::Status unknown_object(const std::string& name) const;
   grpc::Status analyze(const v1::AnalyzeObjectRequest& request, v1::AnalyzeObjectReply& reply) const;
 
   SessionTable& table_;
   const AssetStore& assets_;
   std::atomic<AnalysisControl*> analysis_ = nullptr;
+  std::atomic<RunControl*> run_ = nullptr;
 };
 
 }  // namespace livegs

@@ -48,6 +48,7 @@ class PublishedTick {
   uint64_t tick() const { return frame_.tick; }
   int64_t stepped_ns = 0;
   double step_ms = 0;
+  RunStatus run;
   std::vector<SessionHands> hands;  // ascending session
 
   // `written`: the baseline of what a stream has been written so far; null for a key frame.

@@ -4,6 +4,7 @@
 #include <pthread.h>
 
 #include <cmath>
+#include <utility>
 
 #include "core/assert.h"
 #include "core/clock.h"
@@ -18,7 +19,7 @@ constexpr int64_t kLongestSleep_ns = 50'000'000;
 }  // namespace
 
 SimulationLoop::SimulationLoop(Scene scene, TickSink& sink, std::function<void(const Scene&)> observe)
-    : scene_(std::move(scene)), sink_(sink), observe_(std::move(observe)) {}
+    : scene_(std::move(scene)), sink_(sink), observe_(std::move(observe)), tick_(scene_.world().tick()) {}
 
 SimulationLoop::~SimulationLoop() { stop(); }
 
@@ -85,7 +86,64 @@ void SimulationLoop::post(std::function<void(Scene&)> change) {
   posted_.push_back(std::move(change));
 }
 
+void SimulationLoop::pause(bool paused) {
+  std::lock_guard lock(mutex_);
+  run_.paused = paused;
+  steps_left_ = 0;
+}
+
+void SimulationLoop::step_paused(uint32_t ticks) {
+  std::lock_guard lock(mutex_);
+  run_.paused = true;
+  steps_left_ = ticks;
+}
+
+void SimulationLoop::set_loading(bool loading, std::string message) {
+  std::lock_guard lock(mutex_);
+  run_.loading = loading;
+  run_.message = std::move(message);
+}
+
+void SimulationLoop::replace(Scene scene) {
+  std::lock_guard lock(mutex_);
+  next_scene_.emplace(std::move(scene));
+}
+
+RunStatus SimulationLoop::run_status() const {
+  std::lock_guard lock(mutex_);
+  return run_;
+}
+
+bool SimulationLoop::takes_step() {
+  std::lock_guard lock(mutex_);
+  if (!run_.paused) return true;
+  if (steps_left_ == 0) return false;
+  --steps_left_;
+  return true;
+}
+
+void SimulationLoop::take_next_scene() {
+  std::optional<Scene> next;
+  {
+    std::lock_guard lock(mutex_);
+    if (!next_scene_) return;
+    next.swap(next_scene_);
+    run_.loading = false;
+    ++run_.resets;
+  }
+  simulated_before_ns_ += scene_.world().drivers().simulated_ns;
+  for (const SceneObject& object : scene_.objects()) {
+    controls_.drop_object(scene_, object.id);
+    replaced_.push_back(object.id);
+  }
+  (void)next->take_changes();  // all of it is new
+  scene_ = *std::move(next);
+  scene_is_new_ = true;
+  log_info("reset: %zu objects are as they were loaded", scene_.objects().size());
+}
+
 void SimulationLoop::apply_changes() {
+  take_next_scene();
   std::vector<std::function<void(Scene&)>> changes;
   {
     std::lock_guard lock(mutex_);
@@ -98,12 +156,14 @@ void SimulationLoop::tick() {
   apply_changes();
   apply_inputs();
   const int64_t begun_ns = now_ns();
-  scene_.step();
+  const bool steps = takes_step();
+  if (steps) scene_.step();
+  ++tick_;
   const int64_t stepped_ns = now_ns();
   const double step_ms = milliseconds_from_ns(stepped_ns - begun_ns);
   {
     std::lock_guard lock(summary_mutex_);
-    step_ms_.add(step_ms);
+    if (steps) step_ms_.add(step_ms);
     shots_ = controls_.shots();
   }
   if (observe_) observe_(scene_);
@@ -123,8 +183,8 @@ std::vector<InputSample> SimulationLoop::due(std::deque<InputSample>& samples, u
 }
 
 void SimulationLoop::apply_inputs() {
-  const double now_s = static_cast<double>(scene_.world().tick()) / scene_.world().settings().rate_hz;
-  const uint64_t next_tick = scene_.world().tick() + 1;
+  const double now_s = static_cast<double>(tick_) / scene_.world().settings().rate_hz;
+  const uint64_t next_tick = tick_ + 1;
   std::map<SessionNumber, std::vector<InputSample>> arrived;
   std::vector<SessionNumber> gone, stalled;
   {
@@ -150,9 +210,19 @@ void SimulationLoop::apply_inputs() {
 SteppedTick SimulationLoop::stepped_tick(int64_t stepped_ns, double step_ms) {
   SteppedTick tick;
   tick.drivers = scene_.world().drivers();
+  tick.run = run_status();
+  tick.run.simulated_s = seconds_from_ns(tick.drivers.simulated_ns);
+  tick.drivers.tick = tick_;
+  tick.drivers.simulated_ns += simulated_before_ns_;
   tick.stepped_ns = stepped_ns;
   tick.step_ms = step_ms;
   const Scene::Changes changes = scene_.take_changes();
+  if (std::exchange(scene_is_new_, false)) {
+    tick.added.assign(scene_.objects().begin(), scene_.objects().end());
+    tick.removed = std::exchange(replaced_, {});
+    for (const auto& [session, sequence] : applied_) tick.hands.push_back({session, sequence, {}});
+    return tick;
+  }
   for (uint32_t id : changes.added) {
     if (const SceneObject* object = scene_.find(id)) tick.added.push_back(*object);
   }

@@ -6,6 +6,8 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <thread>
 
 #include "scene/scene.h"
@@ -56,6 +58,16 @@ class SimulationLoop : public InputSink {
   // returns at once. What is posted after the last tick is dropped.
   void post(std::function<void(Scene&)> change);
 
+  // Halted, ticks go on with the same drivers, inputs and changes are taken, and nothing moves.
+  void pause(bool paused);
+  void step_paused(uint32_t ticks);  // halts after so many ticks from now
+  // What clients are told: a scene is being loaded, or why that failed.
+  void set_loading(bool loading, std::string message);
+  // At the next tick this scene takes the place of the one that runs, before anything that was posted. Its ids are all
+  // new; ticks and the clients' simulated time go on.
+  void replace(Scene scene);
+  RunStatus run_status() const;
+
   // Precondition: not running.
   const Scene& scene() const { return scene_; }
   SimulationSummary summary() const;  // any thread
@@ -70,6 +82,8 @@ class SimulationLoop : public InputSink {
   void run();
   void tick();
   void apply_changes();
+  void take_next_scene();
+  bool takes_step();
   void apply_inputs();
   // Of a session's samples those whose tick has come, and all before them.
   static std::vector<InputSample> due(std::deque<InputSample>& samples, uint64_t tick);
@@ -82,7 +96,15 @@ class SimulationLoop : public InputSink {
   HandControls controls_;                      // the loop's thread only
   std::map<SessionNumber, uint64_t> applied_;  // newest sequence applied; the loop's thread only
 
-  std::mutex mutex_;  // guards mailboxes_, gone_ and posted_
+  uint64_t tick_ = 0;          // as clients know it: those of scenes before, and halted ones, count; the loop's thread only
+  int64_t simulated_before_ns_ = 0;         // in scenes before
+  std::vector<uint32_t> replaced_;          // ids of the scene whose place was taken in this tick
+  bool scene_is_new_ = false;
+
+  mutable std::mutex mutex_;  // guards mailboxes_, gone_, posted_ and the next three
+  RunStatus run_;
+  uint32_t steps_left_ = 0;  // while halted
+  std::optional<Scene> next_scene_;
   std::vector<std::function<void(Scene&)>> posted_;
   std::map<SessionNumber, Mailbox> mailboxes_;
   std::vector<SessionNumber> gone_;

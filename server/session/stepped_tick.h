@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/input_sample.h"
@@ -35,11 +36,21 @@ struct SessionHands {
   std::array<HeldPoint, 2> hands;
 };
 
+// What the simulation does.
+struct RunStatus {
+  bool paused = false;
+  bool loading = false;  // a reset is under way
+  uint32_t resets = 0;
+  double simulated_s = 0;  // since the scene was loaded
+  std::string message;     // why the last reset failed
+};
+
 // Everything one tick left behind.
 struct SteppedTick {
   DriverFrame drivers;
   int64_t stepped_ns = 0;  // when the step was done
   double step_ms = 0;
+  RunStatus run;
   std::vector<SceneObject> added;  // since the tick before
   std::vector<uint32_t> removed;
   std::vector<SceneObject> changed;  // broke, were cut, or had their physics set; as they are now

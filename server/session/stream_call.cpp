@@ -10,6 +10,7 @@
 #include "session/frame_tail.h"
 #include "session/grpc_status.h"
 #include "session/input_check.h"
+#include "session/run_control.h"
 
 namespace livegs {
 namespace {
@@ -27,6 +28,7 @@ v1::ServerMessage header_of(const SendWindow::Outgoing& outgoing, SessionNumber 
   header.set_tick(tick.tick());
   header.set_stepped_ns(tick.stepped_ns);
   header.set_step_ms(tick.step_ms);
+  write_run(tick.run, *header.mutable_run());
   const auto own = std::lower_bound(
       tick.hands.begin(), tick.hands.end(), session,
       [](const SessionHands& hands, SessionNumber number) { return hands.session < number; });

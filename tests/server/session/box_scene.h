@@ -28,7 +28,7 @@ inline Scene breaking_scene(double rate_hz = 90) {
 }
 
 // A wooden box and a soft cube, a metre apart on a floor, made of shapes: no assets are needed.
-inline Scene box_scene(double rate_hz = 90, double box_size_m = 0.2) {
+inline Scene box_scene(double rate_hz = 90, double box_size_m = 0.2, uint32_t first_object_id = 1) {
   v1::Scene file;
   const auto parsed = google::protobuf::util::JsonStringToMessage(R"({
     "substeps": 4,
@@ -43,6 +43,7 @@ inline Scene box_scene(double rate_hz = 90, double box_size_m = 0.2) {
   for (int i = 0; i < 3; ++i) file.mutable_objects(0)->mutable_shape()->mutable_box()->set_size_m(i, box_size_m);
   SceneOptions options;
   options.rate_hz = rate_hz;
+  options.first_object_id = first_object_id;
   auto scene = Scene::build(file, ".", "boxes", options);
   EXPECT_TRUE(scene) << scene.error().message;
   return std::move(*scene);

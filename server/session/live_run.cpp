@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/live_run.h"
+
+#include <pthread.h>
+
+#include "core/log.h"
+
+namespace livegs {
+namespace {
+
+constexpr uint32_t kMostSteps = 1000;
+// Of each loading: more objects and balls than one scene sees.
+constexpr uint32_t kIdsOfOneLoading = 1u << 20;
+constexpr uint32_t kMostResets = 4000;
+
+}  // namespace
+
+LiveRun::LiveRun(SimulationLoop& loop, Load load, Loaded loaded)
+    : loop_(loop), load_(std::move(load)), loaded_(std::move(loaded)) {}
+
+LiveRun::~LiveRun() = default;
+
+Result<RunStatus> LiveRun::control(const v1::ControlRunRequest& request) {
+  switch (request.action_case()) {
+    case v1::ControlRunRequest::kPause:
+      loop_.pause(request.pause());
+      break;
+    case v1::ControlRunRequest::kStepTicks:
+      if (request.step_ticks() == 0 || request.step_ticks() > kMostSteps) {
+        return invalid_argument("step_ticks: must be 1 to 1000");
+      }
+      loop_.step_paused(request.step_ticks());
+      break;
+    case v1::ControlRunRequest::kReset:
+      if (auto begun = reset(); !begun) return begun.error();
+      break;
+    case v1::ControlRunRequest::ACTION_NOT_SET:
+      return invalid_argument("action: give pause, step_ticks or reset");
+  }
+  return loop_.run_status();
+}
+
+Result<void> LiveRun::reset() {
+  std::lock_guard lock(mutex_);
+  const RunStatus now = loop_.run_status();
+  if (now.loading) return Error{ErrorCode::Unavailable, "reset: the scene is being loaded already"};
+  if (now.resets >= kMostResets) return Error{ErrorCode::TooLarge, "reset: too many; start the server anew"};
+  loop_.set_loading(true, "");
+  loading_ = std::jthread([this, first_id = (now.resets + 1) * kIdsOfOneLoading + 1] {
+    pthread_setname_np(pthread_self(), "loading");
+    auto scene = load_(first_id);
+    if (!scene) {
+      log_warn("reset: %s", scene.error().message.c_str());
+      loop_.set_loading(false, "reset: " + scene.error().message);
+      return;
+    }
+    if (loaded_) loaded_(*scene);
+    loop_.replace(*std::move(scene));
+  });
+  return {};
+}
+
+Result<void> LiveRun::apply_force(const v1::Event::Force& force) {
+  if (auto checked = check_force(force); !checked) return checked;
+  loop_.post([force](Scene& scene) { scene.apply_force(force); });
+  return {};
+}
+
+}  // namespace livegs
