@@ -9,6 +9,7 @@
 
 #include "core/log.h"
 #include "core/parallel_for.h"
+#include "viewer/force_study.h"
 #include "viewer/offscreen_run.h"
 #include "viewer/window_run.h"
 
@@ -37,7 +38,7 @@ bool parse_size(const std::string& text, livegs::PictureSize& size) {
 
 int main(int argc, char** argv) {
   livegs::OffscreenRunOptions options;
-  std::string display = "offscreen", renderer = "auto", size;
+  std::string display = "offscreen", renderer = "auto", size, select, force;
   int threads = 0;
   bool verbose = false, no_video = false;
   CLI::App app("Sees and touches a scene that livegs-server streams", "livegs-client");
@@ -62,10 +63,14 @@ int main(int argc, char** argv) {
       app.add_option("--script", options.script_file, "What the hands do: a file of InputScript's JSON form");
   app.add_option("--poke", options.poke, "Poke the object of this name: a pull by the ray, then two balls")
       ->excludes(script);
+  app.add_option("--select", select, "The object that the window's panel is about at first");
+  app.add_option("--force", force,
+                 "OBJECT:X,Y,Z:FX,FY,FZ:SECONDS, newtons on a point of the object at rest: the window applies it once, "
+                 "records it to a video with its sentence beside it, and ends");
   app.add_option("--video-rate", options.video_rate_hz, "Pictures a second of video")
       ->check(CLI::Range(1.0, 240.0))
       ->capture_default_str();
-  app.add_option("--every", options.png_every, "Keep every so many pictures as a PNG; 0: none")
+  app.add_option("--every", options.png_every, "Keep every so many pictures as a PNG; 0: none, or with a window one a second")
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
   app.add_flag("--no-video", no_video, "PNGs only");
@@ -99,11 +104,23 @@ int main(int argc, char** argv) {
   for (int signal_number : {SIGINT, SIGTERM}) signal(signal_number, [](int) { interrupted = true; });
 
   if (display == "window") {
-    livegs::WindowRunOptions window{options.address, app.count("--seconds") > 0 ? options.seconds : 0.0,
-                                          options.size,    options.camera_file,
-                                          options.poke,    app.count("--output") > 0 ? options.output : "",
-                                          options.cache,   options.connect_timeout_s,
-                                          options.renderer};
+    livegs::WindowRunOptions window;
+    window.address = options.address;
+    window.seconds = app.count("--seconds") > 0 ? options.seconds : 0.0;
+    window.size = options.size;
+    window.camera_file = options.camera_file;
+    window.poke = options.poke;
+    window.select = select;
+    if (!force.empty()) {
+      auto parsed_force = livegs::parse_force(force);
+      if (!parsed_force) return report(parsed_force.error());
+      window.force = std::move(*parsed_force);
+    }
+    if (app.count("--output") > 0) window.screenshots = options.output;
+    if (app.count("--every") > 0) window.screenshot_every = options.png_every;
+    window.cache = options.cache;
+    window.connect_timeout_s = options.connect_timeout_s;
+    window.renderer = options.renderer;
     if (reconnect->count() > 0) window.reconnect_s = options.reconnect_s;
     if (const auto done = livegs::run_window(window, interrupted); !done) return report(done.error());
     return 0;

@@ -6,6 +6,7 @@
 
 #include "core/clock.h"
 #include "core/log.h"
+#include "render/pick_kernel.h"
 
 namespace livegs {
 namespace {
@@ -143,6 +144,39 @@ std::vector<Eigen::AlignedBox3d> SceneView::object_boxes() const {
 Eigen::AlignedBox3d SceneView::bounds(uint32_t object_id) const {
   const Object* object = shown(object_id);
   return object ? robust_bounds(object->kernels.positions_m) : Eigen::AlignedBox3d();
+}
+
+std::optional<SceneView::Picked> SceneView::pick(const Eigen::Vector3d& origin_m,
+                                                 const Eigen::Vector3d& direction) const {
+  std::vector<DrawnObject> drawn;
+  for (uint32_t id : visible_) {
+    const Object& object = *shown(id);
+    drawn.push_back({object.asset.get(), &object.kernels, id});
+  }
+  const auto met = pick_kernel(drawn, origin_m, direction);
+  if (!met) return std::nullopt;
+  const uint32_t id = drawn[met->object].object_id;
+  const Object& object = *shown(id);
+  return Picked{id, object.environment, met->kernel, origin_m + met->distance_m * direction,
+                object.rest.object_from_asset * object.asset->positions[met->kernel].cast<double>()};
+}
+
+std::optional<size_t> SceneView::nearest_kernel(uint32_t object_id, const Eigen::Vector3d& rest_point_m) const {
+  const Object* object = shown(object_id);
+  if (!object || object->asset->size() == 0) return std::nullopt;
+  const auto distance = [&](const Eigen::Vector3f& position) {
+    return (object->rest.object_from_asset * position.cast<double>() - rest_point_m).squaredNorm();
+  };
+  const auto& positions = object->asset->positions;
+  const auto nearest = std::min_element(positions.begin(), positions.end(),
+                                        [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
+  return static_cast<size_t>(nearest - positions.begin());
+}
+
+std::optional<Eigen::Vector3d> SceneView::kernel_position_m(uint32_t object_id, size_t kernel) const {
+  const Object* object = shown(object_id);
+  if (!object || kernel >= object->kernels.positions_m.size()) return std::nullopt;
+  return object->kernels.positions_m[kernel].cast<double>();
 }
 
 std::optional<Eigen::Vector3d> SceneView::environment_middle() const {

@@ -54,6 +54,20 @@ class SceneView {
   // The mean of the environment's kernels; nothing when there is none.
   std::optional<Eigen::Vector3d> environment_middle() const;
 
+  // The thing that a ray meets in the last picture, the environment included. `direction` is unit.
+  struct Picked {
+    uint32_t object_id = 0;
+    bool environment = false;
+    size_t kernel = 0;
+    Eigen::Vector3d point_m;       // on the ray
+    Eigen::Vector3d rest_point_m;  // of the kernel, in the object's frame: a force's point
+  };
+  std::optional<Picked> pick(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction) const;
+  // The kernel of an object that lies nearest to a point of its frame at rest; nothing for what is not there.
+  std::optional<size_t> nearest_kernel(uint32_t object_id, const Eigen::Vector3d& rest_point_m) const;
+  // Where a kernel of the last picture is; nothing if it is not there any more.
+  std::optional<Eigen::Vector3d> kernel_position_m(uint32_t object_id, size_t kernel) const;
+
   // Skins without drawing.
   Result<void> pose(const DriverFrame& frame);
 

@@ -22,8 +22,19 @@ void LiveStream::on_frame(ReceivedFrame frame) {
   std::lock_guard lock(mutex_);
   news_.back = news_.back || std::exchange(lost_, false);
   holds_ = false;
+  if (keeps_all_) kept_.push_back(frame);
   news_.frame = std::move(frame);
   ++news_.frames;
+}
+
+void LiveStream::keep_all(bool keep) {
+  std::lock_guard lock(mutex_);
+  keeps_all_ = keep;
+}
+
+std::vector<ReceivedFrame> LiveStream::take_kept() {
+  std::lock_guard lock(mutex_);
+  return std::exchange(kept_, {});
 }
 
 void LiveStream::on_object_added(StreamedObject object) {

@@ -41,6 +41,10 @@ class LiveStream final : public StreamSink {
   };
   Result<News> take(SceneView& view);
 
+  // From now on every frame is kept, too, for a recording; or no longer.
+  void keep_all(bool keep);
+  std::vector<ReceivedFrame> take_kept();
+
  private:
   struct Event {
     std::optional<StreamedObject> object;
@@ -55,6 +59,8 @@ class LiveStream final : public StreamSink {
   bool holds_ = false;         // the others, until the next frame
   bool lost_ = false;
   News news_;
+  bool keeps_all_ = false;
+  std::vector<ReceivedFrame> kept_;
 };
 
 }  // namespace livegs

@@ -8,21 +8,29 @@
 #include "core/clock.h"
 #include "core/log.h"
 #include "render/choose_camera.h"
+#include "stream/scene_control.h"
 #include "stream/scripted_hands.h"
 #include "stream/session_client.h"
+#include "viewer/control_calls.h"
+#include "viewer/force_arrow.h"
+#include "viewer/force_study.h"
+#include "viewer/frame_meter.h"
 #include "viewer/live_stream.h"
 #include "viewer/load_scene.h"
-#include "viewer/object_line.h"
+#include "viewer/object_panel.h"
 #include "viewer/orbit_camera.h"
 #include "viewer/render_scale.h"
+#include "viewer/study_recording.h"
 #include "xr/window_display.h"
 
 namespace livegs {
 namespace {
 
-constexpr double kBudget_ms = 30;        // of a picture; what is slower is drawn smaller
-constexpr double kMetresANewton = 0.01;  // of the force arrow
+constexpr double kBudget_ms = 30;  // of a picture; what is slower is drawn smaller
 constexpr size_t kRightHand = 1;
+constexpr const char* kHelp =
+    "left: pull   right: turn   middle: shift\nwheel: nearer   WASDQE: fly   space: shoot\nP: pause   full stop: step   "
+    "H: hide panels";
 
 std::string text(const char* format, auto... values) {
   char line[256];
@@ -32,9 +40,9 @@ std::string text(const char* format, auto... values) {
 
 class WindowRun {
  public:
-  WindowRun(const WindowRunOptions& options, SessionClient& client, AssetLibrary& assets, SceneView& view,
-            WindowDisplay& display)
-      : options_(options), client_(client), stream_(assets), view_(view), display_(display) {
+  WindowRun(const WindowRunOptions& options, SessionClient& client, SceneControl& control, AssetLibrary& assets,
+            SceneView& view, WindowDisplay& display)
+      : options_(options), client_(client), calls_(control), stream_(assets), view_(view), display_(display) {
     for (const StreamedObject& object : client.scene().objects) objects_[object.id] = object;
   }
 
@@ -44,13 +52,25 @@ class WindowRun {
   Result<void> take_news();
   Result<void> first_frame();
   void move_camera(const WindowInput& input);
+  void point(const WindowInput& input, const Camera& window);
   void send_hands(const WindowInput& input);
   void send_script();
+  void act(const WindowInput& input);
+  Result<void> begin_recording();
+  void take_answers();
+  Result<void> picture(const PlannedFrame& planned);
+  Result<void> recorded_picture(const PlannedFrame& planned);
+  void draw_force(const Eigen::Vector3d& point_m, const Eigen::Vector3d& force_n, uint32_t object_id,
+                  const Camera& window, WindowOverlay& overlay) const;
+  void draw_study(const ForceStudy& study, const Camera& window, WindowOverlay& overlay) const;
   WindowOverlay overlay(const Camera& window) const;
+  WindowPanels panels() const;
   Result<void> keep_screenshot();
+  const StreamedObject* named(const std::string& name) const;
 
   const WindowRunOptions& options_;
   SessionClient& client_;
+  ControlCalls calls_;
   LiveStream stream_;
   SceneView& view_;
   WindowDisplay& display_;
@@ -61,13 +81,28 @@ class WindowRun {
   std::optional<ScriptedHands> script_;
   InputSample sample_;
   RenderScale scale_{kBudget_ms};
-  std::string notice_ = "waiting for the first frame";
+  FrameMeter meter_;
+  ObjectPanel panel_;
+  ForceStudy study_;
+  std::optional<StudyRecording> recording_;
+  std::string recorded_;  // where the last recording is
+  std::optional<SceneView::Picked> pointed_;  // what the mouse is over
+  bool was_left_ = false, panels_shown_ = true;
+  uint64_t force_until_tick_ = 0;  // of the panel's force
+  std::string notice_ = "waiting for the first frame", refusal_;
   bool over_ = false;
   int64_t begun_ns_ = 0;
-  double frames_a_second_ = 0, shown_a_second_ = 0, age_ms_ = 0;
-  Image screenshot_;
+  std::vector<Image> pictures_;
+  Image screenshot_, recorded_picture_;
   int screenshots_ = 0;
 };
+
+const StreamedObject* WindowRun::named(const std::string& name) const {
+  for (const auto& [id, object] : objects_) {
+    if (object.name == name && !object.environment) return &object;
+  }
+  return nullptr;
+}
 
 Result<void> WindowRun::first_frame() {
   const Eigen::Vector2i size = display_.size_px();
@@ -84,15 +119,27 @@ Result<void> WindowRun::first_frame() {
   camera_.emplace(camera, all.isEmpty() ? 1.0 : (all.center() - eye).norm());
   if (!options_.poke.empty())
     script_.emplace(poke_script(options_.poke), ScriptedHands::Settings{eye, client_.scene().ball_speed_m_s});
+  panel_.select(options_.select);
   begun_ns_ = now_ns();
   notice_.clear();
-  return {};
+  if (!options_.force) return {};
+  const v1::Event::Force& force = *options_.force;
+  const StreamedObject* object = named(force.object());
+  const Eigen::Vector3d rest_point_m(force.point_m(0), force.point_m(1), force.point_m(2));
+  const auto kernel = object ? view_.nearest_kernel(object->id, rest_point_m) : std::nullopt;
+  if (!kernel) return not_found("--force: the scene has no object \"" + force.object() + "\"");
+  study_.aim({force.object(), object->id, *kernel, rest_point_m});
+  study_.choose_force({force.force_n(0), force.force_n(1), force.force_n(2)}, force.duration_s());
+  return begin_recording();
 }
 
 Result<void> WindowRun::take_news() {
   auto news = stream_.take(view_);
   if (!news) return news.error();
-  for (StreamedObject& object : news->described) objects_[object.id] = std::move(object);
+  for (StreamedObject& object : news->described) {
+    study_.follow(object.name, object.id);
+    objects_[object.id] = std::move(object);
+  }
   for (const uint32_t id : news->removed) objects_.erase(id);
   if (news->back) notice_.clear();
   if (news->goodbye) notice_ = "the server says goodbye: " + *news->goodbye;
@@ -107,9 +154,12 @@ Result<void> WindowRun::take_news() {
     notice_ = "the session is over" + (stopped ? std::string() : ": " + stopped.error().message);
     log_warn("%s", notice_.c_str());
   }
+  if (recording_) {
+    for (const ReceivedFrame& frame : stream_.take_kept()) recording_->add(frame);
+    stream_.keep_all(recording_->collecting());
+  }
   if (!news->frame) return {};
   frame_ = std::move(news->frame);
-  age_ms_ = milliseconds_from_ns(now_ns() - frame_->received_ns);
   return camera_ ? Result<void>() : first_frame();
 }
 
@@ -119,6 +169,21 @@ void WindowRun::move_camera(const WindowInput& input) {
   if (input.middle) camera_->pan(input.moved_px, height);
   if (input.scrolled != 0) camera_->zoom(input.scrolled);
   camera_->fly(input.flown, input.passed_s);
+}
+
+// What is under the mouse, and, when it is pressed there, the object that the panels are about.
+void WindowRun::point(const WindowInput& input, const Camera& window) {
+  pointed_.reset();
+  const bool pressed = input.left && !was_left_;
+  was_left_ = input.left;
+  if (input.over_panel || script_ || (input.left && !pressed)) return;
+  const Pose aim = ray_through(window, input.mouse_px);
+  pointed_ = view_.pick(aim.position_m, aim.orientation * -Eigen::Vector3d::UnitZ());
+  if (pointed_ && (pointed_->environment || !objects_.contains(pointed_->object_id))) pointed_.reset();
+  if (!pressed || !pointed_) return;
+  const std::string& name = objects_.at(pointed_->object_id).name;
+  panel_.select(name);
+  study_.aim({name, pointed_->object_id, pointed_->kernel, pointed_->rest_point_m});
 }
 
 void WindowRun::send_hands(const WindowInput& input) {
@@ -131,6 +196,7 @@ void WindowRun::send_hands(const WindowInput& input) {
   hand.shoot = input.shoot;
   ++sample_.sequence;
   sample_.sampled_ns = now_ns();
+  meter_.sampled(sample_.sequence, sample_.sampled_ns);
   client_.send(sample_);
 }
 
@@ -142,27 +208,133 @@ void WindowRun::send_script() {
     }
     return std::nullopt;
   };
-  client_.send(script_->at(seconds_from_ns(now_ns() - begun_ns_), locate));
+  const InputSample sample = script_->at(seconds_from_ns(now_ns() - begun_ns_), locate);
+  meter_.sampled(sample.sequence, now_ns());
+  client_.send(sample);
+}
+
+Result<void> WindowRun::begin_recording() {
+  const Eigen::Vector2i size = display_.size_px();
+  const std::filesystem::path folder = options_.screenshots.empty() ? "out/study" : options_.screenshots;
+  auto begun = StudyRecording::begin(folder, study_, camera_->camera(size.x(), size.y()), client_.scene().rate_hz);
+  if (!begun) return begun.error();
+  recording_.emplace(std::move(*begun));
+  stream_.keep_all(true);
+  return {};
+}
+
+// What a person did to the panels of the last picture, or on the keyboard.
+void WindowRun::act(const WindowInput& input) {
+  const PanelActions& actions = display_.actions();
+  for (ObjectCall& call : panel_.act(actions, objects_)) {
+    if (auto* set = std::get_if<SetPhysicsCall>(&call))
+      calls_.set_physics(set->object, set->physics);
+    else if (auto* undo = std::get_if<UndoPhysicsCall>(&call))
+      calls_.undo_physics(undo->object, undo->redo);
+    else
+      calls_.analyze(std::get<AnalyzeCall>(call).objects);
+  }
+  if (input.hide) panels_shown_ = !panels_shown_;
+  const bool paused = frame_ && frame_->run.paused();
+  v1::ControlRunRequest request;
+  if (actions.pause || input.pause) request.set_pause(actions.pause.value_or(!paused));
+  if (actions.step || input.step) request.set_step_ticks(1);
+  if (actions.reset) request.set_reset(true);
+  if (request.action_case() != v1::ControlRunRequest::ACTION_NOT_SET) {
+    refusal_.clear();
+    calls_.control_run(request);
+  }
+  if (actions.force) study_.choose(*actions.force);
+  if (actions.apply_force && study_.target()) calls_.apply_force(study_.message());
+  if (actions.record_force && study_.target() && !recording_) {
+    if (auto begun = begin_recording(); !begun) refusal_ = begun.error().message;
+  }
+}
+
+void WindowRun::take_answers() {
+  for (const ControlCalls::Answer& answer : calls_.take()) {
+    const std::string why = answer.refused ? answer.refused->message : "";
+    switch (answer.kind) {
+      case ControlCalls::Answer::Kind::Physics:
+        answer.physics ? panel_.take_reply(answer.object, *answer.physics) : panel_.take_refusal(answer.object, why);
+        break;
+      case ControlCalls::Answer::Kind::Analysis:
+        answer.progress ? panel_.take_progress(*answer.progress) : panel_.take_analysis_end(why);
+        break;
+      case ControlCalls::Answer::Kind::Run:
+        refusal_ = why;
+        break;
+      case ControlCalls::Answer::Kind::Force:
+        refusal_ = why;
+        if (answer.refused) {
+          recording_.reset();
+          break;
+        }
+        force_until_tick_ = answer.tick + static_cast<uint64_t>(study_.duration_s() * client_.scene().rate_hz);
+        if (recording_) recording_->force_taken(answer.tick);
+        break;
+    }
+  }
+  if (recording_ && recording_->wants_force()) calls_.apply_force(recording_->study().message());
+}
+
+void WindowRun::draw_force(const Eigen::Vector3d& point_m, const Eigen::Vector3d& force_n, uint32_t object_id,
+                           const Camera& window, WindowOverlay& overlay) const {
+  const auto held = pixel_of(window, point_m);
+  if (!held) return;
+  const auto object = objects_.find(object_id);
+  const Eigen::AlignedBox3d box = view_.bounds(object_id);
+  const double scale = arrow_metres_per_newton(object == objects_.end() ? 0.0 : object->second.mass_kg,
+                                               box.isEmpty() ? 0.0 : box.sizes().maxCoeff());
+  const auto seen = see_arrow(window, point_m, force_n, scale);
+  overlay.arrows.push_back({*held, seen ? std::optional(seen->outline_px) : std::nullopt,
+                            quantity_text(force_n.norm(), Unit::Newton)});
+}
+
+void WindowRun::draw_study(const ForceStudy& study, const Camera& window, WindowOverlay& overlay) const {
+  if (!study.target()) return;
+  const auto point_m = view_.kernel_position_m(study.target()->object_id, study.target()->kernel);
+  if (point_m) draw_force(*point_m, study.force_n(), study.target()->object_id, window, overlay);
+}
+
+WindowPanels WindowRun::panels() const {
+  WindowPanels panels;
+  panels.shown = panels_shown_;
+  RunPanel& run = panels.run;
+  run.paused = frame_ && frame_->run.paused();
+  run.loading = frame_ && frame_->run.loading();
+  run.notice = !notice_.empty() ? notice_ : !refusal_.empty() ? refusal_ : frame_ ? frame_->run.message() : "";
+  run.lines.push_back(view_.renderer_name() + text(", drawn at %.0f %%", 100.0 * scale_.value()));
+  run.lines.push_back(text("%.0f pictures a second of %.0f ticks", meter_.pictures_a_second(), meter_.ticks_a_second()));
+  if (frame_) {
+    run.lines.push_back(text("tick %llu, %.1f s simulated%s", static_cast<unsigned long long>(frame_->tick),
+                             frame_->run.simulated_s(), run.paused ? ", paused" : ""));
+  }
+  run.graph = meter_.graph();
+  if (const auto latency_ms = meter_.hand_to_picture_ms()) {
+    run.latency = text("hand to picture %.0f ms\nskin %.1f ms, render %.1f ms", *latency_ms, view_.last_times().skin_ms,
+                       view_.last_times().raster_ms);
+  }
+  run.help = kHelp;
+  panels.force = study_.shown(recording_ ? recording_->progress() : std::string());
+  if (!recording_ && !recorded_.empty()) panels.force.sentence += " Recorded: " + recorded_;
+  panels.objects = panel_.shown(objects_);
+  return panels;
 }
 
 WindowOverlay WindowRun::overlay(const Camera& window) const {
   WindowOverlay overlay;
-  if (!notice_.empty()) overlay.status.push_back(notice_);
-  overlay.status.push_back(view_.renderer_name());
-  overlay.status.push_back(text("%.0f pictures a second of %.0f frames, drawn at %.0f %%", shown_a_second_,
-                                frames_a_second_, 100.0 * scale_.value()));
-  overlay.status.push_back(text("skin %.1f ms, render %.1f ms, frame %.1f ms old", view_.last_times().skin_ms,
-                                view_.last_times().raster_ms, age_ms_));
-  overlay.status.push_back(
-      "left: pull  right: turn  middle: shift  wheel: nearer  WASDQE: fly  space: shoot");
-  for (const auto& [id, object] : objects_) {
-    if (!object.environment) overlay.objects.push_back(object_line(object));
-  }
+  overlay.panels = panels();
   if (!frame_) return overlay;
   for (const HeldByHand& held : frame_->hands) {
-    const Eigen::Vector3d point = held.point_m.cast<double>(), force = held.force_n.cast<double>();
-    const auto from = pixel_of(window, point), to = pixel_of(window, point + kMetresANewton * force);
-    if (from && to) overlay.arrows.push_back({*from, *to, text("%.1f N", force.norm())});
+    draw_force(held.point_m.cast<double>(), held.force_n.cast<double>(), held.object_id, window, overlay);
+  }
+  const bool acts = frame_->tick <= force_until_tick_;
+  if (acts || (display_.input().over_panel && frame_->hands.empty())) draw_study(study_, window, overlay);
+  if (acts || recording_) overlay.sentence = study_.sentence();
+  if (pointed_ && frame_->hands.empty()) {
+    if (const auto at = pixel_of(window, pointed_->point_m))
+      overlay.aim = WindowAim{*at, objects_.at(pointed_->object_id).name};
   }
   return overlay;
 }
@@ -173,44 +345,76 @@ Result<void> WindowRun::keep_screenshot() {
   return write_png(options_.screenshots / name, screenshot_);
 }
 
+// The present.
+Result<void> WindowRun::picture(const PlannedFrame& planned) {
+  const WindowInput& input = display_.input();
+  const Eigen::Vector2i size = display_.size_px();
+  move_camera(input);
+  script_ ? send_script() : send_hands(input);
+  if (auto drawn = view_.draw(*frame_->drivers, planned.views, pictures_); !drawn) return drawn;
+  scale_.drew(view_.last_times().raster_ms);
+  const Camera window = camera_->camera(size.x(), size.y());
+  point(input, window);
+  act(input);
+  display_.set_overlay(overlay(window));
+  return {};
+}
+
+// The next picture of the recording's video, without panels.
+Result<void> WindowRun::recorded_picture(const PlannedFrame& planned) {
+  const Eigen::Vector2i size = display_.size_px();
+  if (auto drawn = view_.draw(*recording_->next(), planned.views, pictures_); !drawn) return drawn;
+  WindowOverlay overlay;
+  overlay.panels.shown = false;
+  overlay.sentence = recording_->study().sentence();
+  const Camera window = camera_->camera(size.x(), size.y());
+  if (recording_->force_acts()) draw_study(recording_->study(), window, overlay);
+  display_.set_overlay(std::move(overlay));
+  display_.keep_next(recorded_picture_);
+  return {};
+}
+
 Result<void> WindowRun::run(const std::atomic<bool>& interrupted) {
   client_.start(stream_);
   begun_ns_ = now_ns();
-  std::vector<Image> pictures;
-  int64_t second_ns = now_ns();
-  uint64_t shown = 0, first_tick = 0;
+  int64_t second_ns = now_ns(), last_ns = now_ns();
   while (!interrupted) {
     if (auto taken = take_news(); !taken) return taken;
+    take_answers();
+    const bool records = recording_ && recording_->next();
     const Eigen::Vector2i size = display_.size_px();
-    if (camera_) display_.set_camera(camera_->camera(scale_.of(size.x()), scale_.of(size.y())));
+    const auto scaled = [&](int pixels) { return records ? pixels : scale_.of(pixels); };
+    if (camera_) display_.set_camera(camera_->camera(scaled(size.x()), scaled(size.y())));
     const auto planned = display_.wait_frame();
     if (!planned) break;
-    if (camera_) {
-      move_camera(display_.input());
-      script_ ? send_script() : send_hands(display_.input());
-      if (auto drawn = view_.draw(*frame_->drivers, planned->views, pictures); !drawn) return drawn;
-      scale_.drew(view_.last_times().raster_ms);
-      display_.set_overlay(overlay(camera_->camera(size.x(), size.y())));
-    } else {
-      pictures.assign(1, Image{1, 1, {0.08f, 0.08f, 0.1f, 1.0f}});
+    Result<void> drawn;
+    if (!camera_) {
+      pictures_.assign(1, Image{1, 1, {0.08f, 0.08f, 0.1f, 1.0f}});
       display_.set_overlay(overlay({}));
+    } else {
+      drawn = records ? recorded_picture(*planned) : picture(*planned);
     }
+    if (!drawn) return drawn;
     const bool second_is_over = now_ns() - second_ns >= 1'000'000'000;
-    const bool keeps = second_is_over && !options_.screenshots.empty() && camera_;
+    const bool due = options_.screenshot_every > 0 ? planned->index % options_.screenshot_every == 0 : second_is_over;
+    const bool keeps = due && !options_.screenshots.empty() && camera_ && !records;
     if (keeps) display_.keep_next(screenshot_);
-    if (auto submitted = display_.submit(*planned, pictures); !submitted) return submitted;
-    ++shown;
+    if (auto submitted = display_.submit(*planned, pictures_); !submitted) return submitted;
     const int64_t now = now_ns();
-    if (second_is_over) {
-      const double passed_s = seconds_from_ns(now - second_ns);
-      const uint64_t tick = frame_ ? frame_->tick : 0;
-      frames_a_second_ = first_tick == 0 || tick < first_tick ? 0 : static_cast<double>(tick - first_tick) / passed_s;
-      shown_a_second_ = static_cast<double>(shown) / passed_s;
-      first_tick = tick;
-      shown = 0;
-      second_ns = now;
-      if (keeps) {
-        if (auto kept = keep_screenshot(); !kept) return kept;
+    if (frame_ && !records) meter_.shown(*frame_, now, milliseconds_from_ns(now - last_ns));
+    last_ns = now;
+    if (second_is_over) second_ns = now;
+    if (keeps) {
+      if (auto kept = keep_screenshot(); !kept) return kept;
+    }
+    if (records) {
+      if (auto kept = recording_->keep(recorded_picture_); !kept) return kept;
+      if (!recording_->next()) {
+        if (auto finished = recording_->finish(); !finished) return finished;
+        recorded_ = recording_->video_path();
+        log_info("recorded %s", recorded_.c_str());
+        recording_.reset();
+        if (options_.force && options_.seconds == 0) break;
       }
     }
     // Counted from the first frame, if there is to be one.
@@ -249,7 +453,8 @@ Result<void> run_window(const WindowRunOptions& options, const std::atomic<bool>
   AssetLibrary assets(**joined, cache);
   SceneView view(*std::move(renderer));
   if (auto loaded = load_scene((*joined)->scene(), assets, view); !loaded) return loaded;
-  WindowRun run(options, **joined, assets, view, **display);
+  SceneControl control(options.address);
+  WindowRun run(options, **joined, control, assets, view, **display);
   const auto done = run.run(interrupted);
   const auto stopped = (*joined)->stop();  // before the run's stream goes, which its reader calls
   if (!stopped) log_warn("%s", stopped.error().message.c_str());

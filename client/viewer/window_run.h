@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/result.h"
+#include "livegs/v1/scene.pb.h"
 #include "render/choose_renderer.h"
 #include "viewer/camera_file.h"
 
@@ -19,7 +20,11 @@ struct WindowRunOptions {
   std::optional<PictureSize> size;
   std::filesystem::path camera_file;  // empty: all objects from a little above
   std::string poke;                   // an object that is poked as if by the mouse; empty: none
-  std::filesystem::path screenshots;  // a folder for window_NNN.png, one a second; empty: none
+  std::string select;                 // an object that the panels are about from the start; empty: none
+  // A force that is applied and recorded at the start; without `seconds` the window is closed after it.
+  std::optional<v1::Event::Force> force;
+  std::filesystem::path screenshots;  // a folder for window_NNN.png, one a second, and recordings; empty: none
+  int screenshot_every = 0;           // so many pictures, in place of one a second; 0: one a second
   std::filesystem::path cache;        // empty: the user's
   double connect_timeout_s = 5;
   RendererChoice renderer = RendererChoice::Auto;

@@ -9,14 +9,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <utility>
 
 #include "core/assert.h"
+#include "xr/draw_panels.h"
+#include "xr/window_style.h"
 
 namespace livegs {
 namespace {
-
-constexpr float kPanelWidth_px = 300, kMargin_px = 10;
 
 std::string glfw_error() {
   const char* text = nullptr;
@@ -37,20 +38,25 @@ class GlfwWindowDisplay final : public WindowDisplay {
   const WindowInput& input() const override { return input_; }
   Eigen::Vector2i size_px() const override;
   void set_overlay(WindowOverlay overlay) override { overlay_ = std::move(overlay); }
+  const PanelActions& actions() const override { return actions_; }
   void keep_next(Image& image) override { kept_ = &image; }
 
  private:
   void take_input();
   void draw_picture(const Image& image);
-  void draw_overlay() const;
+  void draw_overlay();
+  bool went_down(int key, bool now);
   void read_back(Image& image) const;
 
-  bool initialised_ = false, panels_ = false, space_was_down_ = false;
+  bool initialised_ = false, panels_ = false;
   GLFWwindow* window_ = nullptr;
   GLuint texture_ = 0;
   Camera camera_;
   WindowInput input_;
   WindowOverlay overlay_;
+  PanelDrawer drawer_;
+  PanelActions actions_;
+  std::map<int, bool> keys_down_;
   double last_s_ = 0;
   uint64_t planned_ = 0;
   Image* kept_ = nullptr;
@@ -82,6 +88,7 @@ Result<void> GlfwWindowDisplay::create(const std::string& title, int width, int 
   glfwSwapInterval(1);
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;  // nothing is left in the folder it was started in
+  set_window_style();
   panels_ = ImGui_ImplGlfw_InitForOpenGL(window_, true) && ImGui_ImplOpenGL2_Init();
   glGenTextures(1, &texture_);
   last_s_ = glfwGetTime();
@@ -93,6 +100,8 @@ Eigen::Vector2i GlfwWindowDisplay::size_px() const {
   glfwGetWindowSize(window_, &width, &height);
   return {std::max(1, width), std::max(1, height)};
 }
+
+bool GlfwWindowDisplay::went_down(int key, bool now) { return !std::exchange(keys_down_[key], now) && now; }
 
 void GlfwWindowDisplay::take_input() {
   const ImGuiIO& io = ImGui::GetIO();
@@ -116,9 +125,11 @@ void GlfwWindowDisplay::take_input() {
     return static_cast<double>(down(plus)) - static_cast<double>(down(minus));
   };
   taken.flown = {axis(GLFW_KEY_D, GLFW_KEY_A), axis(GLFW_KEY_E, GLFW_KEY_Q), axis(GLFW_KEY_S, GLFW_KEY_W)};
-  const bool space = down(GLFW_KEY_SPACE);
-  taken.shoot = space && !space_was_down_;
-  space_was_down_ = space;
+  taken.shoot = went_down(GLFW_KEY_SPACE, down(GLFW_KEY_SPACE));
+  taken.hide = went_down(GLFW_KEY_H, down(GLFW_KEY_H));
+  taken.pause = went_down(GLFW_KEY_P, down(GLFW_KEY_P));
+  taken.step = went_down(GLFW_KEY_PERIOD, down(GLFW_KEY_PERIOD));
+  taken.over_panel = io.WantCaptureMouse;
   input_ = taken;
 }
 
@@ -150,33 +161,13 @@ void GlfwWindowDisplay::draw_picture(const Image& image) {
                                            {static_cast<float>(size.x()), static_cast<float>(size.y())});
 }
 
-void GlfwWindowDisplay::draw_overlay() const {
-  ImDrawList& over = *ImGui::GetForegroundDrawList();
-  constexpr ImU32 kColour = IM_COL32(255, 190, 40, 255);
-  for (const WindowOverlay::Arrow& arrow : overlay_.arrows) {
-    const auto at = [](const Eigen::Vector2d& p) {
-      return ImVec2(static_cast<float>(p.x()), static_cast<float>(p.y()));
-    };
-    const Eigen::Vector2d along = arrow.to_px - arrow.from_px;
-    over.AddLine(at(arrow.from_px), at(arrow.to_px), kColour, 3.0f);
-    if (along.norm() > 1.0) {
-      const Eigen::Vector2d forward = 12.0 * along.normalized(), side(-0.5 * forward.y(), 0.5 * forward.x());
-      over.AddTriangleFilled(at(arrow.to_px + 0.5 * forward), at(arrow.to_px - forward + side),
-                             at(arrow.to_px - forward - side), kColour);
-    }
-    over.AddText(at(arrow.to_px + Eigen::Vector2d(10, -18)), kColour, arrow.label.c_str());
-  }
-  // One in each upper corner; a person may move and fold them.
-  const auto panel = [](const char* title, float left, const std::vector<std::string>& lines) {
-    ImGui::SetNextWindowPos({left, kMargin_px}, ImGuiCond_FirstUseEver);
-    ImGui::SetNextWindowSize({kPanelWidth_px, 0});
-    ImGui::SetNextWindowBgAlpha(0.6f);
-    ImGui::Begin(title, nullptr, ImGuiWindowFlags_NoResize);
-    for (const std::string& line : lines) ImGui::TextWrapped("%s", line.c_str());
-    ImGui::End();
-  };
-  panel("Status", kMargin_px, overlay_.status);
-  panel("Objects", static_cast<float>(size_px().x()) - kPanelWidth_px - kMargin_px, overlay_.objects);
+void GlfwWindowDisplay::draw_overlay() {
+  ImDrawList& over = *ImGui::GetBackgroundDrawList();  // over the picture, under the panels
+  const Eigen::Vector2i size = size_px();
+  for (const WindowArrow& arrow : overlay_.arrows) draw_arrow(over, arrow);
+  if (overlay_.aim) draw_aim(over, *overlay_.aim);
+  if (!overlay_.sentence.empty()) draw_sentence(over, size.cast<double>(), overlay_.sentence);
+  actions_ = drawer_.draw(overlay_.panels, static_cast<float>(size.x()), static_cast<float>(size.y()));
 }
 
 Result<void> GlfwWindowDisplay::submit(const PlannedFrame&, std::span<const Image> images) {

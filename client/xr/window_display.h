@@ -3,10 +3,13 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "xr/display.h"
+#include "xr/draw_arrow.h"
+#include "xr/window_panels.h"
 
 namespace livegs {
 
@@ -17,19 +20,18 @@ struct WindowInput {
   double scrolled = 0;  // notches, up is positive
   bool left = false, middle = false, right = false;
   bool shoot = false;              // space went down
+  bool over_panel = false;         // the mouse is a panel's
+  bool hide = false, pause = false, step = false;  // H, P, the full stop went down
   Eigen::Vector3d flown{0, 0, 0};  // D - A, E - Q, S - W: -1, 0 or 1 each
   double passed_s = 0;             // since the frame before
 };
 
 // What stands over the picture.
 struct WindowOverlay {
-  struct Arrow {
-    Eigen::Vector2d from_px, to_px;
-    std::string label;
-  };
-  std::vector<Arrow> arrows;
-  std::vector<std::string> status;   // lines of the first panel
-  std::vector<std::string> objects;  // lines of the second
+  std::vector<WindowArrow> arrows;
+  std::optional<WindowAim> aim;
+  std::string sentence;  // empty: none
+  WindowPanels panels;
 };
 
 // A desktop window: GLFW, with Dear ImGui over the picture. Pictures come as images, whatever drew them, and
@@ -43,6 +45,7 @@ class WindowDisplay : public Display {
   virtual const WindowInput& input() const = 0;       // of the last wait_frame
   virtual Eigen::Vector2i size_px() const = 0;        // of the window's contents now
   virtual void set_overlay(WindowOverlay overlay) = 0;
+  virtual const PanelActions& actions() const = 0;  // on the panels of the last submit
   // What the next submit shows, panels included, is kept in `image`, which outlives it.
   virtual void keep_next(Image& image) = 0;
 };

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/force_study.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "viewer/quantity_text.h"
+
+namespace livegs {
+namespace {
+
+constexpr double kRadian_deg = std::numbers::pi / 180;
+
+}  // namespace
+
+Eigen::Vector3d direction_of(double yaw_deg, double pitch_deg) {
+  const double yaw = kRadian_deg * yaw_deg, pitch = kRadian_deg * pitch_deg;
+  return {std::cos(pitch) * std::sin(yaw), std::sin(pitch), std::cos(pitch) * std::cos(yaw)};
+}
+
+void ForceStudy::choose_force(const Eigen::Vector3d& force_n, double duration_s) {
+  const double size = force_n.norm();
+  chosen_ = {size, duration_s, std::atan2(force_n.x(), force_n.z()) / kRadian_deg,
+             size > 0 ? std::asin(std::clamp(force_n.y() / size, -1.0, 1.0)) / kRadian_deg : 0};
+}
+
+Eigen::Vector3d ForceStudy::force_n() const {
+  return chosen_.size_n * direction_of(chosen_.yaw_deg, chosen_.pitch_deg);
+}
+
+std::string ForceStudy::sentence() const {
+  return "Apply a force of " + quantity_text(chosen_.size_n, Unit::Newton) + " to the " +
+         (target_ ? target_->object : "thing") + " for " + quantity_text(chosen_.duration_s, Unit::Second) + ".";
+}
+
+v1::Event::Force ForceStudy::message() const {
+  v1::Event::Force force;
+  force.set_object(target_->object);
+  const Eigen::Vector3d along = force_n();
+  for (int i = 0; i < 3; ++i) force.add_point_m(target_->rest_point_m[i]);
+  for (int i = 0; i < 3; ++i) force.add_force_n(along[i]);
+  force.set_duration_s(chosen_.duration_s);
+  return force;
+}
+
+ForcePanel ForceStudy::shown(std::string progress) const {
+  ForcePanel panel;
+  panel.ready = target_.has_value();
+  panel.target = target_ ? "On the " + target_->object + ", where it was last clicked"
+                         : "Click on a thing in the picture to choose a point.";
+  panel.size_n = chosen_.size_n;
+  panel.duration_s = chosen_.duration_s;
+  panel.yaw_deg = chosen_.yaw_deg;
+  panel.pitch_deg = chosen_.pitch_deg;
+  panel.sentence = sentence();
+  panel.progress = std::move(progress);
+  return panel;
+}
+
+Result<v1::Event::Force> parse_force(const std::string& text) {
+  const auto refuse = [&] {
+    return invalid_argument("--force " + text +
+                            ": is not OBJECT:X,Y,Z:FX,FY,FZ:SECONDS, as in pillow:0,0.1,0:0,12,0:0.5");
+  };
+  // The numbers stand last: a name may hold a colon.
+  size_t at = text.size();
+  for (int part = 0; part < 3; ++part) {
+    at = at == 0 ? std::string::npos : text.rfind(':', at - 1);
+    if (at == std::string::npos) return refuse();
+  }
+  double p[3], f[3], seconds = 0;
+  int used = 0;
+  const std::string numbers = text.substr(at + 1);
+  if (std::sscanf(numbers.c_str(), "%lf,%lf,%lf:%lf,%lf,%lf:%lf%n", &p[0], &p[1], &p[2], &f[0], &f[1], &f[2], &seconds,
+                  &used) != 7 ||
+      used != static_cast<int>(numbers.size()) || at == 0) {
+    return refuse();
+  }
+  v1::Event::Force force;
+  force.set_object(text.substr(0, at));
+  for (double number : p) force.add_point_m(number);
+  for (double number : f) force.add_force_n(number);
+  force.set_duration_s(seconds);
+  return force;
+}
+
+}  // namespace livegs

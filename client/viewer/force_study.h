@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+
+#include "livegs/v1/scene.pb.h"
+#include "render/scene_view.h"
+#include "xr/window_panels.h"
+
+namespace livegs {
+
+// A force of chosen size and direction on a chosen point for a chosen time, as the elastic study of LIVE-GS asks
+// people to compare. What is chosen; the server is asked elsewhere. One thread.
+class ForceStudy {
+ public:
+  struct Target {
+    std::string object;
+    uint32_t object_id = 0;
+    size_t kernel = 0;             // that is followed
+    Eigen::Vector3d rest_point_m;  // in the object's frame
+  };
+  void aim(Target target) { target_ = std::move(target); }
+  // An object was described, perhaps under another id than before.
+  void follow(const std::string& object, uint32_t object_id) {
+    if (target_ && target_->object == object) target_->object_id = object_id;
+  }
+  const std::optional<Target>& target() const { return target_; }
+
+  void choose(const PanelActions::Force& chosen) { chosen_ = chosen; }
+  void choose_force(const Eigen::Vector3d& force_n, double duration_s);
+
+  Eigen::Vector3d force_n() const;
+  double duration_s() const { return chosen_.duration_s; }
+  // "Apply a force of 5 N to the pillow for 1 s."
+  std::string sentence() const;
+  // Precondition: there is a target.
+  v1::Event::Force message() const;
+  ForcePanel shown(std::string progress) const;
+
+ private:
+  std::optional<Target> target_;
+  PanelActions::Force chosen_{5, 1, 0, 90};
+};
+
+// "OBJECT:X,Y,Z:FX,FY,FZ:SECONDS", the point in the object's rest coordinates. The error says what is wrong.
+Result<v1::Event::Force> parse_force(const std::string& text);
+
+// Yaw about +Y from +Z, pitch upwards; degrees.
+Eigen::Vector3d direction_of(double yaw_deg, double pitch_deg);
+
+}  // namespace livegs

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "xr/draw_arrow.h"
+
+#include "xr/window_style.h"
+
+namespace livegs {
+namespace {
+
+constexpr ImU32 kDark = IM_COL32(20, 16, 10, 255), kLight = IM_COL32(255, 250, 240, 255);
+constexpr ImU32 kPlate = IM_COL32(16, 18, 22, 215);
+
+ImVec2 at(const Eigen::Vector2d& point) {
+  return {static_cast<float>(point.x()), static_cast<float>(point.y())};
+}
+
+// Text on a dark plate whose left middle is here.
+void draw_label(ImDrawList& list, const Eigen::Vector2d& left_px, const std::string& label, ImU32 ink) {
+  const ImVec2 size = ImGui::CalcTextSize(label.c_str());
+  const ImVec2 from(static_cast<float>(left_px.x()), static_cast<float>(left_px.y()) - 0.5f * size.y);
+  list.AddRectFilled({from.x - 6, from.y - 3}, {from.x + size.x + 6, from.y + size.y + 3}, kPlate, 4);
+  list.AddText(from, ink, label.c_str());
+}
+
+}  // namespace
+
+void draw_arrow(ImDrawList& list, const WindowArrow& arrow) {
+  Eigen::Vector2d label_px = arrow.held_px + Eigen::Vector2d(16, 0);
+  if (arrow.outline_px) {
+    std::array<ImVec2, 7> corners;
+    for (size_t i = 0; i < corners.size(); ++i) corners[i] = at((*arrow.outline_px)[i]);
+    list.AddPolyline(corners.data(), 7, kLight, ImDrawFlags_Closed, 7);
+    list.AddPolyline(corners.data(), 7, kDark, ImDrawFlags_Closed, 4);
+    list.AddQuadFilled(corners[0], corners[1], corners[5], corners[6], kForceInk);
+    list.AddTriangleFilled(corners[2], corners[3], corners[4], kForceInk);
+    const Eigen::Vector2d tip = (*arrow.outline_px)[3];
+    label_px = tip + Eigen::Vector2d(16, tip.y() < arrow.held_px.y() ? -10 : 10);
+  }
+  list.AddCircleFilled(at(arrow.held_px), 8, kLight);
+  list.AddCircleFilled(at(arrow.held_px), 6.5f, kDark);
+  list.AddCircleFilled(at(arrow.held_px), 4, kForceInk);
+  if (!arrow.label.empty()) draw_label(list, label_px, arrow.label, IM_COL32(255, 190, 90, 255));
+}
+
+void draw_aim(ImDrawList& list, const WindowAim& aim) {
+  list.AddCircle(at(aim.at_px), 9, kDark, 0, 4);
+  list.AddCircle(at(aim.at_px), 9, kLight, 0, 1.5f);
+  if (!aim.label.empty()) draw_label(list, aim.at_px + Eigen::Vector2d(22, 16), aim.label, kInk);
+}
+
+void draw_sentence(ImDrawList& list, const Eigen::Vector2d& size_px, const std::string& sentence) {
+  const float width = ImGui::CalcTextSize(sentence.c_str()).x;
+  draw_label(list, {0.5 * (size_px.x() - width), size_px.y() - 28}, sentence, kInk);
+}
+
+}  // namespace livegs

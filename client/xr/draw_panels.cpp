@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "xr/draw_panels.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+#include "xr/draw_frame_graph.h"
+#include "xr/window_style.h"
+
+namespace livegs {
+namespace {
+
+constexpr float kMargin_px = 10, kLeftWidth_px = 300, kRightWidth_px = 390, kTextWidth_px = 84;
+
+void coloured(ImU32 colour, const std::string& text) {
+  ImGui::PushStyleColor(ImGuiCol_Text, colour);
+  ImGui::TextWrapped("%s", text.c_str());
+  ImGui::PopStyleColor();
+}
+
+bool button(const char* name, bool possible = true, float width_px = 0) {
+  ImGui::BeginDisabled(!possible);
+  const bool pressed = ImGui::Button(name, {width_px, 0});
+  ImGui::EndDisabled();
+  return pressed;
+}
+
+}  // namespace
+
+PanelActions PanelDrawer::draw(const WindowPanels& panels, float width_px, float height_px) {
+  PanelActions actions;
+  if (!panels.shown) return actions;
+  ImGui::SetNextWindowPos({kMargin_px, kMargin_px}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSize({kLeftWidth_px, 0});
+  ImGui::Begin("Run", nullptr, ImGuiWindowFlags_NoResize);
+  draw_run(panels.run, actions);
+  ImGui::Separator();
+  draw_force(panels.force, actions);
+  ImGui::End();
+
+  const float right_px = std::min(kRightWidth_px, std::max(200.0f, width_px - kLeftWidth_px - 3 * kMargin_px));
+  ImGui::SetNextWindowPos({width_px - right_px - kMargin_px, kMargin_px}, ImGuiCond_FirstUseEver);
+  // With an object open it takes the whole height: a panel that fits itself to what it holds is a picture late.
+  ImGui::SetNextWindowSize({right_px, panels.objects.selected ? height_px - 2 * kMargin_px : 0});
+  ImGui::Begin("Objects", nullptr, ImGuiWindowFlags_NoResize);
+  draw_objects(panels.objects, actions);
+  ImGui::End();
+  return actions;
+}
+
+void PanelDrawer::draw_run(const RunPanel& run, PanelActions& actions) {
+  const float third = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
+  if (button(run.paused ? "Go on" : "Pause", true, third)) actions.pause = !run.paused;
+  ImGui::SameLine();
+  actions.step = button("Step", true, third);
+  ImGui::SameLine();
+  actions.reset = button(run.loading ? "Loading" : "Reset", !run.loading, third);
+  if (!run.notice.empty()) coloured(kRefusalInk, run.notice);
+  for (const std::string& line : run.lines) coloured(kDimInk, line);
+  draw_frame_graph(run.graph);
+  if (!run.latency.empty()) coloured(kDimInk, run.latency);
+  if (!run.help.empty()) coloured(kDimInk, run.help);
+}
+
+void PanelDrawer::draw_force(const ForcePanel& force, PanelActions& actions) {
+  ImGui::TextUnformatted("Force");
+  coloured(force.ready ? kInk : kDimInk, force.target);
+  if (!force.ready && force.progress.empty()) return;
+  PanelActions::Force set{force.size_n, force.duration_s, force.yaw_deg, force.pitch_deg};
+  bool changed = false;
+  const auto slider = [&](const char* name, const char* format, double& value, double low, double high,
+                          ImGuiSliderFlags flags = 0) {
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextUnformatted(name);
+    ImGui::SameLine(kTextWidth_px);
+    ImGui::SetNextItemWidth(-1);
+    changed |= ImGui::SliderScalar((std::string("##") + name).c_str(), ImGuiDataType_Double, &value, &low, &high, format,
+                                   flags);
+  };
+  slider("Size", "%.3g N", set.size_n, 0.1, 1000, ImGuiSliderFlags_Logarithmic);
+  slider("Time", "%.2f s", set.duration_s, 0.05, 10, ImGuiSliderFlags_Logarithmic);
+  slider("About", "%.0f deg", set.yaw_deg, -180, 180);
+  slider("Upwards", "%.0f deg", set.pitch_deg, -90, 90);
+  if (changed) actions.force = set;
+  const float half = 0.5f * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
+  actions.apply_force = button("Apply", force.progress.empty(), half);
+  ImGui::SameLine();
+  actions.record_force = button("Apply and record", force.progress.empty(), half);
+  coloured(kDimInk, force.progress.empty() ? force.sentence : force.progress);
+}
+
+void PanelDrawer::draw_objects(const ObjectsPanel& objects, PanelActions& actions) {
+  if (ImGui::BeginTable("list", 3)) {
+    ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthStretch, 1.0f);
+    ImGui::TableSetupColumn("kind", ImGuiTableColumnFlags_WidthStretch, 2.0f);
+    ImGui::TableSetupColumn("mass", ImGuiTableColumnFlags_WidthFixed, kTextWidth_px);
+    for (size_t i = 0; i < objects.entries.size(); ++i) {
+      const ObjectsPanel::Entry& entry = objects.entries[i];
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      ImGui::PushID(static_cast<int>(i));
+      if (ImGui::Selectable(entry.name.c_str(), objects.selected == i, ImGuiSelectableFlags_SpanAllColumns)) {
+        actions.selected = i;
+      }
+      ImGui::PopID();
+      ImGui::PushStyleColor(ImGuiCol_Text, kDimInk);
+      ImGui::TableNextColumn();
+      ImGui::TextUnformatted(entry.kind.c_str());
+      ImGui::TableNextColumn();
+      ImGui::SetCursorPosX(ImGui::GetCursorPosX() + ImGui::GetContentRegionAvail().x -
+                           ImGui::CalcTextSize(entry.mass.c_str()).x);
+      ImGui::TextUnformatted(entry.mass.c_str());
+      ImGui::PopStyleColor();
+    }
+    ImGui::EndTable();
+  }
+  if (objects.selected) {
+    ImGui::Separator();
+    for (const std::string& fact : objects.facts) ImGui::TextWrapped("%s", fact.c_str());
+    ImGui::Spacing();
+    for (size_t i = 0; i < objects.rows.size(); ++i) draw_row(i, objects.rows[i], actions);
+    if (objects.fragile) {
+      bool fragile = *objects.fragile;
+      if (ImGui::Checkbox("Fragile: it breaks when it is hit", &fragile)) actions.fragile = fragile;
+    }
+    for (const ObjectsPanel::Message& message : objects.messages) {
+      coloured(message.refusal ? kRefusalInk : kNoteInk, message.text);
+    }
+  } else {
+    coloured(kDimInk, "Click on a thing, here or in the picture, to see and change what it is made of.");
+  }
+  ImGui::Spacing();
+  if (objects.selected) {
+    actions.undo = button("Undo");
+    ImGui::SameLine();
+    actions.redo = button("Redo");
+    ImGui::SameLine();
+    actions.analyse = button("Analyse again", objects.progress.empty());
+    ImGui::SameLine();
+  }
+  actions.analyse_all = button("Analyse all", objects.progress.empty());
+  if (!objects.progress.empty()) coloured(kDimInk, objects.progress);
+}
+
+void PanelDrawer::draw_row(size_t index, const ValueRow& row, PanelActions& actions) {
+  ImGui::PushID(row.name.c_str());
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted(row.name.c_str());
+  const float width = ImGui::GetContentRegionAvail().x;
+
+  ImGui::SameLine(0.45f * width);
+  const bool held = held_ == row.name;
+  float position = held ? held_position_ : static_cast<float>(row.position);
+  ImGui::SetNextItemWidth(0.55f * width - kTextWidth_px - ImGui::GetStyle().ItemSpacing.x +
+                          ImGui::GetStyle().WindowPadding.x);
+  const ImVec2 from = ImGui::GetCursorScreenPos();
+  ImGui::SliderFloat("##slider", &position, 0, 1, "", ImGuiSliderFlags_NoInput | ImGuiSliderFlags_NoRoundToFormat);
+  const bool active = ImGui::IsItemActive(), released = ImGui::IsItemDeactivatedAfterEdit();
+  const ImVec2 size = ImGui::GetItemRectSize();
+  if (row.range_high > row.range_low) {  // the estimate's range
+    const float inside = size.x - 4;
+    ImGui::GetWindowDrawList()->AddRectFilled(
+        {from.x + 2 + inside * static_cast<float>(row.range_low), from.y + size.y - 4},
+        {from.x + 2 + std::max(inside * static_cast<float>(row.range_high), inside * static_cast<float>(row.range_low) + 2),
+         from.y + size.y - 1},
+        kPictureInk, 1);
+  }
+  if (released) actions.released = {index, position};
+  if (active) {
+    held_ = row.name;
+    held_position_ = position;
+  } else if (held) {
+    held_.clear();
+  }
+
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(kTextWidth_px);
+  const std::string shown = held && row.text_at ? row.text_at(held_position_) : row.value;
+  std::array<char, 64> text{};  // while a person types, ImGui has its own
+  std::snprintf(text.data(), text.size(), "%s", shown.c_str());
+  if (ImGui::InputText("##value", text.data(), text.size(),
+                       ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll)) {
+    actions.typed = {index, std::string(text.data())};
+  }
+
+  coloured(kDimInk, row.origin);
+  if (!row.reason.empty()) coloured(kDimInk, row.reason);
+  ImGui::Spacing();
+  ImGui::PopID();
+}
+
+}  // namespace livegs
