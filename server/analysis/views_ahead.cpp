@@ -15,7 +15,7 @@ namespace {
 
 // One core each at most; `behind`, a small part of it while others want it. Not the idle class, which beside busy
 // programs gets nothing at all for minutes.
-constexpr int kNiceBehind = 10;
+constexpr int kNiceBehind = 15;
 void become_drawer(bool behind) {
   pthread_setname_np(pthread_self(), "views");
   if (behind) (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNiceBehind);
@@ -33,7 +33,8 @@ ViewsAhead::ViewsAhead(std::span<const AnalysisTarget> targets, const TargetView
       made_(targets.size()),
       asked_to_stop_(std::move(stop)) {
   follow_.emplace(asked_to_stop_, [this] { ended_.request_stop(); });
-  const size_t cores = std::max(1u, std::thread::hardware_concurrency());
+  // Beside a simulation half of the cores stay free of drawing, for the threads that share a tick.
+  const size_t cores = std::max(1u, std::thread::hardware_concurrency() / (behind_ ? 2 : 1));
   for (size_t i = 0; i < std::min({cores, kContextLag, targets.size()}); ++i) {
     threads_.emplace_back([this] { work(); });
   }
