@@ -6,6 +6,16 @@
 #include <utility>
 
 namespace livegs {
+namespace {
+
+ControlCalls::Answer answer_of(ControlCalls::Answer::Kind kind, std::string object = {}) {
+  ControlCalls::Answer answer;
+  answer.kind = kind;
+  answer.object = std::move(object);
+  return answer;
+}
+
+}  // namespace
 
 ControlCalls::Lane::~Lane() {
   thread_.request_stop();
@@ -51,9 +61,7 @@ std::vector<ControlCalls::Answer> ControlCalls::take() {
 void ControlCalls::set_physics(std::string object, v1::Physics physics) {
   quick_.post([this, object = std::move(object), physics = std::move(physics)] {
     auto reply = control_.set_physics(object, physics);
-    Answer told;
-    told.kind = Answer::Kind::Physics;
-    told.object = object;
+    Answer told = answer_of(Answer::Kind::Physics, object);
     reply ? void(told.physics = *std::move(reply)) : void(told.refused = reply.error());
     answer(std::move(told));
   });
@@ -62,9 +70,7 @@ void ControlCalls::set_physics(std::string object, v1::Physics physics) {
 void ControlCalls::undo_physics(std::string object, bool redo) {
   quick_.post([this, object = std::move(object), redo] {
     auto reply = control_.undo_physics(object, redo);
-    Answer told;
-    told.kind = Answer::Kind::Physics;
-    told.object = object;
+    Answer told = answer_of(Answer::Kind::Physics, object);
     reply ? void(told.physics = *std::move(reply)) : void(told.refused = reply.error());
     answer(std::move(told));
   });
@@ -73,15 +79,12 @@ void ControlCalls::undo_physics(std::string object, bool redo) {
 void ControlCalls::analyze(std::vector<std::string> objects) {
   analyses_.post([this, objects = std::move(objects)] {
     const auto done = control_.analyze(objects, [this](const v1::AnalysisProgress& progress) {
-      Answer told;
-    told.kind = Answer::Kind::Analysis;
-    told.object = progress.object();
+      Answer told = answer_of(Answer::Kind::Analysis, progress.object());
       told.progress = progress;
       told.last = false;
       answer(std::move(told));
     });
-    Answer told;
-    told.kind = Answer::Kind::Analysis;
+    Answer told = answer_of(Answer::Kind::Analysis);
     if (!done) told.refused = done.error();
     answer(std::move(told));
   });
@@ -89,8 +92,7 @@ void ControlCalls::analyze(std::vector<std::string> objects) {
 
 void ControlCalls::control_run(v1::ControlRunRequest request) {
   quick_.post([this, request = std::move(request)] {
-    Answer told;
-    told.kind = Answer::Kind::Run;
+    Answer told = answer_of(Answer::Kind::Run);
     if (auto state = control_.control_run(request); !state) told.refused = state.error();
     answer(std::move(told));
   });
@@ -98,9 +100,7 @@ void ControlCalls::control_run(v1::ControlRunRequest request) {
 
 void ControlCalls::apply_force(v1::Event::Force force) {
   quick_.post([this, force = std::move(force)] {
-    Answer told;
-    told.kind = Answer::Kind::Force;
-    told.object = force.object();
+    Answer told = answer_of(Answer::Kind::Force, force.object());
     auto taken = control_.apply_force(force);
     taken ? void(told.tick = *taken) : void(told.refused = taken.error());
     answer(std::move(told));

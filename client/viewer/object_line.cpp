@@ -1,17 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "viewer/object_line.h"
 
-#include <cstdio>
+#include "core/format_text.h"
 
 namespace livegs {
 namespace {
-
-template <class... Values>
-std::string text(const char* format, Values... values) {
-  char part[256];
-  std::snprintf(part, sizeof part, format, values...);
-  return part;
-}
 
 const char* band_name(v1::ElasticAccuracy::Band band) {
   switch (band) {
@@ -31,23 +24,23 @@ const char* band_name(v1::ElasticAccuracy::Band band) {
 std::string object_line(const StreamedObject& object) {
   std::string line = object.name;
   if (!object.elastic) {
-    line += object.mass_kg > 0 ? text(": rigid, %.3g kg", object.mass_kg) : ": static";
+    line += object.mass_kg > 0 ? format_text(": rigid, %.3g kg", object.mass_kg) : ": static";
     if (!object.fragility) return line;
     const v1::Fragility& fragility = *object.fragility;
-    if (object.rest.revision > 0) return line + text(", broken into %u", fragility.bodies());
-    return line + text(", fragile: breaks at %.3g N s, a drop of %.2f m", fragility.break_impulse_n_s(),
+    if (object.rest.revision > 0) return line + format_text(", broken into %u", fragility.bodies());
+    return line + format_text(", fragile: breaks at %.3g N s, a drop of %.2f m", fragility.break_impulse_n_s(),
                        fragility.drop_height_m());
   }
   const v1::ElasticAccuracy& elastic = *object.elastic;
-  line += text(": elastic, %.3g kg, E %.3g Pa %s", object.mass_kg, elastic.youngs_modulus_pa(),
+  line += format_text(": elastic, %.3g kg, E %.3g Pa %s", object.mass_kg, elastic.youngs_modulus_pa(),
                band_name(elastic.band()));
   if (elastic.band() == v1::ElasticAccuracy::CLIPPED) {
-    line += text(" to %.3g Pa", elastic.reached_youngs_modulus_pa());
+    line += format_text(" to %.3g Pa", elastic.reached_youngs_modulus_pa());
   }
   if (elastic.modulus_ratio_high() > 0) {
-    line += text(" (%.3g to %.3g of it)", elastic.modulus_ratio_low(), elastic.modulus_ratio_high());
+    line += format_text(" (%.3g to %.3g of it)", elastic.modulus_ratio_low(), elastic.modulus_ratio_high());
   }
-  return line + text("; cells %.3g mm, %u substeps, Courant %.2f, %llu nodes, %.0f kB",
+  return line + format_text("; cells %.3g mm, %u substeps, Courant %.2f, %llu nodes, %.0f kB",
                      1e3 * elastic.cell_width_m(), elastic.substeps(), elastic.courant(),
                      static_cast<unsigned long long>(elastic.nodes()),
                      1e-3 * static_cast<double>(elastic.bytes()));

@@ -2,18 +2,13 @@
 #include "viewer/object_panel.h"
 
 #include <cctype>
-#include <cstdio>
+
+#include "core/format_text.h"
 
 namespace livegs {
 namespace {
 
 constexpr size_t kLongestReason = 150;  // characters
-
-std::string text(const char* format, auto... values) {
-  char line[320];
-  std::snprintf(line, sizeof line, format, values...);
-  return line;
-}
 
 const char* behavior_text(v1::Physics::Behavior behavior) {
   switch (behavior) {
@@ -56,7 +51,7 @@ std::string stiffness_text(const v1::ElasticAccuracy& elastic) {
     case v1::ElasticAccuracy::EXACT:
       return asked + " is simulated to 4 %";
     case v1::ElasticAccuracy::BAND:
-      return asked + text(" is simulated as %.2f to %.2f of it", elastic.modulus_ratio_low(), elastic.modulus_ratio_high());
+      return asked + format_text(" is simulated as %.2f to %.2f of it", elastic.modulus_ratio_low(), elastic.modulus_ratio_high());
     case v1::ElasticAccuracy::CLIPPED:
       return asked + " is out of reach at this rate; " +
              quantity_text(elastic.reached_youngs_modulus_pa(), Unit::Pascal) + " is simulated";
@@ -85,7 +80,7 @@ std::vector<const StreamedObject*> listed(const ObjectPanel::Objects& objects) {
 ObjectsPanel::Entry list_entry(const StreamedObject& object) {
   std::string kind = behavior_text(object.physics.behavior());
   if (!object.physics.material().empty()) kind = object.physics.material() + ", " + kind;
-  if (object.fragility && object.fragility->bodies() > 1) kind += text(", in %u", object.fragility->bodies());
+  if (object.fragility && object.fragility->bodies() > 1) kind += format_text(", in %u", object.fragility->bodies());
   return {object.name, kind, object.mass_kg > 0 ? quantity_text(object.mass_kg, Unit::Kilogram) : ""};
 }
 
@@ -95,7 +90,7 @@ std::vector<std::string> object_facts(const StreamedObject& object) {
   if (!physics.label().empty()) {
     facts.push_back(object.name + ": taken for " + physics.label() +
                     (physics.material().empty() ? "" : " of " + physics.material()) +
-                    text(", %.0f %% sure", 100 * physics.confidence()));
+                    format_text(", %.0f %% sure", 100 * physics.confidence()));
   }
   std::string is = std::string(behavior_text(physics.behavior())) + fill_text(physics.fill());
   is.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(is.front())));
@@ -103,9 +98,9 @@ std::vector<std::string> object_facts(const StreamedObject& object) {
   facts.push_back(is);
   if (object.elastic) facts.push_back(stiffness_text(*object.elastic));
   if (object.fragility && object.fragility->bodies() > 1) {
-    facts.push_back(text("Broken into %u", object.fragility->bodies()));
+    facts.push_back(format_text("Broken into %u", object.fragility->bodies()));
   } else if (object.fragility) {
-    facts.push_back(text("Breaks into up to %u when it falls %.2f m", object.fragility->pieces(),
+    facts.push_back(format_text("Breaks into up to %u when it falls %.2f m", object.fragility->pieces(),
                          object.fragility->drop_height_m()));
   }
   return facts;
@@ -201,7 +196,7 @@ void ObjectPanel::take_progress(const v1::AnalysisProgress& progress) {
     progress_ = "Analysing " + progress.object() + (progress.stage() == v1::AnalysisProgress::ASKED ? ": the model is asked" : "");
     return;
   }
-  progress_ = text("Analysed %u of %u: ", progress.finished(), progress.objects()) + progress.object();
+  progress_ = format_text("Analysed %u of %u: ", progress.finished(), progress.objects()) + progress.object();
   std::vector<ObjectsPanel::Message>& said = messages_[progress.object()];
   said.clear();
   if (!progress.message().empty()) said.push_back({false, progress.message()});

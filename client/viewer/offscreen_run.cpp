@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "viewer/offscreen_run.h"
 
-#include <cstdio>
 #include <map>
 #include <thread>
 
 #include "core/clock.h"
 #include "core/file.h"
+#include "core/format_text.h"
 #include "core/log.h"
 #include "render/choose_camera.h"
 #include "stream/session_client.h"
@@ -185,37 +185,32 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
 
 std::string summary_text(const OffscreenRunSummary& summary) {
   std::string text;
-  const auto append = [&](const char* format, auto... values) {
-    char line[256];
-    std::snprintf(line, sizeof line, format, values...);
-    text += line;
-  };
   const auto count = [](uint64_t value) { return static_cast<unsigned long long>(value); };
-  append("client of %s: %zu objects, %zu kernels; %zu of %zu assets fetched, %.1f MB\n",
+  text += format_text("client of %s: %zu objects, %zu kernels; %zu of %zu assets fetched, %.1f MB\n",
          summary.scene_address.c_str(), summary.objects, summary.kernels, summary.assets.fetched,
          summary.assets.assets, static_cast<double>(summary.assets.fetched_bytes) * 1e-6);
   for (const std::string& line : summary.object_lines) text += "  " + line + "\n";
   const ReceivedLog::Summary& received = summary.received;
-  append("received: %llu frames in %.1f s, %.1f a second of %.1f; %llu ticks not sent\n",
+  text += format_text("received: %llu frames in %.1f s, %.1f a second of %.1f; %llu ticks not sent\n",
          count(received.frames), received.seconds, received.rate_hz, summary.server_rate_hz,
          count(received.missed_ticks));
   if (summary.outages.count > 0) {
-    append("  the stream was gone %llu times and came back %llu times, after %.1f s in all, %llu of them from a server that "
+    text += format_text("  the stream was gone %llu times and came back %llu times, after %.1f s in all, %llu of them from a server that "
            "was started anew; last reason: %.80s\n",
            count(summary.outages.count), count(summary.outages.resumed), summary.outages.seconds,
            count(summary.outages.restarted), summary.outages.last_reason.c_str());
   }
-  append(
+  text += format_text(
       "  staleness p50 %.2f ms, p99 %.2f ms, known to %.2f ms; %.0f bytes a frame p50, %.0f p99; server tick p50 %.2f ms, p99 "
       "%.2f ms\n",
       received.age_ms_p50, received.age_ms_p99, received.clock_uncertainty_ms, received.bytes_p50, received.bytes_p99, received.step_ms_p50,
       received.step_ms_p99);
   const DrawnLog::Summary& drawn = summary.drawn;
-  append("drawn: %llu pictures by %s; skinning p50 %.2f ms, p99 %.2f ms; render p50 %.2f ms, p99 %.2f ms\n",
+  text += format_text("drawn: %llu pictures by %s; skinning p50 %.2f ms, p99 %.2f ms; render p50 %.2f ms, p99 %.2f ms\n",
          count(drawn.pictures), summary.renderer.c_str(), drawn.skin_ms_p50, drawn.skin_ms_p99,
          drawn.raster_ms_p50, drawn.raster_ms_p99);
   if (summary.dropped_frames > 0) {
-    append("  %llu frames were dropped from a full backlog: the video skips\n",
+    text += format_text("  %llu frames were dropped from a full backlog: the video skips\n",
            count(summary.dropped_frames));
   }
   return text;

@@ -4,9 +4,9 @@
 #include <google/protobuf/util/json_util.h>
 
 #include <cmath>
-#include <cstdio>
 
 #include "core/file.h"
+#include "core/format_text.h"
 #include "viewer/camera_file.h"
 
 namespace livegs {
@@ -23,9 +23,7 @@ Result<StudyRecording> StudyRecording::begin(const std::filesystem::path& folder
   if (error) return invalid_argument(folder.string() + ": cannot be made: " + error.message());
   std::filesystem::path stem;
   for (int number = 1; stem.empty() || std::filesystem::exists(stem.string() + ".txt"); ++number) {
-    char name[32];
-    std::snprintf(name, sizeof name, "study_%03d", number);
-    stem = folder / name;
+    stem = folder / format_text("study_%03d", number);
   }
   std::string json;
   google::protobuf::util::JsonPrintOptions options;
@@ -84,16 +82,13 @@ Result<void> StudyRecording::keep(const Image& picture) {
 Result<void> StudyRecording::finish() { return video_ ? video_->finish() : Result<void>(); }
 
 std::string StudyRecording::progress() const {
-  char text[64];
   if (!drawing_) {
     const double passed_s =
         frames_.empty() ? 0 : 1e-9 * static_cast<double>(frames_.newest().simulated_ns - frames_.oldest().simulated_ns);
-    std::snprintf(text, sizeof text, "Recording: %.1f of %.1f s", passed_s, kLead_s + study_.duration_s() + kTail_s);
-  } else {
-    const double all = 1 + kRate_hz * 1e-9 * static_cast<double>(frames_.newest().simulated_ns - frames_.oldest().simulated_ns);
-    std::snprintf(text, sizeof text, "Drawing picture %d of %.0f", drawn_ + 1, std::floor(all));
+    return format_text("Recording: %.1f of %.1f s", passed_s, kLead_s + study_.duration_s() + kTail_s);
   }
-  return text;
+  const double all = 1 + kRate_hz * 1e-9 * static_cast<double>(frames_.newest().simulated_ns - frames_.oldest().simulated_ns);
+  return format_text("Drawing picture %d of %.0f", drawn_ + 1, std::floor(all));
 }
 
 }  // namespace livegs

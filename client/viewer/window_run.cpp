@@ -2,10 +2,10 @@
 #include "viewer/window_run.h"
 
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "core/clock.h"
+#include "core/format_text.h"
 #include "core/log.h"
 #include "render/choose_camera.h"
 #include "stream/scene_control.h"
@@ -32,12 +32,6 @@ constexpr const char* kHelp =
     "left: pull   right: turn   middle: shift\nwheel: nearer   WASDQE: fly   space: shoot\nP: pause   full stop: step   "
     "H: hide panels";
 
-std::string text(const char* format, auto... values) {
-  char line[256];
-  std::snprintf(line, sizeof line, format, values...);
-  return line;
-}
-
 class WindowRun {
  public:
   WindowRun(const WindowRunOptions& options, SessionClient& client, SceneControl& control, AssetLibrary& assets,
@@ -57,6 +51,8 @@ class WindowRun {
   void send_script();
   void act(const WindowInput& input);
   Result<void> begin_recording();
+  Result<void> finish_recording();
+  bool ends_with_recording() const { return options_.force && options_.seconds == 0; }
   void take_answers();
   Result<void> picture(const PlannedFrame& planned);
   Result<void> recorded_picture(const PlannedFrame& planned);
@@ -224,6 +220,17 @@ Result<void> WindowRun::begin_recording() {
 }
 
 // What a person did to the panels of the last picture, or on the keyboard.
+Result<void> WindowRun::finish_recording() {
+  auto finished = recording_->finish();
+  const std::filesystem::path video = recording_->video_path();
+  recording_.reset();
+  if (finished && std::filesystem::exists(video)) {  // not if its first picture failed
+    recorded_ = video;
+    log_info("recorded %s", recorded_.c_str());
+  }
+  return finished;
+}
+
 void WindowRun::act(const WindowInput& input) {
   const PanelActions& actions = display_.actions();
   for (ObjectCall& call : panel_.act(actions, objects_)) {
@@ -304,15 +311,15 @@ WindowPanels WindowRun::panels() const {
   run.paused = frame_ && frame_->run.paused();
   run.loading = frame_ && frame_->run.loading();
   run.notice = !notice_.empty() ? notice_ : !refusal_.empty() ? refusal_ : frame_ ? frame_->run.message() : "";
-  run.lines.push_back(view_.renderer_name() + text(", drawn at %.0f %%", 100.0 * scale_.value()));
-  run.lines.push_back(text("%.0f pictures a second of %.0f ticks", meter_.pictures_a_second(), meter_.ticks_a_second()));
+  run.lines.push_back(view_.renderer_name() + format_text(", drawn at %.0f %%", 100.0 * scale_.value()));
+  run.lines.push_back(format_text("%.0f pictures a second of %.0f ticks", meter_.pictures_a_second(), meter_.ticks_a_second()));
   if (frame_) {
-    run.lines.push_back(text("tick %llu, %.1f s simulated%s", static_cast<unsigned long long>(frame_->tick),
+    run.lines.push_back(format_text("tick %llu, %.1f s simulated%s", static_cast<unsigned long long>(frame_->tick),
                              frame_->run.simulated_s(), run.paused ? ", paused" : ""));
   }
   run.graph = meter_.graph();
   if (const auto latency_ms = meter_.hand_to_picture_ms()) {
-    run.latency = text("hand to picture %.0f ms\nskin %.1f ms, render %.1f ms", *latency_ms, view_.last_times().skin_ms,
+    run.latency = format_text("hand to picture %.0f ms\nskin %.1f ms, render %.1f ms", *latency_ms, view_.last_times().skin_ms,
                        view_.last_times().raster_ms);
   }
   run.help = kHelp;
@@ -340,9 +347,7 @@ WindowOverlay WindowRun::overlay(const Camera& window) const {
 }
 
 Result<void> WindowRun::keep_screenshot() {
-  char name[32];
-  std::snprintf(name, sizeof name, "window_%03d.png", screenshots_++);
-  return write_png(options_.screenshots / name, screenshot_);
+  return write_png(options_.screenshots / format_text("window_%03d.png", screenshots_++), screenshot_);
 }
 
 // The present.
@@ -381,7 +386,7 @@ Result<void> WindowRun::run(const std::atomic<bool>& interrupted) {
   while (!interrupted) {
     if (auto taken = take_news(); !taken) return taken;
     take_answers();
-    const bool records = recording_ && recording_->next();
+    bool records = recording_ && recording_->next();
     const Eigen::Vector2i size = display_.size_px();
     const auto scaled = [&](int pixels) { return records ? pixels : scale_.of(pixels); };
     if (camera_) display_.set_camera(camera_->camera(scaled(size.x()), scaled(size.y())));
@@ -392,7 +397,18 @@ Result<void> WindowRun::run(const std::atomic<bool>& interrupted) {
       pictures_.assign(1, Image{1, 1, {0.08f, 0.08f, 0.1f, 1.0f}});
       display_.set_overlay(overlay({}));
     } else {
-      drawn = records ? recorded_picture(*planned) : picture(*planned);
+      if (records) {
+        drawn = recorded_picture(*planned);
+        if (!drawn && ends_with_recording()) return drawn;
+        // What broke meanwhile has other bodies than the frames that were kept.
+        if (!drawn) {
+          if (auto finished = finish_recording(); !finished) return finished;
+          refusal_ = "the recording ends early: " + drawn.error().message;
+          log_warn("%s", refusal_.c_str());
+          records = false;
+        }
+      }
+      if (!records) drawn = picture(*planned);
     }
     if (!drawn) return drawn;
     const bool second_is_over = now_ns() - second_ns >= 1'000'000'000;
@@ -410,11 +426,8 @@ Result<void> WindowRun::run(const std::atomic<bool>& interrupted) {
     if (records) {
       if (auto kept = recording_->keep(recorded_picture_); !kept) return kept;
       if (!recording_->next()) {
-        if (auto finished = recording_->finish(); !finished) return finished;
-        recorded_ = recording_->video_path();
-        log_info("recorded %s", recorded_.c_str());
-        recording_.reset();
-        if (options_.force && options_.seconds == 0) break;
+        if (auto finished = finish_recording(); !finished) return finished;
+        if (ends_with_recording()) break;
       }
     }
     // Counted from the first frame, if there is to be one.

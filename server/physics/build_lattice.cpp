@@ -109,10 +109,7 @@ LatticeCell make_cell(const Moments& moments) {
 // stays where the points are.
 void fill_inner_cells(Lattice& lattice) {
   constexpr double kAboutFull = 0.3;
-  std::vector<uint8_t> cells_around(lattice.node_coordinates.size(), 0);
-  for (const LatticeCell& cell : lattice.cells) {
-    for (const uint32_t node : cell.nodes) ++cells_around[node];
-  }
+  const std::vector<uint8_t> cells_around = cells_around_nodes(lattice);
   const double full_m3 = std::pow(lattice.cell_width_m, 3);
   for (LatticeCell& cell : lattice.cells) {
     const bool inner = std::all_of(cell.nodes.begin(), cell.nodes.end(), [&](uint32_t n) { return cells_around[n] == 8; });
@@ -149,6 +146,14 @@ void set_node_volumes(Lattice& lattice) {
 }
 
 }  // namespace
+
+std::vector<uint8_t> cells_around_nodes(const Lattice& lattice) {
+  std::vector<uint8_t> cells_around(lattice.node_coordinates.size(), 0);
+  for (const LatticeCell& cell : lattice.cells) {
+    for (const uint32_t node : cell.nodes) ++cells_around[node];
+  }
+  return cells_around;
+}
 
 Lattice build_lattice(const BodyExtent& extent, double cell_width_m, std::span<const BodyRegion> regions) {
   const Vector3d origin = lattice_origin(extent, cell_width_m, regions);

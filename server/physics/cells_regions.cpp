@@ -33,10 +33,7 @@ bool CellsBody::in_region(const LatticeCell& cell, const BodyRegion& region) con
 
 void CellsBody::hold_regions(const ElasticBodyDescription& description) {
   std::vector<bool> taken(lattice_.node_coordinates.size(), false);
-  std::vector<uint8_t> cells_around(taken.size(), 0);
-  for (const LatticeCell& cell : lattice_.cells) {
-    for (const uint32_t node : cell.nodes) ++cells_around[node];
-  }
+  const std::vector<uint8_t> cells_around = cells_around_nodes(lattice_);
   for (const BodyRegion& region : description.regions) {
     if (!holds(region)) continue;
     HeldRegion held;

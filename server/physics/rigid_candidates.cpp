@@ -56,13 +56,10 @@ void points_near(const RigidBody& from, const RigidBody& to, const ContactSearch
 // The ball within `from` against `to`'s surface; normals point to `from`.
 void core_against(const RigidBody& from, const RigidBody& to, const ContactSearch& search,
                   std::vector<ContactCandidate>& candidates) {
-  const Pose& pose = to.world_from_body;
-  const auto sample = [&](const Vector3d& point) {
-    const DistanceField::Sample field = to.shape.sample(pose.orientation.conjugate() * (point - pose.position_m));
-    return SurfaceSample{field.distance_m, pose.orientation * field.gradient};
-  };
-  const Vector3d velocity = from.velocity_m_s - to.point_velocity(from.world_from_body.position_m - pose.position_m);
-  core_candidates(from, sample, velocity, 1.0, search, candidates);
+  const Vector3d between = from.world_from_body.position_m - to.world_from_body.position_m;
+  core_candidates(
+      from, [&](const Vector3d& point) { return sample_body(to, point); }, from.velocity_m_s - to.point_velocity(between), 1.0,
+      search, candidates);
 }
 
 PlacedPolyhedron advanced(const MovingPolyhedron& body, double time_s) {
@@ -87,6 +84,12 @@ std::optional<double> time_of_touch(const MovingPolyhedron& a, const MovingPolyh
 }
 
 }  // namespace
+
+SurfaceSample sample_body(const RigidBody& body, const Vector3d& point_m) {
+  const Pose& pose = body.world_from_body;
+  const DistanceField::Sample field = body.shape.sample(pose.orientation.conjugate() * (point_m - pose.position_m));
+  return {field.distance_m, pose.orientation * field.gradient};
+}
 
 void mesh_candidates(const RigidBody& a, const RigidBody& b, const ContactSearch& search,
                      std::vector<ContactCandidate>& candidates) {

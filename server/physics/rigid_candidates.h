@@ -53,6 +53,9 @@ void ball_candidates(const Eigen::Vector3d& centre_m, double radius_m, const Sam
   candidates.push_back({kAheadFeature, centre_m - radius_m * hit->normal, hit->normal, hit->separation_m});
 }
 
+// The surface of a body as it is in the world, at a point of the world.
+SurfaceSample sample_body(const RigidBody& body, const Eigen::Vector3d& point_m);
+
 // The ball within a body that is not one, if it goes or turns so far in a substep that its points, found at the start,
 // say nothing of the end: nothing thin gets past its centre. Appends.
 template <class Sample>

@@ -156,14 +156,11 @@ void find_collider_contacts(RigidBody& body, std::span<const Collider> colliders
 // A ball against a ball or a mesh. Of two balls in one place the first is taken to be above.
 void ball_body_candidates(const RigidBody& ball, const RigidBody& other, const ContactSearch& search,
                           std::vector<ContactCandidate>& candidates) {
-  const Pose& pose = other.world_from_body;
-  const auto sample = [&](const Eigen::Vector3d& point) {
-    const DistanceField::Sample field = other.shape.sample(pose.orientation.conjugate() * (point - pose.position_m));
-    return SurfaceSample{field.distance_m, pose.orientation * field.gradient};
-  };
   const Eigen::Vector3d& centre = ball.world_from_body.position_m;
-  const Eigen::Vector3d velocity = ball.velocity_m_s - other.point_velocity(centre - pose.position_m);
-  ball_candidates(centre, ball.shape.sphere_radius_m, sample, velocity, 1.0, search, candidates);
+  const Eigen::Vector3d velocity = ball.velocity_m_s - other.point_velocity(centre - other.world_from_body.position_m);
+  ball_candidates(
+      centre, ball.shape.sphere_radius_m, [&](const Eigen::Vector3d& point) { return sample_body(other, point); }, velocity,
+      1.0, search, candidates);
 }
 
 // Two meshes of one form in one place have all points of each on the other's surface and no way out. Along the thinnest

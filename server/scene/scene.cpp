@@ -349,19 +349,18 @@ void Scene::apply_force(const v1::Event::Force& force) {
 }
 
 void Scene::apply(const v1::Event& event, uint64_t event_id) {
-  const auto vector = vector_of;
   switch (event.action_case()) {
     case v1::Event::kForce: {
       const SceneObject* object = find(event.force().object());
       const uint64_t force_id = kEventForceBit | event_id;
       world_->set_force(force_id, object->id,
-                        {vector(event.force().point_m()), vector(event.force().force_n())});
+                        {vector_of(event.force().point_m()), vector_of(event.force().force_n())});
       const double ticks = std::max(1.0, std::round(event.force().duration_s() * world_->settings().rate_hz));
       running_forces_.emplace_back(world_->tick() + static_cast<uint64_t>(ticks), force_id);
       break;
     }
     case v1::Event::kBall:
-      shoot_ball(vector(event.ball().from_m()), vector(event.ball().velocity_m_s()));
+      shoot_ball(vector_of(event.ball().from_m()), vector_of(event.ball().velocity_m_s()));
       break;
     case v1::Event::kSetPhysics: {
       const auto object = std::find_if(objects_.begin(), objects_.end(), [&](const SceneObject& one) {
@@ -389,7 +388,7 @@ void Scene::apply(const v1::Event& event, uint64_t event_id) {
     }
     case v1::Event::kBreak: {
       const SceneObject* object = find(event.break_().object());
-      if (auto broken = world_->break_object(object->id, vector(event.break_().point_m())); !broken) {
+      if (auto broken = world_->break_object(object->id, vector_of(event.break_().point_m())); !broken) {
         log_warn("%s: break at %.3f s: %s", object->name.c_str(), event.time_s(), broken.error().message.c_str());
       }
       break;
@@ -397,7 +396,7 @@ void Scene::apply(const v1::Event& event, uint64_t event_id) {
     case v1::Event::kGrab: {
       const SceneObject* object = find(event.grab().object());
       const double now_s = static_cast<double>(world_->tick()) / world_->settings().rate_hz;
-      auto grabbed = grabs_.begin(*world_, kEventForceBit | event_id, object->id, vector(event.grab().point_m()),
+      auto grabbed = grabs_.begin(*world_, kEventForceBit | event_id, object->id, vector_of(event.grab().point_m()),
                                   object->mass_kg, paths_.at(event_id), now_s);
       if (!grabbed) {
         log_warn("%s: grab at %.3f s: %s", object->name.c_str(), event.time_s(), grabbed.error().message.c_str());

@@ -10,70 +10,12 @@
 #include "core/clock.h"
 #include "core/content_hash.h"
 #include "gaussian/asset_file.h"
-#include "server/session/box_scene.h"
-#include "server/session/raw_client.h"
-#include "session/live_server.h"
+#include "server/session/live_server_fixture.h"
 #include "wire/frame_stream.h"
 #include "wire/rest_body_codec.h"
 
 namespace livegs {
 namespace {
-
-// Remembers what the sessions did.
-class InputLog final : public InputSink {
- public:
-  void hear(SessionNumber session, std::span<const InputSample> samples) override {
-    std::lock_guard lock(mutex_);
-    for (const InputSample& sample : samples) heard_.emplace_back(session, sample);
-    changed_.notify_all();
-  }
-  void forget(SessionNumber session) override {
-    std::lock_guard lock(mutex_);
-    forgotten_.push_back(session);
-    changed_.notify_all();
-  }
-  bool wait_heard(size_t samples) {
-    std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, kPatience, [&] { return heard_.size() >= samples; });
-  }
-  bool wait_forgotten(size_t sessions) {
-    std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, kPatience, [&] { return forgotten_.size() >= sessions; });
-  }
-  size_t forgotten() const {
-    std::lock_guard lock(mutex_);
-    return forgotten_.size();
-  }
-
- private:
-  mutable std::mutex mutex_;
-  std::condition_variable changed_;
-  std::vector<std::pair<SessionNumber, InputSample>> heard_;
-  std::vector<SessionNumber> forgotten_;
-};
-
-class LiveServerTest : public ::testing::Test {
- protected:
-  LiveServerTest() : scene_(box_scene()) {
-    auto server = LiveServer::listen("127.0.0.1:0");
-    EXPECT_TRUE(server) << server.error().message;
-    server_ = std::move(*server);
-  }
-  void open() { server_->open(scene_, inputs_); }
-  SteppedTick tick(uint64_t number) const {
-    SteppedTick stepped;
-    stepped.drivers = scene_.world().drivers();
-    stepped.drivers.tick = number;
-    stepped.stepped_ns = now_ns();
-    stepped.step_ms = 1.5;
-    return stepped;
-  }
-  void publish(uint64_t number) { server_->ticks().publish(tick(number)); }
-
-  Scene scene_;
-  InputLog inputs_;  // outlives the server
-  std::unique_ptr<LiveServer> server_;
-};
 
 TEST_F(LiveServerTest, JoinListsObjectsWithTheEnvironmentFirst) {
   open();
@@ -369,105 +311,6 @@ TEST_F(LiveServerTest, AMessageOverTheLimitIsRefused) {
   message.set_session_id(std::string(1 << 20, 'x'));
   client.send(message);
   EXPECT_EQ(client.finish().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
-}
-
-TEST_F(LiveServerTest, ASessionHasOneStreamAndAnUnknownOneNone) {
-  open();
-  RawClient first(server_->port()), second(server_->port()), stranger(server_->port());
-  ASSERT_TRUE(first.join().ok());
-  first.open();
-  publish(1);
-  ASSERT_EQ(first.read().tick(), 1u);
-  second.joined.set_session_id(first.joined.session_id());
-  second.open();
-  EXPECT_EQ(second.finish().error_code(), grpc::StatusCode::ALREADY_EXISTS);
-  stranger.joined.set_session_id("nobody");
-  stranger.open();
-  EXPECT_EQ(stranger.finish().error_code(), grpc::StatusCode::NOT_FOUND);
-  ASSERT_TRUE(first.acknowledge(1));
-  publish(2);
-  EXPECT_EQ(first.read().tick(), 2u);
-}
-
-// After two seconds without a message; until then it hears something, though no tick comes. Its session is kept.
-TEST_F(LiveServerTest, ASilentStreamIsDropped) {
-  open();
-  RawClient client(server_->port());
-  ASSERT_TRUE(client.join().ok());
-  client.open();
-  publish(1);
-  ASSERT_EQ(client.read().tick(), 1u);
-  v1::ServerMessage beat;
-  int beats = 0;
-  while (client.read_any(beat)) {
-    EXPECT_TRUE(beat.frame().empty());
-    ++beats;
-  }
-  EXPECT_GE(beats, 4);  // one every 200 to 300 ms
-  EXPECT_EQ(client.finish().error_code(), grpc::StatusCode::CANCELLED);
-  while (server_->streaming_count() > 0) std::this_thread::yield();
-  EXPECT_EQ(server_->client_count(), 1u);
-  EXPECT_EQ(inputs_.forgotten(), 0u);
-}
-
-// Its client comes back to the same session and is told of all there is; what happened meanwhile is no event.
-TEST_F(LiveServerTest, ACancelledStreamsSessionGoesOn) {
-  open();
-  RawClient client(server_->port());
-  ASSERT_TRUE(client.join().ok());
-  const v1::JoinReply first = client.joined;
-  client.open();
-  publish(1);
-  ASSERT_EQ(client.read().tick(), 1u);
-  client.cancel();
-  EXPECT_FALSE(client.finish().ok());
-  SteppedTick stepped = tick(2);
-  const SceneObject& ball = scene_.shoot_ball({0, 1, 1}, {0, 0, -6});
-  stepped.added.push_back(ball);
-  server_->ticks().publish(std::move(stepped));
-  // The ball's tick is taken by the publisher's thread: a client that comes later is told of it.
-  RawClient other(server_->port());
-  while (other.joined.objects_size() < 4) ASSERT_TRUE(other.join().ok());
-  ASSERT_TRUE(client.join(kProtocolVersion, first.session_id()).ok());
-  EXPECT_EQ(client.joined.session_id(), first.session_id());
-  EXPECT_EQ(client.joined.server_instance(), first.server_instance());
-  ASSERT_EQ(client.joined.objects_size(), 4);
-  for (int i = 0; i < 3; ++i) {
-    EXPECT_EQ(client.joined.objects(i).SerializeAsString(), first.objects(i).SerializeAsString());
-  }
-  EXPECT_EQ(client.joined.objects(3).object_id(), ball.id);
-  client.open();
-  publish(3);
-  const v1::ServerMessage message = client.read();
-  EXPECT_EQ(message.tick(), 3u);
-  EXPECT_EQ(message.events_size(), 0);
-  EXPECT_TRUE(StreamReader().read(std::as_bytes(std::span(message.frame()))));  // a key frame
-  EXPECT_EQ(inputs_.forgotten(), 0u);
-}
-
-// The client's network died unnoticed by the server: the stream that is there still does not keep it out.
-TEST_F(LiveServerTest, WhoJoinsAgainTakesTheSessionFromItsOldStream) {
-  open();
-  RawClient old(server_->port()), again(server_->port());
-  ASSERT_TRUE(old.join().ok());
-  old.open();
-  publish(1);
-  ASSERT_EQ(old.read().tick(), 1u);
-  ASSERT_TRUE(again.join(kProtocolVersion, old.joined.session_id()).ok());
-  EXPECT_EQ(again.joined.session_id(), old.joined.session_id());
-  again.open();
-  EXPECT_FALSE(old.finish().ok());
-  publish(2);
-  EXPECT_EQ(again.read().tick(), 2u);
-  EXPECT_TRUE(again.finish().ok());
-  EXPECT_TRUE(inputs_.wait_forgotten(1));  // now that it has ended in order
-}
-
-TEST_F(LiveServerTest, ASessionThatIsOverBeginsAnew) {
-  open();
-  RawClient client(server_->port());
-  ASSERT_TRUE(client.join(kProtocolVersion, std::string(32, 'a')).ok());
-  EXPECT_NE(client.joined.session_id(), std::string(32, 'a'));
 }
 
 TEST_F(LiveServerTest, AssetsAreFetchedFromAnyOffset) {
