@@ -60,7 +60,8 @@ void draw_frame_graph(const FrameGraph& graph) {
   ImGui::Dummy({width, kHeight_px});
   for (const Line& line : lines) {
     char text[48];
-    std::snprintf(text, sizeof text, "%s %.1f ms", line.name, line.values_ms.empty() ? 0.0f : line.values_ms.back());
+    const float newest_ms = line.values_ms.empty() ? 0.0f : line.values_ms.back();
+    std::snprintf(text, sizeof text, newest_ms < 100 ? "%s %.1f ms" : "%s %.0f ms", line.name, newest_ms);
     if (&line != lines) ImGui::SameLine(0, 14);
     ImGui::PushStyleColor(ImGuiCol_Text, line.colour);
     ImGui::TextUnformatted(text);
