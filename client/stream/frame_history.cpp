@@ -2,6 +2,7 @@
 #include "stream/frame_history.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace livegs {
 namespace {
@@ -17,18 +18,30 @@ bool same_drivers(const ObjectDrivers& a, const ObjectDrivers& b) {
          a.positions_m.size() == b.positions_m.size() && a.rotations.size() == b.rotations.size();
 }
 
+// What rests keeps its bits, so that it is not skinned again.
+template <class Quaternion>
+void turn(Quaternion& a, const Quaternion& b, typename Quaternion::Scalar share) {
+  if (a.coeffs() != b.coeffs()) a = nlerp(a, b, share);
+}
+
 void interpolate(ObjectDrivers& a, const ObjectDrivers& b, double share) {
   a.asleep = a.asleep && b.asleep;
   const auto share_f = static_cast<float>(share);
   for (size_t i = 0; i < a.poses.size(); ++i) {
     a.poses[i].position_m += share * (b.poses[i].position_m - a.poses[i].position_m);
-    a.poses[i].orientation = nlerp(a.poses[i].orientation, b.poses[i].orientation, share);
+    turn(a.poses[i].orientation, b.poses[i].orientation, share);
   }
   for (size_t i = 0; i < a.positions_m.size(); ++i) {
     a.positions_m[i] += share_f * (b.positions_m[i] - a.positions_m[i]);
   }
-  for (size_t i = 0; i < a.rotations.size(); ++i)
-    a.rotations[i] = nlerp(a.rotations[i], b.rotations[i], share_f);
+  for (size_t i = 0; i < a.rotations.size(); ++i) turn(a.rotations[i], b.rotations[i], share_f);
+}
+
+// The object of this id, from `from` on; objects ascend by id.
+using Objects = std::vector<ObjectDrivers>;
+Objects::const_iterator find(Objects::const_iterator from, Objects::const_iterator end, uint32_t object_id) {
+  while (from != end && from->object_id < object_id) ++from;
+  return from;
 }
 
 }  // namespace
@@ -37,13 +50,28 @@ DriverFrame interpolate(const DriverFrame& a, const DriverFrame& b, double share
   DriverFrame between = a;
   between.simulated_ns += static_cast<int64_t>(share * static_cast<double>(b.simulated_ns - a.simulated_ns));
   auto other = b.objects.begin();
-  for (ObjectDrivers& object : between.objects) {  // both ascend by id
-    while (other != b.objects.end() && other->object_id < object.object_id) ++other;
+  for (ObjectDrivers& object : between.objects) {
+    other = find(other, b.objects.end(), object.object_id);
     if (other != b.objects.end() && other->object_id == object.object_id && same_drivers(object, *other)) {
       interpolate(object, *other, share);
     }
   }
   return between;
+}
+
+DriverFrame extrapolate(const DriverFrame& a, const DriverFrame& b, double share) {
+  DriverFrame beyond = b;
+  beyond.simulated_ns += static_cast<int64_t>((share - 1) * static_cast<double>(b.simulated_ns - a.simulated_ns));
+  auto other = a.objects.begin();
+  for (ObjectDrivers& object : beyond.objects) {
+    other = find(other, a.objects.end(), object.object_id);
+    if (object.asleep || other == a.objects.end() || other->object_id != object.object_id) continue;
+    if (!same_drivers(*other, object)) continue;
+    ObjectDrivers gone_on = *other;
+    interpolate(gone_on, object, share);
+    object = std::move(gone_on);
+  }
+  return beyond;
 }
 
 void FrameHistory::add(DriverFrame frame) {
@@ -59,10 +87,24 @@ std::optional<DriverFrame> FrameHistory::at(int64_t simulated_ns) const {
                        [](int64_t moment, const DriverFrame& frame) { return moment < frame.simulated_ns; });
   if (later == frames_.begin()) return frames_.front();
   const DriverFrame& before = *(later - 1);
-  if (later == frames_.end() || before.simulated_ns == simulated_ns) return before;
+  if (before.simulated_ns == simulated_ns) return before;
+  if (later == frames_.end()) {
+    if (frames_.size() < 2) return before;
+    const DriverFrame& last = frames_[frames_.size() - 2];
+    const int64_t beyond_ns = std::min(simulated_ns - before.simulated_ns, kFramesAhead * shortest_ns());
+    const auto interval = static_cast<double>(before.simulated_ns - last.simulated_ns);
+    return extrapolate(last, before, 1.0 + static_cast<double>(beyond_ns) / interval);
+  }
   const double share = static_cast<double>(simulated_ns - before.simulated_ns) /
                        static_cast<double>(later->simulated_ns - before.simulated_ns);
   return interpolate(before, *later, share);
+}
+
+int64_t FrameHistory::shortest_ns() const {
+  int64_t shortest = std::numeric_limits<int64_t>::max();
+  for (size_t i = 1; i < frames_.size(); ++i)
+    shortest = std::min(shortest, frames_[i].simulated_ns - frames_[i - 1].simulated_ns);
+  return shortest;
 }
 
 void FrameHistory::forget_before(int64_t simulated_ns) {

@@ -21,10 +21,13 @@ void LiveStream::on_resumed(const ResumedSession& resumed) {
 void LiveStream::on_frame(ReceivedFrame frame) {
   std::lock_guard lock(mutex_);
   news_.back = news_.back || std::exchange(lost_, false);
-  holds_ = false;
+  if (std::exchange(holds_, false)) {
+    news_.anew = true;
+    news_.frames.clear();
+  }
   if (keeps_all_) kept_.push_back(frame);
-  news_.frame = std::move(frame);
-  ++news_.frames;
+  if (news_.frames.size() == kMostFrames) news_.frames.erase(news_.frames.begin());
+  news_.frames.push_back(std::move(frame));
 }
 
 void LiveStream::keep_all(bool keep) {

@@ -13,7 +13,7 @@
 
 namespace livegs {
 
-// The newest of a stream, for a drawer that shows the present: frames that were not drawn in time are
+// What a stream brought, for a drawer that shows the present: of frames that were not taken in time the oldest are
 // dropped, events never.
 class LiveStream final : public StreamSink {
  public:
@@ -31,13 +31,13 @@ class LiveStream final : public StreamSink {
   // On the drawer's: what came since the last call, events first. Waits for the asset of an object that is
   // new. Events of a server that was started anew wait for its first frame, so that the last picture can still be drawn.
   struct News {
-    std::optional<ReceivedFrame> frame;
+    std::vector<ReceivedFrame> frames;      // oldest first
+    bool anew = false;                      // they are of a server that was started anew
     std::vector<StreamedObject> described;  // added or changed
     std::vector<uint32_t> removed;
-    uint64_t frames = 0;                    // that came
     std::optional<std::string> goodbye;
     std::optional<std::string> lost;  // why the stream is gone
-    bool back = false;                // `frame` is the first of a stream that came back
+    bool back = false;                // the frames are the first of a stream that came back
   };
   Result<News> take(SceneView& view);
 
@@ -46,6 +46,7 @@ class LiveStream final : public StreamSink {
   std::vector<ReceivedFrame> take_kept();
 
  private:
+  static constexpr size_t kMostFrames = 32;
   struct Event {
     std::optional<StreamedObject> object;
     bool added = false;

@@ -19,6 +19,7 @@
 #include "viewer/load_scene.h"
 #include "viewer/object_panel.h"
 #include "viewer/orbit_camera.h"
+#include "viewer/playout.h"
 #include "viewer/render_scale.h"
 #include "viewer/study_recording.h"
 #include "xr/window_display.h"
@@ -72,7 +73,8 @@ class WindowRun {
   WindowDisplay& display_;
 
   std::map<uint32_t, StreamedObject> objects_;
-  std::optional<ReceivedFrame> frame_;
+  std::optional<ReceivedFrame> frame_;  // the newest
+  Playout playout_;
   std::optional<OrbitCamera> camera_;
   std::optional<ScriptedHands> script_;
   InputSample sample_;
@@ -154,8 +156,10 @@ Result<void> WindowRun::take_news() {
     for (const ReceivedFrame& frame : stream_.take_kept()) recording_->add(frame);
     stream_.keep_all(recording_->collecting());
   }
-  if (!news->frame) return {};
-  frame_ = std::move(news->frame);
+  if (news->anew) playout_.begin_again();
+  if (news->frames.empty()) return {};
+  frame_ = news->frames.back();
+  for (ReceivedFrame& frame : news->frames) playout_.add(std::move(frame));
   return camera_ ? Result<void>() : first_frame();
 }
 
@@ -333,13 +337,14 @@ WindowOverlay WindowRun::overlay(const Camera& window) const {
   WindowOverlay overlay;
   overlay.panels = panels();
   if (!frame_) return overlay;
-  for (const HeldByHand& held : frame_->hands) {
+  const ReceivedFrame& shown = playout_.shown() ? *playout_.shown() : *frame_;
+  for (const HeldByHand& held : shown.hands) {
     draw_force(held.point_m.cast<double>(), held.force_n.cast<double>(), held.object_id, window, overlay);
   }
-  const bool acts = frame_->tick <= force_until_tick_;
-  if (acts || (display_.input().over_panel && frame_->hands.empty())) draw_study(study_, window, overlay);
+  const bool acts = shown.tick <= force_until_tick_;
+  if (acts || (display_.input().over_panel && shown.hands.empty())) draw_study(study_, window, overlay);
   if (acts || recording_) overlay.sentence = study_.sentence();
-  if (pointed_ && frame_->hands.empty()) {
+  if (pointed_ && shown.hands.empty()) {
     if (const auto at = pixel_of(window, pointed_->point_m))
       overlay.aim = WindowAim{*at, objects_.at(pointed_->object_id).name};
   }
@@ -356,7 +361,8 @@ Result<void> WindowRun::picture(const PlannedFrame& planned) {
   const Eigen::Vector2i size = display_.size_px();
   move_camera(input);
   script_ ? send_script() : send_hands(input);
-  if (auto drawn = view_.draw(*frame_->drivers, planned.views, pictures_); !drawn) return drawn;
+  const int64_t now = now_ns();
+  if (auto drawn = view_.draw(*playout_.at(now, now), planned.views, pictures_); !drawn) return drawn;
   scale_.drew(view_.last_times().raster_ms);
   const Camera window = camera_->camera(size.x(), size.y());
   point(input, window);
@@ -417,7 +423,7 @@ Result<void> WindowRun::run(const std::atomic<bool>& interrupted) {
     if (keeps) display_.keep_next(screenshot_);
     if (auto submitted = display_.submit(*planned, pictures_); !submitted) return submitted;
     const int64_t now = now_ns();
-    if (frame_ && !records) meter_.shown(*frame_, now, milliseconds_from_ns(now - last_ns));
+    if (playout_.shown() && !records) meter_.shown(*playout_.shown(), now, milliseconds_from_ns(now - last_ns));
     last_ns = now;
     if (second_is_over) second_ns = now;
     if (keeps) {

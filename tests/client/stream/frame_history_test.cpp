@@ -47,13 +47,67 @@ TEST(FrameHistory, AFrameItselfComesBackExactly) {
   EXPECT_EQ(exact->objects[0].poses[0].position_m.x(), 2.0);
 }
 
-TEST(FrameHistory, StandsStillBeforeAndAfter) {
+TEST(FrameHistory, StandsStillBefore) {
   FrameHistory history(8);
   EXPECT_FALSE(history.at(0));
   history.add(frame(3));
+  EXPECT_EQ(history.at(1'000'000'000)->tick, 3u);
   history.add(frame(4));
   EXPECT_EQ(history.at(0)->tick, 3u);
-  EXPECT_EQ(history.at(1'000'000'000)->tick, 4u);
+}
+
+TEST(FrameHistory, GoesOnForTwoFramesAndThenStands) {
+  FrameHistory history(8);
+  for (uint64_t tick : {1, 2, 4}) history.add(frame(tick));  // 3 was dropped: the last two are two intervals apart
+  const auto beyond = history.at(55'000'000);
+  EXPECT_NEAR(beyond->objects[0].poses[0].position_m.x(), 5.5, 1e-9);
+  EXPECT_NEAR(beyond->objects[1].positions_m[1].y(), 11.0f, 1e-5f);
+  // On the chord of 0.2 rad, 1.75 of its length from its begin: atan(2.5 tan 0.1) + 0.3.
+  EXPECT_NEAR(Eigen::AngleAxisd(beyond->objects[0].poses[0].orientation).angle(), 0.3 + 2 * std::atan(2.5 * std::tan(0.05)), 1e-9);
+  EXPECT_EQ(beyond->simulated_ns, 55'000'000);
+  const auto stands = history.at(1'000'000'000);
+  EXPECT_NEAR(stands->objects[0].poses[0].position_m.x(), 6.0, 1e-9);
+  EXPECT_EQ(stands->simulated_ns, 60'000'000);
+}
+
+TEST(FrameHistory, WhatSleepsOrBrokeDoesNotGoOn) {
+  FrameHistory history(8);
+  DriverFrame later = frame(2);
+  later.objects[0].asleep = true;
+  later.objects[1].revision = 1;
+  history.add(frame(1));
+  history.add(later);
+  const auto beyond = history.at(30'000'000);
+  EXPECT_EQ(beyond->objects[0].poses[0].position_m.x(), 2.0);
+  EXPECT_EQ(beyond->objects[1].positions_m[1].y(), 4.0f);
+  EXPECT_EQ(beyond->objects[1].revision, 1u);
+}
+
+// A break between two frames: whole until the later, and from then on as the later says.
+TEST(FrameHistory, NothingIsInterpolatedThroughABreak) {
+  FrameHistory history(8);
+  DriverFrame broken = frame(2);
+  broken.objects[0].revision = 1;
+  broken.objects[0].poses.push_back(Pose{});
+  history.add(frame(1));
+  history.add(broken);
+  for (const int64_t moment : {11'000'000, 15'000'000, 19'999'999}) {
+    const auto whole = history.at(moment);
+    EXPECT_EQ(whole->objects[0].revision, 0u);
+    EXPECT_EQ(whole->objects[0].poses.size(), 1u);
+    EXPECT_EQ(whole->objects[0].poses[0].position_m.x(), 1.0);
+  }
+  EXPECT_EQ(history.at(20'000'000)->objects[0].revision, 1u);
+  EXPECT_EQ(history.at(28'000'000)->objects[0].poses[0].position_m.x(), 2.0);
+}
+
+TEST(FrameHistory, WhatRestsKeepsItsBits) {
+  DriverFrame a = frame(1), b = frame(2);
+  a.objects[0].poses[0].orientation = Eigen::Quaterniond(0.3, 0.4, -0.5, 0.6);  // not quite unit, as a decoder has it
+  b.objects[0].poses = a.objects[0].poses;
+  const DriverFrame between = interpolate(a, b, 0.37);
+  EXPECT_EQ(between.objects[0].poses[0].orientation.coeffs(), a.objects[0].poses[0].orientation.coeffs());
+  EXPECT_EQ(between.objects[0].poses[0].position_m, a.objects[0].poses[0].position_m);
 }
 
 TEST(FrameHistory, TurnsTheShorterWay) {
