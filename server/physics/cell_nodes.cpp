@@ -41,9 +41,6 @@ void CellNodes::push(size_t node, const Eigen::Vector3d& way_m, const Eigen::Vec
 }
 
 double CellNodes::move_all(const Eigen::Vector3d& by_m, const Eigen::Vector3d& centre_m) {
-  const auto lanes = [](const Eigen::Vector3d& v) {
-    return NodeLanes{static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0f};
-  };
   NodeArrays all = arrays();
   all.count = count_ / 2 * 2;
   double furthest = all.count > 0 ? std::sqrt(static_cast<double>(shift_nodes(all, lanes(by_m), lanes(centre_m)))) : 0.0;
@@ -53,20 +50,6 @@ double CellNodes::move_all(const Eigen::Vector3d& by_m, const Eigen::Vector3d& c
     furthest = std::max(furthest, (position_m(i) - centre_m).norm());
   }
   return furthest;
-}
-
-Eigen::Vector3d CellNodes::position_m(const NodeSample& sample) const {
-  NodeLanes sum{0, 0, 0, 0};
-  for (int c = 0; c < 8; ++c) sum += sample.weights[c] * position_[sample.nodes[c]].value;
-  return {sum[0], sum[1], sum[2]};
-}
-
-Eigen::Vector3d CellNodes::corrected_m(const NodeSample& sample) const {
-  NodeLanes sum{0, 0, 0, 0};
-  for (int c = 0; c < 8; ++c) {
-    sum += sample.weights[c] * (predicted_[sample.nodes[c]].value + corrections_[sample.nodes[c]].value);
-  }
-  return {sum[0], sum[1], sum[2]};
 }
 
 void CellNodes::stop() {

@@ -39,14 +39,34 @@ class CellNodes {
 
   // Between predict and advance.
   // Where a material point is, and where after the corrections so far.
-  Eigen::Vector3d position_m(const NodeSample& sample) const;
-  Eigen::Vector3d corrected_m(const NodeSample& sample) const;
+  Eigen::Vector3d position_m(const NodeSample& sample) const {
+    return mean(sample, [&](uint32_t node) { return position_[node].value; });
+  }
+  Eigen::Vector3d corrected_m(const NodeSample& sample) const {
+    return mean(sample, [&](uint32_t node) { return predicted_[node].value + corrections_[node].value; });
+  }
   Eigen::Vector3d corrected_m(size_t node) const { return vector(predicted_[node]) + vector(corrections_[node]); }
   void correct(size_t node, const Eigen::Vector3d& by_m) { add(corrections_[node], by_m); }
+  // An impulse to a material point, times h_e.
+  void pull(const NodeSample& sample, const Eigen::Vector3d& pull_kg_m) {
+    const NodeLanes by = lanes(pull_kg_m);
+#pragma GCC unroll 8
+    for (int c = 0; c < 8; ++c) {
+      const uint32_t node = sample.nodes[c];
+      corrections_[node].value += sample.weights[c] * predicted_[node].value[3] * by;
+    }
+  }
   void predict(size_t node, const Eigen::Vector3d& position_m, const Eigen::Vector3d& velocity_m_s);
   void push(size_t node, const Eigen::Vector3d& way_m, const Eigen::Vector3d& velocity_m_s);
-  // After advance: of the velocity before the step.
-  void change_velocity_before(size_t node, const Eigen::Vector3d& by_m_s) { add(predicted_velocity_[node], by_m_s); }
+  // After advance: an impulse to a material point, of the velocity before the step.
+  void push_before(const NodeSample& sample, const Eigen::Vector3d& impulse_n_s) {
+    const NodeLanes by = lanes(impulse_n_s);
+#pragma GCC unroll 8
+    for (int c = 0; c < 8; ++c) {
+      const uint32_t node = sample.nodes[c];
+      predicted_velocity_[node].value += sample.weights[c] * position_[node].value[3] * by;
+    }
+  }
 
   // Between steps: of the velocity and that before.
   void change_velocities(size_t node, const Eigen::Vector3d& by_m_s) {
@@ -71,13 +91,25 @@ class CellNodes {
   struct alignas(16) Node {
     NodeLanes value;
   };
+  template <class Value>
+  static Eigen::Vector3d mean(const NodeSample& sample, const Value& value) {
+    NodeLanes low{0, 0, 0, 0}, high{0, 0, 0, 0};  // two sums, so that one does not wait for the other
+#pragma GCC unroll 4
+    for (int c = 0; c < 4; ++c) {
+      low += sample.weights[c] * value(sample.nodes[c]);
+      high += sample.weights[c + 4] * value(sample.nodes[c + 4]);
+    }
+    low += high;
+    return {low[0], low[1], low[2]};
+  }
   static Eigen::Vector3d vector(const Node& n) { return {n.value[0], n.value[1], n.value[2]}; }
+  static NodeLanes lanes(const Eigen::Vector3d& v) {
+    return NodeLanes{static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0f};
+  }
   static void set(Node& n, const Eigen::Vector3d& v) {
     n.value = NodeLanes{static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), n.value[3]};
   }
-  static void add(Node& n, const Eigen::Vector3d& v) {
-    n.value += NodeLanes{static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0f};
-  }
+  static void add(Node& n, const Eigen::Vector3d& v) { n.value += lanes(v); }
 
   size_t count_ = 0;
   // As NodeArrays has them between steps: w is the inverse mass of positions, the mass of velocities.

@@ -208,9 +208,10 @@ void CellsBody::make_surface(const ParticleSet& particles) {
       face_normals_.push_back((extent_.object_from_lattice.conjugate() * normal).cast<float>());
     }
     if (i == 0 || points[i].at.cell != points[i - 1].at.cell) {
-      surface_cells_.push_back({lattice_.cells[points[i].at.cell].nodes, i, i});
+      surface_cells_.push_back({lattice_.cells[points[i].at.cell].nodes, i, i, {}});
     }
     surface_cells_.back().end = i + 1;
+    surface_cells_.back().points.extend(surface_local_.back());
   }
   face_begins_.push_back(static_cast<uint32_t>(face_normals_.size()));
 }

@@ -101,7 +101,12 @@ class CellsBody final : public ElasticBody {
   };
   struct SurfaceCell {
     std::array<uint32_t, 8> nodes;
-    uint32_t begin, end;  // surface_
+    uint32_t begin, end;             // surface_
+    Eigen::AlignedBox3f points;      // in the cell, of those
+  };
+  struct Ball {
+    Vector3d centre_m;  // from the origin
+    double radius_m;
   };
   struct Candidate {
     uint32_t cell, collider;
@@ -149,6 +154,7 @@ class CellsBody final : public ElasticBody {
   void measure(const NodeSums& sums, double h);
 
   void gather_point_loads(const SubstepContext& context);
+  Ball ball_around(const SurfaceCell& cell) const;
   void find_candidates(const SubstepContext& context);
   void resolve_colliders(double step_s, const SubstepContext& context);
 
@@ -192,7 +198,6 @@ class CellsBody final : public ElasticBody {
   Vector3d velocity_of(const NodeSample& sample) const;
   Vector3d node_velocity(size_t node) const;           // with what the ledger owes
   double mobility(const NodeSample& sample) const;
-  void pull(const NodeSample& sample, const Vector3d& pull_kg_m);
   bool free() const { return !held_; }
   double damping_rate() const;
   void feel_load(const SubstepPart& part);

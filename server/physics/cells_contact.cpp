@@ -12,12 +12,31 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Points ride in a cell at most this many half-widths from its middle (Lattice::embed).
-constexpr double kFurthestEmbedding = 2.0;
 // Candidates are found with room for the body to move this part of a cell at least.
 constexpr double kCandidateRoom = 0.5;
 
 }  // namespace
+
+// That holds the cell's points, where the nodes were at the start of the step: they are in the box that they span in the
+// cell, and of it each point is a mean of the corners.
+CellsBody::Ball CellsBody::ball_around(const SurfaceCell& cell) const {
+  std::array<Vector3d, 8> nodes;
+  for (int c = 0; c < 8; ++c) nodes[c] = nodes_.position_m(cell.nodes[c]);
+  std::array<Vector3d, 8> corners;
+  Vector3d centre = Vector3d::Zero();
+  for (int k = 0; k < 8; ++k) {
+    const Eigen::Vector3f& low = cell.points.min();
+    const Eigen::Vector3f& high = cell.points.max();
+    const Eigen::Vector3f local(k & 1 ? high.x() : low.x(), k & 2 ? high.y() : low.y(), k & 4 ? high.z() : low.z());
+    const std::array<double, 8> weights = trilinear_weights(local.cast<double>());
+    corners[k].setZero();
+    for (int c = 0; c < 8; ++c) corners[k] += weights[c] * nodes[c];
+    centre += 0.125 * corners[k];
+  }
+  double radius = 0.0;
+  for (const Vector3d& corner : corners) radius = std::max(radius, (corner - centre).squaredNorm());
+  return {centre, std::sqrt(radius)};
+}
 
 // Which surface cells may meet which colliders before a node has moved by the margin.
 void CellsBody::find_candidates(const SubstepContext& context) {
@@ -35,15 +54,9 @@ void CellsBody::find_candidates(const SubstepContext& context) {
   }
   if (near.empty()) return;
   for (uint32_t i = 0; i < surface_cells_.size(); ++i) {
-    Vector3d centre = Vector3d::Zero();
-    for (const uint32_t node : surface_cells_[i].nodes) centre += 0.125 * nodes_.position_m(node);
-    double radius = 0.0;
-    for (const uint32_t node : surface_cells_[i].nodes) {
-      radius = std::max(radius, (nodes_.position_m(node) - centre).squaredNorm());
-    }
-    radius = kFurthestEmbedding * std::sqrt(radius) + margin;
+    const Ball ball = ball_around(surface_cells_[i]);
     for (const uint32_t k : near) {
-      if (reaches(context.colliders[k], origin_m_ + centre, radius)) candidates_.push_back({i, k});
+      if (reaches(context.colliders[k], origin_m_ + ball.centre_m, ball.radius_m + margin)) candidates_.push_back({i, k});
     }
   }
 }
@@ -54,7 +67,7 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
   if (candidate_margin_m_ <= 0.0 || candidate_colliders_ != context.colliders.size()) find_candidates(context);
 
   if (sides_.empty() && !candidates_.empty()) sides_.assign(surface_.size(), Side{});
-  const auto resolve = [&](const Collider& collider, uint32_t collider_index, double friction, uint32_t i) {
+  const auto resolve = [&](const ColliderProbe& collider, uint32_t collider_index, double friction, uint32_t i) {
     const NodeSample& sample = surface_[i];
     Side& side = sides_[i];
     const Vector3d point = nodes_.corrected_m(sample), from = nodes_.position_m(sample);
@@ -78,11 +91,13 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
     const double size = pull_kg_m.norm() / step_s;
     count_contact(origin_m_ + point, size);
   };
+  if (candidates_.empty()) return;
+  const std::vector<ColliderProbe> probes(context.colliders.begin(), context.colliders.end());
   for (size_t n = 0; n < candidates_.size(); ++n) {
     const Candidate& candidate = candidates_[backward_ ? candidates_.size() - 1 - n : n];
     const SurfaceCell& cell = surface_cells_[candidate.cell];
-    const Collider& collider = context.colliders[candidate.collider];
-    const double friction = mixed_friction(material_.friction, collider.friction);
+    const ColliderProbe& collider = probes[candidate.collider];
+    const double friction = mixed_friction(material_.friction, collider.collider().friction);
     const uint32_t count = cell.end - cell.begin;
     for (uint32_t i = 0; i < count; ++i) {
       resolve(collider, candidate.collider, friction, backward_ ? cell.end - 1 - i : cell.begin + i);
@@ -96,16 +111,9 @@ double CellsBody::mobility(const NodeSample& sample) const {
   return sum;
 }
 
-void CellsBody::pull(const NodeSample& sample, const Vector3d& pull_kg_m) {
-  for (int c = 0; c < 8; ++c) {
-    const uint32_t node = sample.nodes[c];
-    nodes_.correct(node, sample.weights[c] * inverse_masses_[node] * pull_kg_m);
-  }
-}
-
 void CellsBody::take_contact(uint32_t sample, const Vector3d& point_m, const Vector3d& pull_kg_m, double step_s) {
   const Vector3d impulse = pull_kg_m / step_s;
-  pull(surface_[sample], pull_kg_m);
+  nodes_.pull(surface_[sample], pull_kg_m);
   contact_impulse_ += impulse;
   contact_moment_ += point_m.cross(impulse);
   touches_.push_back({sample, impulse});

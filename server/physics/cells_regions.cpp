@@ -119,7 +119,7 @@ void CellsBody::hold_particles(double time_s) {
       const NodeSample& sample = held.particles[i];
       const double w = mobility(sample);
       if (w <= 0.0) continue;
-      pull(sample, (region_target_m(held, held.particle_rest_m[i], time_s) - nodes_.corrected_m(sample)) / w);
+      nodes_.pull(sample, (region_target_m(held, held.particle_rest_m[i], time_s) - nodes_.corrected_m(sample)) / w);
     }
   }
 }

@@ -198,18 +198,12 @@ void CellsBody::advance(double h) {
   angular_before_ = vector_of(sums.angular_before) - motion_.centre_m.cross(momentum_before_);
   for (const Touch& touch : touches_) {
     const NodeSample& sample = surface_[touch.sample];
-    for (int c = 0; c < 8; ++c) {
-      const uint32_t node = sample.nodes[c];
-      nodes_.change_velocity_before(node, sample.weights[c] * inverse_masses_[node] * touch.impulse_n_s);
-    }
+    nodes_.push_before(sample, touch.impulse_n_s);
     momentum_before_ += touch.impulse_n_s;
     angular_before_ += (nodes_.position_m(sample) - motion_.centre_m).cross(touch.impulse_n_s);
   }
   for (const SpotTouch& touch : spot_touches_) {
-    for (int c = 0; c < 8; ++c) {
-      const uint32_t node = touch.sample.nodes[c];
-      nodes_.change_velocity_before(node, touch.sample.weights[c] * inverse_masses_[node] * touch.impulse_n_s);
-    }
+    nodes_.push_before(touch.sample, touch.impulse_n_s);
     momentum_before_ += touch.impulse_n_s;
     angular_before_ += (nodes_.position_m(touch.sample) - motion_.centre_m).cross(touch.impulse_n_s);
   }

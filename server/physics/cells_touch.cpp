@@ -19,7 +19,6 @@ using Eigen::Vector3d;
 
 // As for colliders: room for the body to move before candidates are found anew, in cells.
 constexpr double kCandidateRoom = 0.5;
-constexpr double kFurthestEmbedding = 2.0;
 // Points nearer than this part of a particle's edge get a row: a neighbour's push may bring them into contact.
 constexpr double kRowMargin = 0.02;
 // An element speaks for the surface this far, in edges of particles.
@@ -46,7 +45,7 @@ class CellsBody::Taker final : public ContactSide {
   }
   void give(const ContactSpot& spot, const Vector3d& point, const Vector3d& impulse) override {
     if (!body_.in_step_) return body_.push_spot(spot, point, impulse);
-    body_.pull(spot.sample, step_s * impulse);
+    body_.nodes_.pull(spot.sample, step_s * impulse);
     body_.contact_impulse_ += impulse;
     body_.contact_moment_ += (point - body_.origin_m_).cross(impulse);
   }
@@ -168,13 +167,8 @@ void CellsBody::visit_cells_near(const MovingBody& body, double margin_m, const 
   const auto distance = [&](const Vector3d& point) { return body.shape->sample(body_from_world * point).distance_m; };
   if (distance(origin_m_ + motion_.centre_m) > 1.5 * reach_m_ + extent_.box_edge_m + margin_m) return;
   for (uint32_t i = 0; i < surface_cells_.size(); ++i) {
-    Vector3d centre = Vector3d::Zero();
-    for (const uint32_t node : surface_cells_[i].nodes) centre += 0.125 * nodes_.position_m(node);
-    double radius = 0.0;
-    for (const uint32_t node : surface_cells_[i].nodes) {
-      radius = std::max(radius, (nodes_.position_m(node) - centre).squaredNorm());
-    }
-    if (distance(origin_m_ + centre) <= kFurthestEmbedding * std::sqrt(radius) + margin_m) visit(i);
+    const Ball ball = ball_around(surface_cells_[i]);
+    if (distance(origin_m_ + ball.centre_m) <= ball.radius_m + margin_m) visit(i);
   }
 }
 

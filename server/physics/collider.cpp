@@ -42,12 +42,21 @@ SurfaceSample sample(const FieldShape& shape, const Vector3d& point) {
 
 }  // namespace
 
-SurfaceSample sample_surface(const Collider& collider, const Vector3d& point_m) {
-  const Eigen::Matrix3d world_from_collider = collider.world_from_collider.orientation.toRotationMatrix();
-  const Vector3d local = world_from_collider.transpose() * (point_m - collider.world_from_collider.position_m);
-  SurfaceSample found = std::visit([&](const auto& shape) { return sample(shape, local); }, collider.shape);
-  found.normal = world_from_collider * found.normal;
+ColliderProbe::ColliderProbe(const Collider& collider)
+    : collider_(collider),
+      world_from_collider_(collider.world_from_collider.orientation.toRotationMatrix()),
+      up_(world_from_collider_.col(1)),
+      plane_(std::holds_alternative<PlaneShape>(collider.shape)) {}
+
+SurfaceSample ColliderProbe::sample_shape(const Vector3d& point_m) const {
+  const Vector3d local = world_from_collider_.transpose() * (point_m - collider_.world_from_collider.position_m);
+  SurfaceSample found = std::visit([&](const auto& shape) { return livegs::sample(shape, local); }, collider_.shape);
+  found.normal = world_from_collider_ * found.normal;
   return found;
+}
+
+SurfaceSample sample_surface(const Collider& collider, const Vector3d& point_m) {
+  return ColliderProbe(collider).sample(point_m);
 }
 
 double mixed_friction(double a, double b) { return std::sqrt(std::max(0.0, a) * std::max(0.0, b)); }

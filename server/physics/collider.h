@@ -41,6 +41,24 @@ struct SurfaceSample {
 };
 SurfaceSample sample_surface(const Collider& collider, const Eigen::Vector3d& point_m);
 
+// The same of one collider for many points. Refers to the collider.
+class ColliderProbe {
+ public:
+  explicit ColliderProbe(const Collider& collider);
+  SurfaceSample sample(const Eigen::Vector3d& point_m) const {
+    if (plane_) return {up_.dot(point_m - collider_.world_from_collider.position_m), up_};
+    return sample_shape(point_m);
+  }
+  const Collider& collider() const { return collider_; }
+
+ private:
+  SurfaceSample sample_shape(const Eigen::Vector3d& point_m) const;
+  const Collider& collider_;
+  Eigen::Matrix3d world_from_collider_;
+  Eigen::Vector3d up_;  // the collider's y axis
+  bool plane_;
+};
+
 // Of two touching things: friction is the geometric mean, restitution the larger one.
 double mixed_friction(double a, double b);
 double mixed_restitution(double a, double b);

@@ -161,28 +161,28 @@ Vector3d contact_correction(const Vector3d& normal, double depth_m, const Vector
   return depth_m * normal - part * slid;
 }
 
-SurfaceSample surface_after_way(const Collider& collider, const Vector3d& from_m, const Vector3d& to_m,
+SurfaceSample surface_after_way(const ColliderProbe& collider, const Vector3d& from_m, const Vector3d& to_m,
                                 const Vector3d& side) {
-  const SurfaceSample at = sample_surface(collider, to_m);
-  const double thickness = thickness_m(collider);
+  const SurfaceSample at = collider.sample(to_m);
+  const double thickness = thickness_m(collider.collider());
   if (!(thickness < INFINITY)) return at;
   const Vector3d way = to_m - from_m;
   const bool sided = side.squaredNorm() > 0.0, fast = way.squaredNorm() > kFollowedWay * kFollowedWay * thickness * thickness;
   if (!fast && (!sided || at.distance_m > 0.0 || at.normal.dot(side) > 0.0)) return at;
-  const double start_m = sample_surface(collider, from_m).distance_m;
+  const double start_m = collider.sample(from_m).distance_m;
   const double tolerance = 0.01 * thickness;
   if (sided && start_m < 0.0) {
     if (at.distance_m < 0.0 && at.normal.dot(side) > 0.0) return at;
     double out = 0.0;
     for (int march = 0; march < kMostMarches; ++march) {
-      const double inside = -sample_surface(collider, from_m + out * side).distance_m;
+      const double inside = -collider.sample(from_m + out * side).distance_m;
       if (inside <= 0.0) break;
       out += std::max(inside, tolerance);
     }
     return {side.dot(way) - out, side};
   }
   if (!fast) return at;
-  const auto sample = [&](const Vector3d& point) { return sample_surface(collider, point); };
+  const auto sample = [&](const Vector3d& point) { return collider.sample(point); };
   const auto hit = sweep_sphere(sample, from_m, way, 0.0, tolerance);
   if (!hit) return at;
   return {hit->separation_m + hit->normal.dot(way), hit->normal};
