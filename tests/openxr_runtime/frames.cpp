@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// The frame loop, and what is submitted.
+#include <cmath>
+#include <thread>
+
+#include "runtime.h"
+
+namespace livegs::simulated {
+namespace {
+
+// Pictures are wanted so long before they are seen, beyond a period.
+constexpr XrTime kMargin_ns = 3'000'000;
+
+uint64_t fnv1a(const std::vector<uint8_t>& bytes) {
+  uint64_t hash = 0xcbf29ce484222325;
+  for (const uint8_t byte : bytes) hash = (hash ^ byte) * 0x100000001b3;
+  return hash;
+}
+
+XrResult check_view(Session& session, const XrCompositionLayerProjectionView& view, const Space& space, XrTime time, EyeRecord& eye) {
+  const auto swapchain = session.swapchains.find(view.subImage.swapchain);
+  if (swapchain == session.swapchains.end()) return misuse(XR_ERROR_HANDLE_INVALID, "xrEndFrame: a view's swapchain is not one");
+  const Swapchain& chain = swapchain->second;
+  if (!chain.released) return misuse(XR_ERROR_LAYER_INVALID, "xrEndFrame: no image of a view's swapchain was released");
+  const XrRect2Di& rect = view.subImage.imageRect;
+  if (rect.offset.x < 0 || rect.offset.y < 0 || rect.extent.width <= 0 || rect.extent.height <= 0 ||
+      rect.offset.x + rect.extent.width > static_cast<int>(chain.info.width) ||
+      rect.offset.y + rect.extent.height > static_cast<int>(chain.info.height) || view.subImage.imageArrayIndex >= chain.info.arraySize)
+    return misuse(XR_ERROR_SWAPCHAIN_RECT_INVALID, "xrEndFrame: a view's rectangle is not within its image");
+  Pose space_from_eye, stage_from_space;
+  if (!from_xr(view.pose, space_from_eye)) return misuse(XR_ERROR_POSE_INVALID, "xrEndFrame: a view's pose is none");
+  if (!(view.fov.angleLeft < view.fov.angleRight) || !(view.fov.angleDown < view.fov.angleUp))
+    return misuse(XR_ERROR_VALIDATION_FAILURE, "xrEndFrame: a view's field of view is empty");
+  if (!locate(session, space, time, stage_from_space)) return misuse(XR_ERROR_LAYER_INVALID, "xrEndFrame: the layer's space is unknown");
+  eye.pose = to_xr(stage_from_space * space_from_eye);
+  eye.fov = view.fov;
+  eye.width = rect.extent.width;
+  eye.height = rect.extent.height;
+  if (!session.graphics.read(chain.images[*chain.released].image, view.subImage.imageArrayIndex, rect, eye.rgba))
+    return XR_ERROR_RUNTIME_FAILURE;
+  if (chain.info.format == VK_FORMAT_B8G8R8A8_SRGB) {
+    for (size_t i = 0; i < eye.rgba.size(); i += 4) std::swap(eye.rgba[i], eye.rgba[i + 2]);
+  }
+  eye.hash = fnv1a(eye.rgba);
+  return XR_SUCCESS;
+}
+
+XrResult check_layers(Session& session, const XrFrameEndInfo& info, std::vector<EyeRecord>& eyes) {
+  for (uint32_t i = 0; i < info.layerCount; ++i) {
+    const XrCompositionLayerBaseHeader* header = info.layers[i];
+    if (!header || header->type != XR_TYPE_COMPOSITION_LAYER_PROJECTION)
+      return misuse(XR_ERROR_LAYER_INVALID, "xrEndFrame: a layer is no projection");
+    const auto& layer = *reinterpret_cast<const XrCompositionLayerProjection*>(header);
+    const auto space = session.spaces.find(layer.space);
+    if (space == session.spaces.end()) return misuse(XR_ERROR_HANDLE_INVALID, "xrEndFrame: a layer's space is not one");
+    if (layer.viewCount != 2) return misuse(XR_ERROR_VALIDATION_FAILURE, "xrEndFrame: a projection has not two views");
+    for (uint32_t v = 0; v < 2; ++v) {
+      if (layer.views[v].type != XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW)
+        return misuse(XR_ERROR_VALIDATION_FAILURE, "xrEndFrame: a view is no XrCompositionLayerProjectionView");
+      const XrResult checked = check_view(session, layer.views[v], space->second, info.displayTime, eyes.emplace_back());
+      if (checked != XR_SUCCESS) return checked;
+    }
+  }
+  return XR_SUCCESS;
+}
+
+}  // namespace
+}  // namespace livegs::simulated
+
+using namespace livegs::simulated;
+
+XrResult xrWaitFrame(XrSession session, const XrFrameWaitInfo* info, XrFrameState* state) {
+  XrTime displayed = 0, period = 0, slow = 0;
+  {
+    std::lock_guard lock(runtime().mutex);
+    Session* found = find(session);
+    if (const auto refused = refuse(found, "xrWaitFrame")) return *refused;
+    if (info && info->type != XR_TYPE_FRAME_WAIT_INFO) return misuse(XR_ERROR_VALIDATION_FAILURE, "xrWaitFrame: not an XrFrameWaitInfo");
+    if (!state || state->type != XR_TYPE_FRAME_STATE) return misuse(XR_ERROR_VALIDATION_FAILURE, "xrWaitFrame: not an XrFrameState");
+    if (!found->running) return misuse(XR_ERROR_SESSION_NOT_RUNNING, "xrWaitFrame: the session is not running");
+    // With one thread it would block for ever.
+    if (found->waited) return misuse(XR_ERROR_CALL_ORDER_INVALID, "xrWaitFrame: twice without xrBeginFrame");
+    found->waited = true;
+    period = std::llround(1e9 / runtime().refresh_hz);
+    slow = std::llround(1e9 * runtime().compositor_s);
+    // The next moment of the display that leaves a period and the margin, and of which no other frame is.
+    const XrTime begin = runtime().begin_ns;
+    const XrTime earliest = std::max(now() + period + kMargin_ns + slow, found->last_display_time + 1);
+    displayed = begin + (earliest - begin + period - 1) / period * period;
+    found->last_display_time = displayed;
+  }
+  std::this_thread::sleep_for(std::chrono::nanoseconds(std::max<XrTime>(0, displayed - period - kMargin_ns - now())));
+  std::lock_guard lock(runtime().mutex);
+  Session* found = find(session);
+  if (const auto refused = refuse(found, "xrWaitFrame")) return *refused;
+  play_timeline();
+  if (found->loss == Session::Loss::Lost) return XR_ERROR_SESSION_LOST;
+  found->waited_for.insert(displayed);
+  found->waited_s = timeline_s(now());
+  state->predictedDisplayTime = displayed;
+  state->predictedDisplayPeriod = period;
+  state->shouldRender = found->state == XR_SESSION_STATE_VISIBLE || found->state == XR_SESSION_STATE_FOCUSED;
+  return success(*found);
+}
+
+XrResult xrBeginFrame(XrSession session, const XrFrameBeginInfo*) {
+  std::lock_guard lock(runtime().mutex);
+  Session* found = find(session);
+  if (const auto refused = refuse(found, "xrBeginFrame")) return *refused;
+  if (!found->running) return misuse(XR_ERROR_SESSION_NOT_RUNNING, "xrBeginFrame: the session is not running");
+  if (!found->waited) return misuse(XR_ERROR_CALL_ORDER_INVALID, "xrBeginFrame: without xrWaitFrame");
+  found->waited = false;
+  if (std::exchange(found->begun, true)) return misuse(XR_FRAME_DISCARDED, "xrBeginFrame: the frame before was not ended");
+  return success(*found);
+}
+
+XrResult xrEndFrame(XrSession session, const XrFrameEndInfo* info) {
+  std::lock_guard lock(runtime().mutex);
+  Session* found = find(session);
+  if (const auto refused = refuse(found, "xrEndFrame")) return *refused;
+  if (!info || info->type != XR_TYPE_FRAME_END_INFO) return misuse(XR_ERROR_VALIDATION_FAILURE, "xrEndFrame: not an XrFrameEndInfo");
+  if (!found->running) return misuse(XR_ERROR_SESSION_NOT_RUNNING, "xrEndFrame: the session is not running");
+  if (!found->begun) return misuse(XR_ERROR_CALL_ORDER_INVALID, "xrEndFrame: without xrBeginFrame");
+  if (!found->waited_for.contains(info->displayTime)) return misuse(XR_ERROR_TIME_INVALID, "xrEndFrame: displayTime is not the waited frame's");
+  if (info->environmentBlendMode != XR_ENVIRONMENT_BLEND_MODE_OPAQUE)
+    return misuse(XR_ERROR_ENVIRONMENT_BLEND_MODE_UNSUPPORTED, "xrEndFrame: the blend mode is not one of those enumerated");
+  std::vector<EyeRecord> eyes;
+  const XrResult checked = check_layers(*found, *info, eyes);
+  found->begun = false;
+  found->waited_for.erase(found->waited_for.begin(), found->waited_for.upper_bound(info->displayTime));
+  if (checked != XR_SUCCESS) return checked;
+  ++found->frames;
+  ++found->frames_in_state;
+  const bool keep = found->keep_next && !eyes.empty();
+  if (keep) found->keep_next = false;
+  runtime().record->frame(runtime().frames++, found->waited_s, timeline_s(now()), timeline_s(info->displayTime), eyes, keep);
+  // A frame or two after the warning.
+  if (found->loss == Session::Loss::Pending && found->frames_in_state >= 2) found->loss = Session::Loss::Lost;
+  return success(*found);
+}
