@@ -52,6 +52,23 @@ double CellNodes::move_all(const Eigen::Vector3d& by_m, const Eigen::Vector3d& c
   return furthest;
 }
 
+std::array<NodeLanes, 8> CellNodes::corners_m(const std::array<uint32_t, 8>& nodes, const Eigen::AlignedBox3f& local,
+                                              bool corrected) const {
+  std::array<NodeLanes, 8> corners;
+  for (int c = 0; c < 8; ++c) corners[c] = place_m(nodes[c], corrected);
+  for (int axis = 0; axis < 3; ++axis) {
+    const float low = 0.5f + 0.5f * local.min()[axis], high = 0.5f + 0.5f * local.max()[axis];
+    for (int c = 0; c < 8; ++c) {
+      const int d = c | 1 << axis;
+      if (c == d) continue;
+      const NodeLanes from = corners[c], way = corners[d] - corners[c];
+      corners[c] = from + low * way;
+      corners[d] = from + high * way;
+    }
+  }
+  return corners;
+}
+
 void CellNodes::stop() {
   for (size_t i = 0; i < count_; ++i) set_motion(i, position_m(i), Eigen::Vector3d::Zero());
 }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -44,6 +46,12 @@ class CellNodes {
   }
   Eigen::Vector3d corrected_m(const NodeSample& sample) const {
     return mean(sample, [&](uint32_t node) { return predicted_[node].value + corrections_[node].value; });
+  }
+  // Of a box in a cell, -1 to 1 along its axes, where the nodes take it: each point of it is a mean of these eight.
+  std::array<NodeLanes, 8> corners_m(const std::array<uint32_t, 8>& nodes, const Eigen::AlignedBox3f& local,
+                                     bool corrected) const;
+  NodeLanes place_m(uint32_t node, bool corrected) const {
+    return corrected ? predicted_[node].value + corrections_[node].value : position_[node].value;
   }
   Eigen::Vector3d corrected_m(size_t node) const { return vector(predicted_[node]) + vector(corrections_[node]); }
   void correct(size_t node, const Eigen::Vector3d& by_m) { add(corrections_[node], by_m); }

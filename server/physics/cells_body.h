@@ -179,6 +179,8 @@ class CellsBody final : public ElasticBody {
     Matrix3d f, rotation;
     std::array<Vector3d, kModeCount> modes;
   };
+  CellShape unturned_shape_of(size_t index) const;
+  void turn(size_t index, CellShape& shape) const;
   CellShape shape_of(size_t index) const;
   double energy_of(size_t index, const CellShape& shape) const;
   void flow();

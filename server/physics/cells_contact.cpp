@@ -17,25 +17,18 @@ constexpr double kCandidateRoom = 0.5;
 
 }  // namespace
 
-// That holds the cell's points, where the nodes were at the start of the step: they are in the box that they span in the
-// cell, and of it each point is a mean of the corners.
+// That holds the cell's points, where the nodes were at the start of the step.
 CellsBody::Ball CellsBody::ball_around(const SurfaceCell& cell) const {
-  std::array<Vector3d, 8> nodes;
-  for (int c = 0; c < 8; ++c) nodes[c] = nodes_.position_m(cell.nodes[c]);
-  std::array<Vector3d, 8> corners;
-  Vector3d centre = Vector3d::Zero();
-  for (int k = 0; k < 8; ++k) {
-    const Eigen::Vector3f& low = cell.points.min();
-    const Eigen::Vector3f& high = cell.points.max();
-    const Eigen::Vector3f local(k & 1 ? high.x() : low.x(), k & 2 ? high.y() : low.y(), k & 4 ? high.z() : low.z());
-    const std::array<double, 8> weights = trilinear_weights(local.cast<double>());
-    corners[k].setZero();
-    for (int c = 0; c < 8; ++c) corners[k] += weights[c] * nodes[c];
-    centre += 0.125 * corners[k];
+  const std::array<NodeLanes, 8> corners = nodes_.corners_m(cell.nodes, cell.points, false);
+  NodeLanes centre = corners[0];
+  for (int k = 1; k < 8; ++k) centre += corners[k];
+  centre *= 0.125f;
+  float squared = 0.0f;
+  for (const NodeLanes corner : corners) {
+    const NodeLanes arm = corner - centre;
+    squared = std::max(squared, arm[0] * arm[0] + arm[1] * arm[1] + arm[2] * arm[2]);
   }
-  double radius = 0.0;
-  for (const Vector3d& corner : corners) radius = std::max(radius, (corner - centre).squaredNorm());
-  return {centre, std::sqrt(radius)};
+  return {{centre[0], centre[1], centre[2]}, std::sqrt(squared)};
 }
 
 // Which surface cells may meet which colliders before a node has moved by the margin.

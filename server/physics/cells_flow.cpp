@@ -11,9 +11,16 @@
 #include "physics/thin_cell.h"
 
 namespace livegs {
+namespace {
 
-// F and the mode amplitudes of a cell, these in its turned frame.
-CellsBody::CellShape CellsBody::shape_of(size_t index) const {
+bool none_flowed(const std::array<Eigen::Vector3d, kModeCount>& modes) {
+  return std::all_of(modes.begin(), modes.end(), [](const Eigen::Vector3d& mode) { return mode.isZero(0.0); });
+}
+
+}  // namespace
+
+// F and the mode amplitudes of a cell, in world axes.
+CellsBody::CellShape CellsBody::unturned_shape_of(size_t index) const {
   const LatticeCell& cell = lattice_.cells[index];
   const auto gradients = trilinear_gradients(cell.centroid, lattice_.cell_width_m);
   CellShape shape;
@@ -24,9 +31,19 @@ CellsBody::CellShape CellsBody::shape_of(size_t index) const {
     shape.f += x * gradients[c].transpose();
     for (int j = 0; j < kModeCount; ++j) shape.modes[j] += 0.125 * mode_sign(j, c) * x;
   }
+  return shape;
+}
+
+// The mode amplitudes in the cell's turned frame.
+CellsBody::CellShape CellsBody::shape_of(size_t index) const {
+  CellShape shape = unturned_shape_of(index);
+  turn(index, shape);
+  return shape;
+}
+
+void CellsBody::turn(size_t index, CellShape& shape) const {
   shape.rotation = extract_rotation(shape.f, batches_.rotation(index)).toRotationMatrix();
   for (Vector3d& mode : shape.modes) mode = shape.rotation.transpose() * mode;
-  return shape;
 }
 
 void CellsBody::flow() {
@@ -39,7 +56,6 @@ void CellsBody::flow() {
     double plasticity = 0.0;
     for (const MaterialShare& share : cell.materials) plasticity += share.part * plasticities_[share.material];
     if (plasticity <= 0.0) continue;
-    const CellShape shape = shape_of(i);
     const IsotropicMaterial material = cell_materials_.of(cell);
     const Matrix3d before = plastic_parts_.empty() ? Matrix3d::Identity() : plastic_parts_[i];
     if (plasticity != surface_plasticity || material.poisson_ratio != surface_poisson_ratio) {
@@ -47,13 +63,23 @@ void CellsBody::flow() {
       surface_plasticity = plasticity;
       surface_poisson_ratio = material.poisson_ratio;
     }
-    const PlasticFlow flowed = flow_plastically(surface, shape.f * before.inverse(), before);
-
     // A mode of amplitude q strains the faces of the cell by 4 q / a, and those of a thin sheet in it by less.
     const bool thin = batches_.places[i].kind == CellPlace::Kind::Thin;
     const double width_m = lattice_.cell_width_m, yield = 1.0 - plasticity;
     const double thickness_m = thin ? std::sqrt(12.0 * cell.thin->variance_m2[0]) : width_m;
     const double per_m = 4.0 / width_m * (thickness_m / width_m);
+
+    // Most cells are far from yielding, which is cheap to see: |U - I| <= |U² - I|.
+    CellShape shape = unturned_shape_of(i);
+    const bool fresh = plastic_parts_.empty() ||
+                       (plastic_parts_[i] == Matrix3d::Identity() && none_flowed(plastic_modes_[i]));
+    if (fresh && (shape.f.transpose() * shape.f - Matrix3d::Identity()).norm() <= surface.radius &&
+        std::all_of(shape.modes.begin(), shape.modes.end(),
+                    [&](const Vector3d& mode) { return per_m * mode.norm() <= yield; })) {
+      continue;
+    }
+    turn(i, shape);
+    const PlasticFlow flowed = flow_plastically(surface, shape.f * before.inverse(), before);
     std::array<Vector3d, kModeCount> rest;
     bool bent = false;
     for (int j = 0; j < kModeCount; ++j) {

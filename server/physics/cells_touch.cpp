@@ -26,6 +26,10 @@ constexpr double kElementReach = 1.5;
 // Where a spot may lie beyond its cell, in half-widths from the middle.
 constexpr double kFurthestSpot = 1.25;
 
+// Of rounding, in sizes of a box.
+constexpr float kBoxRoom = 1e-5f;
+
+Vector3d vector_of(NodeLanes v) { return {v[0], v[1], v[2]}; }
 Vector3d corner_sign(int c) { return {c & 1 ? 1.0 : -1.0, c & 2 ? 1.0 : -1.0, c & 4 ? 1.0 : -1.0}; }
 
 }  // namespace
@@ -75,10 +79,14 @@ void CellsBody::list_boxes() const {
   surface_box_.setEmpty();
   cell_boxes_.clear();
   for (const SurfaceCell& cell : surface_cells_) {
-    AlignedBox3d box;
-    for (const uint32_t node : cell.nodes) box.extend(node_now(node));
-    const Vector3d room = 0.5 * box.sizes();
-    cell_boxes_.emplace_back(box.min() - room, box.max() + room);
+    const std::array<NodeLanes, 8> corners = nodes_.corners_m(cell.nodes, cell.points, in_step_);
+    NodeLanes low = corners[0], high = corners[0];
+    for (int k = 1; k < 8; ++k) {
+      low = corners[k] < low ? corners[k] : low;
+      high = corners[k] > high ? corners[k] : high;
+    }
+    const NodeLanes room = kBoxRoom * (high - low);
+    cell_boxes_.emplace_back(origin_m_ + vector_of(low - room), origin_m_ + vector_of(high + room));
     surface_box_.extend(cell_boxes_.back());
   }
 }
@@ -89,17 +97,23 @@ void CellsBody::surface_elements(const AlignedBox3d& within, std::vector<Surface
   for (size_t n = 0; n < surface_cells_.size(); ++n) {
     if (!cell_boxes_[n].intersects(within)) continue;
     const SurfaceCell& cell = surface_cells_[n];
-    std::array<Vector3d, 8> corners;
-    for (int c = 0; c < 8; ++c) corners[c] = node_now(cell.nodes[c]);
+    NodeLanes corners[8];
+    for (int c = 0; c < 8; ++c) corners[c] = nodes_.place_m(cell.nodes[c], in_step_);
     // Normals turn with the cofactors of the deformation.
-    Matrix3d f = Matrix3d::Zero();
-    for (int c = 0; c < 8; ++c) f += corners[c] * corner_sign(c).transpose();
+    Matrix3d f;
+    for (int d = 0; d < 3; ++d) {
+      NodeLanes edge{0, 0, 0, 0};
+      for (int c = 0; c < 8; ++c) edge += c & 1 << d ? corners[c] : -corners[c];
+      f.col(d) = vector_of(edge);
+    }
     Matrix3d cofactors;
     cofactors << f.col(1).cross(f.col(2)), f.col(2).cross(f.col(0)), f.col(0).cross(f.col(1));
+    const bool inside = within.contains(cell_boxes_[n]);
     for (uint32_t i = cell.begin; i < cell.end; ++i) {
-      Vector3d position = Vector3d::Zero();
-      for (int c = 0; c < 8; ++c) position += surface_[i].weights[c] * corners[c];
-      if (!within.contains(position)) continue;
+      NodeLanes place{0, 0, 0, 0};
+      for (int c = 0; c < 8; ++c) place += surface_[i].weights[c] * corners[c];
+      const Vector3d position = origin_m_ + vector_of(place);
+      if (!inside && !within.contains(position)) continue;
       for (uint32_t k = face_begins_[i]; k < face_begins_[i + 1]; ++k) {
         const Vector3d normal = cofactors * face_normals_[k].cast<double>();
         const double length = normal.norm();
