@@ -291,6 +291,39 @@ LIVEGS_INLINE void to_corners(const Matrix& r, const Lanes (&coefficient)[8][3],
   }
 }
 
+// F at a cell's centroid; `position` becomes its sums by corner signs.
+LIVEGS_INLINE Matrix gradient_at(const Lanes (&xi)[3], Lanes inverse_four_widths, Lanes (&position)[3][8]) {
+  const Lanes yz = xi[1] * xi[2], xz = xi[0] * xi[2], xy = xi[0] * xi[1];
+  Matrix f;
+  for (int d = 0; d < 3; ++d) {
+    Lanes(&h)[8] = position[d];
+    hadamard(h);
+    f.m[d][0] = (h[1] + xi[1] * h[3] + xi[2] * h[5] + yz * h[7]) * inverse_four_widths;
+    f.m[d][1] = (h[2] + xi[0] * h[3] + xi[2] * h[6] + xz * h[7]) * inverse_four_widths;
+    f.m[d][2] = (h[4] + xi[0] * h[5] + xi[1] * h[6] + xy * h[7]) * inverse_four_widths;
+  }
+  return f;
+}
+
+// What a stress at the centroid and the modes' forces, both in the turned frame, pull on the corners.
+LIVEGS_INLINE void pull_corners(const Matrix& r, const Matrix& stress, const Lanes (&eta)[4][3], const Lanes (&xi)[3],
+                                Lanes inverse_four_widths, Lanes (&out)[3][8]) {
+  const Lanes yz = xi[1] * xi[2], xz = xi[0] * xi[2], xy = xi[0] * xi[1];
+  Lanes coefficient[8][3];
+  for (int d = 0; d < 3; ++d) {
+    const Lanes tx = stress.m[d][0] * inverse_four_widths, ty = stress.m[d][1] * inverse_four_widths,
+                tz = stress.m[d][2] * inverse_four_widths;
+    coefficient[1][d] = tx;
+    coefficient[2][d] = ty;
+    coefficient[3][d] = xi[1] * tx + xi[0] * ty + eta[2][d];
+    coefficient[4][d] = tz;
+    coefficient[5][d] = xi[2] * tx + xi[0] * tz + eta[1][d];
+    coefficient[6][d] = xi[2] * ty + xi[1] * tz + eta[0][d];
+    coefficient[7][d] = yz * tx + xz * ty + xy * tz + eta[3][d];
+  }
+  to_corners(r, coefficient, out);
+}
+
 template <bool kPaired>
 LIVEGS_INLINE void solve_full(FullCells& cells, const FullGains& gains, const SweepArrays& arrays, Worst& worst) {
   Lanes position[3][8], inverse_mass[8];
@@ -348,18 +381,8 @@ LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const
   Lanes position[3][8], inverse_mass[8];
   gather<kPaired>(cells.nodes, arrays.predicted, arrays.corrections, position, inverse_mass);
   const Lanes q4 = all_lanes(arrays.inverse_four_widths);
-  const Lanes(&xi)[3] = cells.centroid;
-  const Lanes yz = xi[1] * xi[2], xz = xi[0] * xi[2], xy = xi[0] * xi[1];
-  Matrix f;
-  for (int d = 0; d < 3; ++d) {
-    Lanes(&h)[8] = position[d];
-    hadamard(h);
-    f.m[d][0] = (h[1] + xi[1] * h[3] + xi[2] * h[5] + yz * h[7]) * q4;
-    f.m[d][1] = (h[2] + xi[0] * h[3] + xi[2] * h[6] + xz * h[7]) * q4;
-    f.m[d][2] = (h[4] + xi[0] * h[5] + xi[1] * h[6] + xy * h[7]) * q4;
-  }
   Matrix r, m;
-  follow_rotation(cells.rotation, f, r, m);
+  follow_rotation(cells.rotation, gradient_at(cells.centroid, q4, position), r, m);
   Symmetric lack;
   Lanes volume;
   const Symmetric s = strain_of(m, lack, volume);
@@ -403,19 +426,8 @@ LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const
     }
   }
 
-  Lanes coefficient[8][3];
-  for (int d = 0; d < 3; ++d) {
-    const Lanes tx = stress.m[d][0] * q4, ty = stress.m[d][1] * q4, tz = stress.m[d][2] * q4;
-    coefficient[1][d] = tx;
-    coefficient[2][d] = ty;
-    coefficient[3][d] = xi[1] * tx + xi[0] * ty + eta[2][d];
-    coefficient[4][d] = tz;
-    coefficient[5][d] = xi[2] * tx + xi[0] * tz + eta[1][d];
-    coefficient[6][d] = xi[2] * ty + xi[1] * tz + eta[0][d];
-    coefficient[7][d] = yz * tx + xz * ty + xy * tz + eta[3][d];
-  }
   Lanes out[3][8];
-  to_corners(r, coefficient, out);
+  pull_corners(r, stress, eta, cells.centroid, q4, out);
   scatter<kPaired>(cells.nodes, inverse_mass, out, arrays.corrections);
 }
 
@@ -429,18 +441,8 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, con
   Lanes position[3][8], inverse_mass[8];
   gather<kPaired>(cells.nodes, arrays.predicted, arrays.corrections, position, inverse_mass);
   const Lanes q4 = all_lanes(arrays.inverse_four_widths);
-  const Lanes(&xi)[3] = cells.centroid;
-  const Lanes yz = xi[1] * xi[2], xz = xi[0] * xi[2], xy = xi[0] * xi[1];
-  Matrix f;
-  for (int d = 0; d < 3; ++d) {
-    Lanes(&h)[8] = position[d];
-    hadamard(h);
-    f.m[d][0] = (h[1] + xi[1] * h[3] + xi[2] * h[5] + yz * h[7]) * q4;
-    f.m[d][1] = (h[2] + xi[0] * h[3] + xi[2] * h[6] + xz * h[7]) * q4;
-    f.m[d][2] = (h[4] + xi[0] * h[5] + xi[1] * h[6] + xy * h[7]) * q4;
-  }
   Matrix r, m;
-  follow_rotation(cells.rotation, f, r, m);
+  follow_rotation(cells.rotation, gradient_at(cells.centroid, q4, position), r, m);
   Symmetric lack;
   Lanes volume;
   const Symmetric s = strain_of(m, lack, volume);
@@ -501,20 +503,12 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, con
   Lanes torque[3] = {all_lanes(0.0f), all_lanes(0.0f), all_lanes(0.0f)};
   for (int j = 0; j < 4; ++j) add_cross(modes[j], {impulse[6 + 3 * j], impulse[7 + 3 * j], impulse[8 + 3 * j]}, torque);
   add_turning_force(m, torque, strain, cells.mobility, stress);
-  Lanes coefficient[8][3];
-  for (int d = 0; d < 3; ++d) {
-    const Lanes tx = stress.m[d][0] * q4, ty = stress.m[d][1] * q4, tz = stress.m[d][2] * q4;
-    const Lanes eighth = all_lanes(0.125f);
-    coefficient[1][d] = tx;
-    coefficient[2][d] = ty;
-    coefficient[3][d] = xi[1] * tx + xi[0] * ty + eighth * impulse[12 + d];
-    coefficient[4][d] = tz;
-    coefficient[5][d] = xi[2] * tx + xi[0] * tz + eighth * impulse[9 + d];
-    coefficient[6][d] = xi[2] * ty + xi[1] * tz + eighth * impulse[6 + d];
-    coefficient[7][d] = yz * tx + xz * ty + xy * tz + eighth * impulse[15 + d];
+  Lanes eta[4][3];
+  for (int j = 0; j < 4; ++j) {
+    for (int d = 0; d < 3; ++d) eta[j][d] = all_lanes(0.125f) * impulse[6 + 3 * j + d];
   }
   Lanes out[3][8];
-  to_corners(r, coefficient, out);
+  pull_corners(r, stress, eta, cells.centroid, q4, out);
   scatter<kPaired>(cells.nodes, inverse_mass, out, arrays.corrections);
 }
 
