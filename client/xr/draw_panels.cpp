@@ -11,7 +11,7 @@
 namespace livegs {
 namespace {
 
-constexpr float kMargin_px = 10, kLeftWidth_px = 300, kRightWidth_px = 390, kTextWidth_px = 84;
+constexpr float kMargin_px = 10, kLeftWidth_px = 300, kRightWidth_px = 390, kTextWidth_px = 84, kValueWidth_px = 64;
 
 void coloured(ImU32 colour, const std::string& text) {
   ImGui::PushStyleColor(ImGuiCol_Text, colour);
@@ -74,9 +74,11 @@ void PanelDrawer::draw_force(const ForcePanel& force, PanelActions& actions) {
     ImGui::AlignTextToFramePadding();
     ImGui::TextUnformatted(name);
     ImGui::SameLine(kTextWidth_px);
-    ImGui::SetNextItemWidth(-1);
-    changed |= ImGui::SliderScalar((std::string("##") + name).c_str(), ImGuiDataType_Double, &value, &low, &high, format,
-                                   flags);
+    ImGui::SetNextItemWidth(-kValueWidth_px);
+    changed |= ImGui::SliderScalar((std::string("##") + name).c_str(), ImGuiDataType_Double, &value, &low, &high, "",
+                                   flags | ImGuiSliderFlags_NoInput | ImGuiSliderFlags_NoRoundToFormat);
+    ImGui::SameLine();  // beside it: the grab would stand on it
+    ImGui::Text(format, value);
   };
   slider("Size", "%.3g N", set.size_n, 0.1, 1000, ImGuiSliderFlags_Logarithmic);
   slider("Time", "%.2f s", set.duration_s, 0.05, 10, ImGuiSliderFlags_Logarithmic);
