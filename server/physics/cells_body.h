@@ -63,6 +63,7 @@ class CellsBody final : public ElasticBody {
   ContactTally take_contacts() override { return std::exchange(contact_tally_, {}); }
   double reach_m() const override { return reach_m_; }
   Eigen::AlignedBox3d bounds_m() const override;
+  Eigen::AlignedBox3d surface_bounds_m(const Eigen::AlignedBox3d& within) const override;
   void expect_contact() override { become_elastic(); }
   void surface_elements(const Eigen::AlignedBox3d& within, std::vector<SurfaceElement>& elements) const override;
   double element_reach_m() const override;

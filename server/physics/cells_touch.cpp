@@ -91,6 +91,17 @@ void CellsBody::list_boxes() const {
   }
 }
 
+AlignedBox3d CellsBody::surface_bounds_m(const AlignedBox3d& within) const {
+  if (frozen()) return ElasticBody::surface_bounds_m(within);
+  if (!boxes_known_) list_boxes();
+  AlignedBox3d bounds;
+  if (!surface_box_.intersects(within)) return bounds;
+  for (const AlignedBox3d& box : cell_boxes_) {
+    if (box.intersects(within)) bounds.extend(box);
+  }
+  return bounds;
+}
+
 void CellsBody::surface_elements(const AlignedBox3d& within, std::vector<SurfaceElement>& elements) const {
   if (!boxes_known_) list_boxes();
   if (!surface_box_.intersects(within)) return;

@@ -145,6 +145,10 @@ class ElasticBody {
   // For bodies that touch. Defaults: a solver that meets nothing that moves.
   virtual double reach_m() const { return 0.0; }  // about the centre; nothing of it is farther away
   virtual Eigen::AlignedBox3d bounds_m() const { return {}; }  // world axes; nothing of it is outside
+  // Of what of its surface may be within a box; empty: none is.
+  virtual Eigen::AlignedBox3d surface_bounds_m(const Eigen::AlignedBox3d& within) const {
+    return bounds_m().intersection(within);
+  }
   virtual void expect_contact() {}                // something is near: its surface must be where it is drawn
   // Elements of the surface within a box: in the middle of a step where it has come to, between steps where it stands.
   virtual void surface_elements(const Eigen::AlignedBox3d& within, std::vector<SurfaceElement>& elements) const;

@@ -34,6 +34,18 @@ Eigen::AlignedBox3d box_of(const RigidShape& shape, const Pose& at) {
   return {middle - half, middle + half};
 }
 
+Eigen::AlignedBox3d wider(const Eigen::AlignedBox3d& box, double by_m) {
+  return {box.min().array() - by_m, box.max().array() + by_m};
+}
+
+// Whether surfaces come within `room_m` of each other, as far as the boxes of their parts say.
+bool may_meet(const ElasticBody& a, const ElasticBody& b, double room_m) {
+  const Eigen::AlignedBox3d of_a = a.surface_bounds_m(wider(b.bounds_m(), room_m));
+  if (of_a.isEmpty()) return false;
+  const Eigen::AlignedBox3d of_b = b.surface_bounds_m(wider(of_a, room_m));
+  return !of_b.isEmpty() && !a.surface_bounds_m(wider(of_b, room_m)).isEmpty();
+}
+
 double distance_m(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
   return (a.min() - b.max()).cwiseMax(b.min() - a.max()).cwiseMax(0.0).norm();
 }
@@ -88,7 +100,9 @@ std::vector<std::vector<World::State::SteppedTogether>> World::State::meet(doubl
       const double apart = reach + other.shape->bounding_radius_m;
       const Vector3d between = centre - other.start.position_m;
       if (between.squaredNorm() > apart * apart) continue;
-      if (distance_m(elastic_boxes[i], rigid_boxes[k]) > reach - body.reach_m()) continue;
+      const double room = reach - body.reach_m();
+      if (distance_m(elastic_boxes[i], rigid_boxes[k]) > room) continue;
+      if (body.surface_bounds_m(wider(rigid_boxes[k], room)).isEmpty()) continue;
       if (other.shape->sample(other.start.orientation.conjugate() * between).distance_m > reach) continue;
       elastic.near_bodies.push_back(&other);
       sets.join(static_cast<uint32_t>(i), static_cast<uint32_t>(count + k));
@@ -100,7 +114,8 @@ std::vector<std::vector<World::State::SteppedTogether>> World::State::meet(doubl
       const double reach = own_reach + (1.0 + kNearby) * other.body->reach_m() + other.body->element_reach_m() +
                            duration_s * (other.body->velocity_m_s().norm() + gain_m_s);
       if ((other.body->centre_m() - centre).squaredNorm() > reach * reach) continue;
-      if (distance_m(elastic_boxes[i], elastic_boxes[k]) > reach - body.reach_m() - other.body->reach_m()) continue;
+      const double room = reach - body.reach_m() - other.body->reach_m();
+      if (distance_m(elastic_boxes[i], elastic_boxes[k]) > room || !may_meet(body, *other.body, room)) continue;
       elastic.body->expect_contact();
       other.body->expect_contact();
       elastic.near_elastic.push_back({other.body.get(), elastic_contact_id(other.object_id)});
