@@ -7,9 +7,11 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <thread>
+#include <vector>
 
 namespace livegs {
 namespace {
@@ -17,6 +19,30 @@ namespace {
 std::mutex control_mutex;  // guards control
 std::unique_ptr<tbb::global_control> control;
 thread_local bool serial_here = false;
+
+#if defined(__SANITIZE_THREAD__)
+// TBB is not built for the thread sanitizer, which would take each of its hand-overs for a race. Plain threads, relaxed
+// so that nothing is ordered but by their start and end.
+template <class Run>
+void run_blocks(size_t blocks, const Run& run) {
+  std::atomic<size_t> next{0};
+  const auto work = [&] {
+    for (size_t i = next.fetch_add(1, std::memory_order_relaxed); i < blocks;
+         i = next.fetch_add(1, std::memory_order_relaxed)) {
+      run(i);
+    }
+  };
+  std::vector<std::thread> helpers;
+  for (size_t k = 1; k < std::min(blocks, static_cast<size_t>(thread_count())); ++k) helpers.emplace_back(work);
+  work();
+  for (std::thread& helper : helpers) helper.join();
+}
+#else
+template <class Run>
+void run_blocks(size_t blocks, const Run& run) {
+  tbb::parallel_for(size_t{0}, blocks, run);
+}
+#endif
 
 }  // namespace
 
@@ -44,7 +70,7 @@ void parallel_for(size_t count, size_t block, const std::function<void(size_t, s
     for (size_t index = 0; index < blocks; ++index) run(index);
     return;
   }
-  tbb::parallel_for(size_t{0}, blocks, run);
+  run_blocks(blocks, run);
 }
 
 }  // namespace livegs
