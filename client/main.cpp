@@ -40,7 +40,8 @@ int main(int argc, char** argv) {
   livegs::OffscreenRunOptions options;
   std::string display = "offscreen", renderer = "auto", size, select, force;
   int threads = 0;
-  bool verbose = false, no_video = false;
+  bool verbose = false, no_video = false, unpair = false;
+  livegs::AccessOptions access;
   CLI::App app("Sees and touches a scene that livegs-server streams", "livegs-client");
   app.add_option("HOST:PORT", options.address, "Where the server listens")->required();
   app.add_option("--display", display, "offscreen: pictures become files; window: a desktop window")
@@ -82,6 +83,14 @@ int main(int argc, char** argv) {
   auto* reconnect = app.add_option("--reconnect", options.reconnect_s,
                                    "Seconds to look for a server that went away; 10, or with a window no end, when left out")
                         ->check(CLI::Range(0.0, 1e6));
+  app.add_option("--pair", access.pairing_code,
+                 "The pairing code that the server shows: its certificate is remembered from then on");
+  app.add_option("--token-file", access.token_file,
+                 "A file whose first line is the token to show, remembered too; LIVEGS_TOKEN when left out")
+      ->check(CLI::ExistingFile);
+  app.add_option("--state-dir", access.state_dir,
+                 "Where paired servers are remembered; $XDG_STATE_HOME/livegs when left out");
+  app.add_flag("--unpair", unpair, "Forget what is remembered of the server, and end");
   app.add_option("--threads", threads, "Threads that draw; 0: one a core")->check(CLI::Range(0, 1024));
   app.add_flag("--verbose", verbose, "Log more");
   app.set_version_flag("--version", LIVEGS_VERSION);
@@ -101,11 +110,19 @@ int main(int argc, char** argv) {
     options.renderer = renderer == "cpu" ? livegs::RendererChoice::Cpu : livegs::RendererChoice::Vulkan;
   livegs::set_log_level(verbose ? livegs::LogLevel::Debug : livegs::LogLevel::Info);
   livegs::set_thread_count(threads);
+  if (unpair) {
+    const auto forgotten = livegs::forget_server(options.address, access.state_dir);
+    return forgotten ? 0 : report(forgotten.error());
+  }
+  auto chosen = livegs::choose_access(options.address, access);
+  if (!chosen) return report(chosen.error());
+  options.access = std::move(*chosen);
   for (int signal_number : {SIGINT, SIGTERM}) signal(signal_number, [](int) { interrupted = true; });
 
   if (display == "window") {
     livegs::WindowRunOptions window;
     window.address = options.address;
+    window.access = options.access;
     window.seconds = app.count("--seconds") > 0 ? options.seconds : 0.0;
     window.size = options.size;
     window.camera_file = options.camera_file;

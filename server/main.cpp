@@ -3,11 +3,15 @@
 // input.
 #include <signal.h>
 #include <time.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 
@@ -20,13 +24,18 @@
 #include "session/live_run.h"
 #include "session/live_server.h"
 #include "session/run_summary.h"
+#include "session/server_security.h"
 #include "session/simulation_loop.h"
+#include "trust/fingerprint.h"
+#include "trust/state_folder.h"
 
 namespace {
 
 struct Options {
   std::string scene;
   std::string listen = "127.0.0.1:9780";
+  std::string tls = "auto";
+  std::string state_dir;
   std::optional<double> rate_hz;
   std::optional<int> substeps;
   int threads = 0;
@@ -41,6 +50,30 @@ struct Options {
 int report(const livegs::Error& error) {
   std::fprintf(stderr, "livegs-server: %s\n", error.message.c_str());
   return error.code == livegs::ErrorCode::Unavailable || error.code == livegs::ErrorCode::Internal ? 1 : 2;
+}
+
+// What the server needs to let other machines in; null when it listens in the clear.
+livegs::Result<std::unique_ptr<livegs::ServerSecurity>> open_security(const Options& options) {
+  using namespace livegs;
+  const bool on = options.tls == "on" || (options.tls == "auto" && !check_listen_address(options.listen, false));
+  if (auto checked = check_listen_address(options.listen, on); !checked) return checked.error();
+  if (!on) return std::unique_ptr<ServerSecurity>();
+  auto folder = state_folder(options.state_dir);
+  if (!folder) return folder.error();
+  return ServerSecurity::open(*folder);
+}
+
+// How clients reach it, for who reads the log.
+std::string client_command(const Options& options, int port, const livegs::ServerSecurity* security) {
+  const std::string host = options.listen.substr(0, options.listen.rfind(':'));
+  std::array<char, 256> name{};
+  const bool any = host == "0.0.0.0" || host == "[::]";
+  if (any && gethostname(name.data(), name.size() - 1) != 0) name = {};
+  const std::string command =
+      "livegs-client " + (any && name[0] != 0 ? std::string(name.data()) : host) + ":" + std::to_string(port);
+  if (!security) return command;
+  return command + " --pair " + livegs::pairing_code(security->fingerprint()) +
+         " --token-file FILE, with a token of: livegs ctl tokens add NAME";
 }
 
 // The signals that end the server, kept from every thread that is started afterwards.
@@ -78,7 +111,9 @@ int run(const Options& options) {
   if (!endpoint) return report(endpoint.error());
 
   // The port first: it is refused at once, and clients that come early are told to wait.
-  auto server = LiveServer::listen(options.listen);
+  const auto security = open_security(options);
+  if (!security) return report(security.error());
+  auto server = LiveServer::listen(options.listen, security->get());
   if (!server) return report(server.error());
 
   const int64_t begun_ns = now_ns();
@@ -115,7 +150,17 @@ int run(const Options& options) {
   (*server)->open(loop.scene(), loop);
   (*server)->open_analysis(analysis);
   (*server)->open_run(run);
-  log_info("ready: livegs-client 127.0.0.1:%d", (*server)->port());
+  std::mutex drain_mutex;
+  std::string drained;  // why, once somebody asked for it
+  (*server)->open_drain([&](const std::string& reason) {
+    std::lock_guard lock(drain_mutex);
+    drained = reason;
+  });
+  const auto drain_reason = [&] {
+    std::lock_guard lock(drain_mutex);
+    return drained;
+  };
+  log_info("ready: %s", client_command(options, (*server)->port(), security->get()).c_str());
   if (options.print_port) {
     std::printf("%d\n", (*server)->port());
     std::fflush(stdout);
@@ -123,13 +168,17 @@ int run(const Options& options) {
 
   std::string reason;
   if (options.wait_for_client) {
-    reason = wait_for_signal(signals, [&] { return (*server)->streaming_count() > 0; });
+    reason = wait_for_signal(signals, [&] { return (*server)->streaming_count() > 0 || !drain_reason().empty(); });
+    if (reason.empty()) reason = drain_reason();
   }
   if (reason.empty()) {
     loop.start();
     analysis.begin();
     const int64_t end_ns = now_ns() + static_cast<int64_t>(options.seconds * 1e9);
-    reason = wait_for_signal(signals, [&] { return options.seconds > 0 && now_ns() >= end_ns; });
+    reason = wait_for_signal(signals, [&] {
+      return (options.seconds > 0 && now_ns() >= end_ns) || !drain_reason().empty();
+    });
+    if (reason.empty()) reason = drain_reason();
     if (reason.empty()) reason = "the server has run for its time";
   }
   log_info("%s", reason.c_str());
@@ -147,8 +196,14 @@ int main(int argc, char** argv) {
   CLI::App app("Simulates a scene of Gaussian splats and streams it to livegs-client", "livegs-server");
   app.add_option("SCENE", options.scene, "A *.scene.json file, or a folder of assets")->required();
   app.add_option("--listen", options.listen,
-                 "HOST:PORT; port 0 lets the system choose. This machine only, for now")
+                 "HOST:PORT; port 0 lets the system choose. 0.0.0.0 lets other machines in, with TLS and a token")
       ->capture_default_str();
+  app.add_option("--tls", options.tls,
+                 "auto: unless it listens on this machine only; on; off: refused for other machines")
+      ->check(CLI::IsMember({"auto", "on", "off"}))
+      ->capture_default_str();
+  app.add_option("--state-dir", options.state_dir,
+                 "Where the certificate and the tokens are kept; $XDG_STATE_HOME/livegs when left out");
   app.add_option("--rate", options.rate_hz, "Ticks a second, instead of the scene's")
       ->check(CLI::Range(1.0, 1000.0));
   app.add_option("--substeps", options.substeps, "Substeps a tick, instead of the scene's")

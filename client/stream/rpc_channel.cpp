@@ -30,7 +30,7 @@ void quieten_grpc() {
 
 }  // namespace
 
-std::shared_ptr<grpc::Channel> make_channel(const std::string& address) {
+std::shared_ptr<grpc::Channel> make_channel(const std::string& address, const ServerAccess* access) {
   quieten_grpc();
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMaxReplyBytes);
@@ -42,11 +42,12 @@ std::shared_ptr<grpc::Channel> make_channel(const std::string& address) {
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 1000);  // the server permits 500
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 3000);
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
-  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+  return grpc::CreateCustomChannel(address, access ? access->credentials() : grpc::InsecureChannelCredentials(),
+                                   arguments);
 }
 
-std::shared_ptr<grpc::Channel> connect_channel(const std::string& address, int64_t give_up_ns,
-                                               const WaitOrStop& wait) {
+std::shared_ptr<grpc::Channel> connect_channel(const std::string& address, const ServerAccess* access,
+                                               int64_t give_up_ns, const WaitOrStop& wait) {
   struct Attempt {
     std::shared_ptr<grpc::Channel> channel;
     int64_t begun_ns = 0;
@@ -58,7 +59,7 @@ std::shared_ptr<grpc::Channel> connect_channel(const std::string& address, int64
   for (;;) {
     const int64_t now = now_ns();
     if (now >= next_ns) {
-      attempts.push_back({make_channel(address), now});
+      attempts.push_back({make_channel(address, access), now});
       next_ns = now + retry_pause_ns(now - begun_ns, static_cast<uint32_t>(random()));
     }
     // In turn: a connection comes about only while somebody waits for it.
@@ -70,6 +71,7 @@ std::shared_ptr<grpc::Channel> connect_channel(const std::string& address, int64
       return attempt.channel->GetState(false) == GRPC_CHANNEL_TRANSIENT_FAILURE ||
              now - attempt.begun_ns > kConnectPatience_ns;
     });
+    if (access && !access->refused()) return nullptr;
     if (now >= give_up_ns || wait(attempts.empty() ? kLookEvery_ns : 0)) return nullptr;
   }
 }
@@ -103,6 +105,9 @@ Error error_from(const grpc::Status& status, const std::string& prefix) {
       case grpc::StatusCode::INVALID_ARGUMENT:
       case grpc::StatusCode::OUT_OF_RANGE:
         return ErrorCode::InvalidArgument;
+      case grpc::StatusCode::UNAUTHENTICATED:
+      case grpc::StatusCode::PERMISSION_DENIED:
+        return ErrorCode::PermissionDenied;
       case grpc::StatusCode::RESOURCE_EXHAUSTED:
         return ErrorCode::TooLarge;
       case grpc::StatusCode::UNAVAILABLE:

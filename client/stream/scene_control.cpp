@@ -52,9 +52,10 @@ struct SceneControl::Connection {
   }
 };
 
-SceneControl::SceneControl(const std::string& address) : connection_(std::make_unique<Connection>()) {
+SceneControl::SceneControl(const std::string& address, std::shared_ptr<const ServerAccess> access)
+    : connection_(std::make_unique<Connection>()) {
   connection_->address = address;
-  connection_->stub = v1::LiveGs::NewStub(make_channel(address));
+  connection_->stub = v1::LiveGs::NewStub(make_channel(address, access.get()));
 }
 
 SceneControl::~SceneControl() = default;

@@ -9,6 +9,7 @@
 
 #include "core/result.h"
 #include "livegs/v1/session.pb.h"
+#include "trust/server_access.h"
 
 namespace livegs {
 
@@ -16,7 +17,8 @@ namespace livegs {
 // behind it. Calls block, ten seconds at most; any thread. Errors are the server's one line, which names the field.
 class SceneControl {
  public:
-  explicit SceneControl(const std::string& address);
+  // `access`: null in the clear.
+  explicit SceneControl(const std::string& address, std::shared_ptr<const ServerAccess> access = nullptr);
   ~SceneControl();
 
   Result<v1::PhysicsReply> set_physics(const std::string& object, const v1::Physics& physics);

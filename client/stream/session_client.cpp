@@ -106,8 +106,13 @@ Result<v1::JoinReply> SessionClient::Connection::join(int64_t give_up_ns) {
   std::chrono::seconds deadline = session_id.empty() ? kCallDeadline : kRejoinDeadline;
   for (;;) {
     const auto channel =
-        connect_channel(address, give_up_ns, [this](int64_t duration_ns) { return wait(duration_ns); });
-    if (!channel) return Error{ErrorCode::Unavailable, ""};
+        connect_channel(address, options.access.get(), give_up_ns, [this](int64_t duration_ns) { return wait(duration_ns); });
+    if (!channel) {
+      if (options.access) {
+        if (auto refused = options.access->refused(); !refused) return refused.error();
+      }
+      return Error{ErrorCode::Unavailable, ""};
+    }
     auto connected = std::shared_ptr<v1::LiveGs::Stub>(v1::LiveGs::NewStub(channel));
     v1::JoinReply reply;
     do {
@@ -117,7 +122,7 @@ Result<v1::JoinReply> SessionClient::Connection::join(int64_t give_up_ns) {
       if (status.ok()) {
         std::lock_guard lock(mutex);
         stub = std::move(connected);
-        asset_stub = v1::LiveGs::NewStub(make_channel(address));
+        asset_stub = v1::LiveGs::NewStub(make_channel(address, options.access.get()));
         return reply;
       }
       const bool full = status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED;
@@ -142,9 +147,15 @@ Result<std::unique_ptr<SessionClient>> SessionClient::join(const std::string& ad
   if (!reply) {
     if (!reply.error().message.empty()) return reply.error();
     return Error{ErrorCode::Unavailable,
-                 "no server answers at " + address +
-                     format_text(" within %.1f s; start one with livegs-server SCENE", options.timeout_s)};
+                 "no server answers at " + address + (options.access ? " over TLS, as it was paired with," : "") +
+                     format_text(" within %.1f s; start one with livegs-server SCENE%s", options.timeout_s,
+                                 options.access ? ", or forget this one with --unpair if it is in the clear now"
+                                                : "; if it asks for TLS, pair with it: --pair CODE")};
   }
+  if (options.access) {
+    if (auto remembered = options.access->remember(); !remembered) return remembered.error();
+  }
+  if (reply->looks_only()) log_warn("%s: the token is of scope view: what the hands do is not taken", address.c_str());
   connection->session_id = connection->scene.session_id = reply->session_id();
   connection->server_instance = reply->server_instance();
   connection->scene.rate_hz = connection->rate_hz = reply->rate_hz();
@@ -196,7 +207,7 @@ Result<void> SessionClient::fetch_asset(const std::string& hash, uint64_t asset_
     log_debug("%s: %s; on from byte %llu", prefix.c_str(), status.error_message().c_str(),
               static_cast<unsigned long long>(offset));
     std::lock_guard lock(connection.mutex);
-    if (connection.asset_stub == stub) connection.asset_stub = v1::LiveGs::NewStub(make_channel(connection.address));
+    if (connection.asset_stub == stub) connection.asset_stub = v1::LiveGs::NewStub(make_channel(connection.address, connection.options.access.get()));
   }
 }
 

@@ -9,12 +9,14 @@
 #include "core/result.h"
 #include "stream/asset_cache.h"
 #include "stream/received.h"
+#include "trust/server_access.h"
 
 namespace livegs {
 
 struct ConnectOptions {
   double timeout_s = 5.0;  // for the server to be there and its scene to be built
   std::string client_name = "livegs-client";
+  std::shared_ptr<const ServerAccess> access;  // null: in the clear
   // How long a server that went away is looked for before the session is over; infinity: until stop().
   double reconnect_s = 10.0;
   // Whether a server that said goodbye is looked for, too.
@@ -26,7 +28,8 @@ struct ConnectOptions {
 // opens a new stream. Errors name the address and the remedy.
 class SessionClient {
  public:
-  // Connects and joins. Tries again until the time is up while nobody answers or the scene is being built.
+  // Connects and joins. Tries again until the time is up while nobody answers or the scene is being built; not when the
+  // server shows another certificate than it should or refuses the token.
   static Result<std::unique_ptr<SessionClient>> join(const std::string& address,
                                                      const ConnectOptions& options);
   ~SessionClient();

@@ -101,6 +101,7 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
   auto prepared = prepare(options);
   if (!prepared) return prepared.error();
   ConnectOptions connect;
+  connect.access = options.access;
   connect.timeout_s = options.connect_timeout_s;
   connect.reconnect_s = options.reconnect_s;
   auto joined = SessionClient::join(options.address, connect);

@@ -12,12 +12,14 @@
 #include "viewer/asset_library.h"
 #include "viewer/camera_file.h"
 #include "viewer/frame_log.h"
+#include "trust/server_access.h"
 #include "viewer/recorder.h"
 
 namespace livegs {
 
 struct OffscreenRunOptions {
   std::string address;
+  std::shared_ptr<const ServerAccess> access;  // null: in the clear
   double seconds = 10;  // of stream, after the first frame; 0: until the server ends or `interrupted`
   std::filesystem::path output = "out/client";
   std::optional<PictureSize> size;

@@ -455,6 +455,7 @@ Result<void> run_window(const WindowRunOptions& options, const std::atomic<bool>
   auto display = WindowDisplay::open("LiveGS " + options.address, size.width, size.height);
   if (!display) return display.error();
   ConnectOptions connect;
+  connect.access = options.access;
   connect.timeout_s = options.connect_timeout_s;
   connect.reconnect_s = options.reconnect_s;
   connect.outlive_draining = true;  // it may be started again
@@ -472,7 +473,7 @@ Result<void> run_window(const WindowRunOptions& options, const std::atomic<bool>
   AssetLibrary assets(**joined, cache);
   SceneView view(*std::move(renderer));
   if (auto loaded = load_scene((*joined)->scene(), assets, view); !loaded) return loaded;
-  SceneControl control(options.address);
+  SceneControl control(options.address, options.access);
   WindowRun run(options, **joined, control, assets, view, **display);
   const auto done = run.run(interrupted);
   const auto stopped = (*joined)->stop();  // before the run's stream goes, which its reader calls

@@ -10,12 +10,14 @@
 #include "core/result.h"
 #include "livegs/v1/scene.pb.h"
 #include "render/choose_renderer.h"
+#include "trust/server_access.h"
 #include "viewer/camera_file.h"
 
 namespace livegs {
 
 struct WindowRunOptions {
   std::string address;
+  std::shared_ptr<const ServerAccess> access;  // null: in the clear
   double seconds = 0;  // 0: until the window is closed
   std::optional<PictureSize> size;
   std::filesystem::path camera_file;  // empty: all objects from a little above

@@ -20,6 +20,7 @@ void add_fracture(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
 void add_analyze(CLI::App& app, int& exit_code);
 void add_chart(CLI::App& app, int& exit_code);
+void add_ctl(CLI::App& app, int& exit_code);
 
 // Prints "livegs: " and the one line, and gives the exit code that belongs to it: 2 for what the user can
 // mend in the input, 1 for what the machine would not do.

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "session/grant.h"
 #include "session/send_window.h"
 #include "session/stepped_tick.h"
 
@@ -21,11 +22,19 @@ class SessionWriter {
   virtual void beat(int64_t now_ns) = 0;
   // Writes what waits, then ends the stream with UNAVAILABLE and `reason`.
   virtual void close(const std::string& reason) = 0;
+  // Ends the stream with the error as soon as the write that is under way is done. What waits is not written.
+  virtual void end(const Error& why) = 0;
   // Ends the stream at once, whether or not the client still reads.
   virtual void abort() = 0;
 };
 
 inline constexpr int64_t kBeatAfter_ns = 200'000'000;
+
+// Who has a session.
+struct ClientIdentity {
+  Grant grant;
+  std::string name, peer;  // as it calls itself, printable; its address
+};
 
 // One client from Join on: joined, then streaming, and parked when its stream broke, until it joins again or its time is
 // up. Events are collected from each Join, so that none is lost before its stream opens; a parked session collects
@@ -33,12 +42,16 @@ inline constexpr int64_t kBeatAfter_ns = 200'000'000;
 // one before still says is not heard. Any thread.
 class ClientSession {
  public:
-  ClientSession(std::string session_id, SessionNumber session_number, int64_t joined_ns)
-      : id(std::move(session_id)), number(session_number), heard_ns(joined_ns) {}
+  ClientSession(std::string session_id, SessionNumber session_number, int64_t joined_at_ns, ClientIdentity identity = {})
+      : id(std::move(session_id)), number(session_number), who(std::move(identity)), joined_ns(joined_at_ns),
+        heard_ns(joined_at_ns) {}
 
   const std::string id;
   const SessionNumber number;
+  const ClientIdentity who;
+  const int64_t joined_ns;
   std::atomic<int64_t> heard_ns;  // of the last message, or of Join
+  std::atomic<uint64_t> bytes_sent{0};
 
   enum class State { Joined, Streaming, Parked };
   State state() const {

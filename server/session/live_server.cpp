@@ -4,10 +4,10 @@
 #include <grpc/support/log.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/security/server_credentials.h>
 #include <grpcpp/server.h>
 #include <grpcpp/server_builder.h>
 
-#include <charconv>
 #include <chrono>
 #include <mutex>
 
@@ -15,6 +15,10 @@
 #include "scene/fragile_object.h"
 #include "session/describe_object.h"
 #include "session/live_service.h"
+#include "session/admin_service.h"
+#include "session/call_gate.h"
+#include "session/server_security.h"
+#include "trust/host_port.h"
 
 namespace livegs {
 namespace {
@@ -55,32 +59,36 @@ void limit(grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 500);
 }
 
+// In the clear there is no gate: gRPC 1.51 ends the process when credentials without TLS are given one.
+std::shared_ptr<grpc::ServerCredentials> credentials(ServerSecurity* security) {
+  if (!security) return grpc::InsecureServerCredentials();
+  grpc::SslServerCredentialsOptions options(GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE);
+  options.pem_key_cert_pairs.push_back({security->key_pem(), security->certificate_pem()});
+  auto made = grpc::SslServerCredentials(options);
+  made->SetAuthMetadataProcessor(std::make_shared<CallGate>(security->tokens()));
+  return made;
+}
+
 }  // namespace
 
-Result<void> check_listen_address(const std::string& address) {
-  const size_t colon = address.rfind(':');
-  const std::string host = address.substr(0, colon == std::string::npos ? 0 : colon);
-  const std::string port = colon == std::string::npos ? "" : address.substr(colon + 1);
-  int number = -1;
-  const auto parsed = std::from_chars(port.data(), port.data() + port.size(), number);
-  if (port.empty() || parsed.ptr != port.data() + port.size() || parsed.ec != std::errc() || number < 0 ||
-      number > 65535) {
-    return invalid_argument("--listen " + address + ": is not HOST:PORT with a port from 0 to 65535");
-  }
-  const bool loopback =
-      host == "localhost" || host == "[::1]" ||
-      (host.starts_with("127.") && host.find_first_not_of("0123456789.") == std::string::npos);
-  if (!loopback) {
-    return invalid_argument("--listen " + address +
-                            ": only this machine may connect for now; use 127.0.0.1, localhost or [::1]");
-  }
-  return {};
+Result<void> check_listen_address(const std::string& address, bool secure) {
+  const auto parsed = parse_host_port(address);
+  if (!parsed) return invalid_argument("--listen " + parsed.error().message);
+  if (parsed->loopback || secure) return {};
+  return invalid_argument("--listen " + address +
+                          ": other machines are let in with TLS and tokens only; leave --tls off out, or listen on "
+                          "127.0.0.1, localhost or [::1]");
 }
 
 struct LiveServer::Parts {
+  explicit Parts(ServerSecurity* security) : service(table, assets, security ? &security->tokens() : nullptr), admin(table, security) {
+    if (!security) return;
+    table.check_grants_with([security](const Grant& grant) { return security->tokens().check_still(grant); });
+  }
   SessionTable table;
   AssetStore assets;
-  LiveService service{table, assets};
+  LiveService service;
+  AdminService admin;
   std::unique_ptr<grpc::Server> server;
   int port = 0;
   std::unique_ptr<FramePublisher> publisher = std::make_unique<FramePublisher>(table, assets);
@@ -89,21 +97,23 @@ struct LiveServer::Parts {
 
 LiveServer::LiveServer(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 
-Result<std::unique_ptr<LiveServer>> LiveServer::listen(const std::string& address) {
-  if (auto checked = check_listen_address(address); !checked) return checked.error();
+Result<std::unique_ptr<LiveServer>> LiveServer::listen(const std::string& address, ServerSecurity* security) {
+  if (auto checked = check_listen_address(address, security != nullptr); !checked) return checked.error();
   set_up_process();
-  auto parts = std::make_unique<Parts>();
+  auto parts = std::make_unique<Parts>(security);
   grpc::ServerBuilder builder;
-  builder.AddListeningPort(address, grpc::InsecureServerCredentials(), &parts->port);
+  builder.AddListeningPort(address, credentials(security), &parts->port);
   builder.RegisterService(&parts->service);
+  builder.RegisterService(&parts->admin);
   limit(builder);
   parts->server = builder.BuildAndStart();
   if (!parts->server || parts->port == 0) {
     return Error{ErrorCode::Unavailable,
                  "cannot listen on " + address +
-                     ": the port is in use; stop the other server or give another port with "
-                     "--listen HOST:PORT"};
+                     ": the port is in use, or the address is none of this machine; stop the other server or give "
+                     "another with --listen HOST:PORT"};
   }
+  if (security) security->set_port(parts->port);
   parts->server->GetHealthCheckService()->SetServingStatus(false);
   parts->server->GetHealthCheckService()->SetServingStatus(kServiceName, false);
   return std::unique_ptr<LiveServer>(new LiveServer(std::move(parts)));
@@ -132,6 +142,8 @@ void LiveServer::open(const Scene& scene, InputSink& inputs) {
   for (const SceneObject& object : scene.objects()) objects.push_back(&object);
   open(scene.name(), scene.world().settings().rate_hz, objects, inputs);
 }
+
+void LiveServer::open_drain(std::function<void(const std::string&)> drain) { parts_->admin.set_drain(std::move(drain)); }
 
 void LiveServer::open_run(RunControl& run) { parts_->service.set_run(&run); }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -14,9 +15,11 @@
 
 namespace livegs {
 
-// HOST:PORT, checked: a port, and an address of this very machine. Anything else would need TLS and a token,
-// which this server does not have yet.
-Result<void> check_listen_address(const std::string& address);
+class ServerSecurity;
+
+// HOST:PORT, checked: a port, and, unless `secure`, an address of this very machine: any other is listened on with TLS
+// and tokens only.
+Result<void> check_listen_address(const std::string& address, bool secure);
 
 // The gRPC server with its sessions, its publisher, health and reflection. It knows a scene only as objects
 // to describe and ticks to send on.
@@ -27,8 +30,9 @@ Result<void> check_listen_address(const std::string& address);
 //   loop.stop(); server->shut_down("reason");
 class LiveServer {
  public:
-  // Fails with Unavailable when the port is in use, InvalidArgument when the address may not be listened on.
-  static Result<std::unique_ptr<LiveServer>> listen(const std::string& address);
+  // In the clear, or with `security` over TLS with a token for each call; it outlives the server. Fails with Unavailable
+  // when the port is in use, InvalidArgument when the address may not be listened on.
+  static Result<std::unique_ptr<LiveServer>> listen(const std::string& address, ServerSecurity* security = nullptr);
   ~LiveServer();
 
   int port() const;
@@ -40,6 +44,8 @@ class LiveServer {
   void open(const Scene& scene, InputSink& inputs);
   // From now on clients may analyse and edit what things are made of. `analysis` outlives shut_down().
   void open_analysis(AnalysisControl& analysis);
+  // What `livegs ctl drain` calls, once or more, on a thread of gRPC's; it outlives shut_down().
+  void open_drain(std::function<void(const std::string& reason)> drain);
   // From now on clients may halt, step and reset it. `run` outlives shut_down().
   void open_run(RunControl& run);
   // Encodes what this scene draws, on the calling thread, so that nothing waits for that when it takes the other's place.

@@ -7,6 +7,7 @@
 #include "core/log.h"
 #include "session/analysis_call.h"
 #include "session/asset_call.h"
+#include "session/call_gate.h"
 #include "session/grpc_status.h"
 #include "session/hand_controls.h"
 #include "session/stream_call.h"
@@ -57,11 +58,11 @@ grpc::ServerUnaryReactor* LiveService::GetServerInfo(grpc::CallbackServerContext
 grpc::ServerUnaryReactor* LiveService::Join(grpc::CallbackServerContext* context,
                                             const v1::JoinRequest* request, v1::JoinReply* reply) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  reactor->Finish(join(context->peer(), *request, *reply));
+  reactor->Finish(join(*context, *request, *reply));
   return reactor;
 }
 
-grpc::Status LiveService::join(const std::string& peer, const v1::JoinRequest& request,
+grpc::Status LiveService::join(const grpc::CallbackServerContext& context, const v1::JoinRequest& request,
                                v1::JoinReply& reply) {
   if (request.protocol_version() != kProtocolVersion) {
     return {grpc::StatusCode::FAILED_PRECONDITION,
@@ -69,7 +70,12 @@ grpc::Status LiveService::join(const std::string& peer, const v1::JoinRequest& r
                 " and this server, livegs " + kVersion + ", speaks " + std::to_string(kProtocolVersion) +
                 "; update the older one"};
   }
-  auto joined = table_.join(request.resumed_session_id());
+  auto grant = grant_of(context, tokens_);
+  if (!grant) return to_status(grant.error());  // it ended between the gate and here
+  const v1::Scope scope = grant->scope;
+  const std::string token = grant->token_name;
+  const std::string name = printable(request.client_name()), peer = context.peer();
+  auto joined = table_.join(request.resumed_session_id(), {std::move(*grant), name, peer});
   if (!joined) return to_status(joined.error());
   const SessionTable::Status status = table_.status();
   reply.set_session_id(joined->session->id);
@@ -77,10 +83,11 @@ grpc::Status LiveService::join(const std::string& peer, const v1::JoinRequest& r
   reply.set_tick(status.tick);
   reply.set_ball_speed_m_s(kBallSpeed_m_s);
   reply.set_server_instance(table_.instance());
+  reply.set_looks_only(scope < v1::INTERACT);
   for (const SessionTable::Object& object : joined->objects) *reply.add_objects() = *object;
-  log_info("session %.8s: \"%s\" joined %sfrom %s", joined->session->id.c_str(),
-           printable(request.client_name()).c_str(),
-           joined->session->id == request.resumed_session_id() ? "again " : "", peer.c_str());
+  log_info("session %.8s: \"%s\" joined %sfrom %s%s", joined->session->id.c_str(), name.c_str(),
+           joined->session->id == request.resumed_session_id() ? "again " : "", peer.c_str(),
+           token.empty() ? "" : (" with the token \"" + token + "\", " + scope_name(scope)).c_str());
   return grpc::Status::OK;
 }
 
@@ -91,7 +98,7 @@ grpc::ServerWriteReactor<v1::AssetChunk>* LiveService::FetchAsset(grpc::Callback
 
 grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* LiveService::Stream(
     grpc::CallbackServerContext* context) {
-  return StreamCall::start(table_, *context);
+  return StreamCall::start(table_, grant_of(*context, tokens_), *context);
 }
 
 grpc::ServerUnaryReactor* LiveService::AnalyzeObject(grpc::CallbackServerContext* context,

@@ -8,6 +8,7 @@
 #include "session/asset_store.h"
 #include "session/run_control.h"
 #include "session/session_table.h"
+#include "session/token_store.h"
 
 namespace livegs {
 
@@ -21,7 +22,9 @@ class LiveService final
                       v1::LiveGs::WithCallbackMethod_UndoPhysics<v1::LiveGs::WithCallbackMethod_ControlRun<
                           v1::LiveGs::WithCallbackMethod_ApplyForce<v1::LiveGs::Service>>>>>>>>>> {
  public:
-  LiveService(SessionTable& table, const AssetStore& assets) : table_(table), assets_(assets) {}
+  // `tokens`: those that the gate asks for; null in the clear.
+  LiveService(SessionTable& table, const AssetStore& assets, const TokenStore* tokens)
+      : table_(table), assets_(assets), tokens_(tokens) {}
 
   grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context,
                                           const v1::GetServerInfoRequest* request,
@@ -56,7 +59,7 @@ class LiveService final
   void set_analysis(AnalysisControl* analysis) { analysis_ = analysis; }
 
  private:
-  grpc::Status join(const std::string& peer, const v1::JoinRequest& request, v1::JoinReply& reply);
+  grpc::Status join(const grpc::CallbackServerContext& context, const v1::JoinRequest& request, v1::JoinReply& reply);
   grpc::Status control_run(const v1::ControlRunRequest& request, v1::RunState& reply) const;
   grpc::Status apply_force(const v1::ApplyForceRequest& request, v1::ApplyForceReply& reply) const;
   grpc::Status unknown_object(const std::string& name) const;
@@ -64,6 +67,7 @@ class LiveService final
 
   SessionTable& table_;
   const AssetStore& assets_;
+  const TokenStore* const tokens_;
   std::atomic<AnalysisControl*> analysis_ = nullptr;
   std::atomic<RunControl*> run_ = nullptr;
 };

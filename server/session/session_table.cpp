@@ -51,14 +51,15 @@ void SessionTable::close(const std::string& reason) {
   }
 }
 
-Result<SessionTable::Joined> SessionTable::join(std::string_view resumed_id) {
+Result<SessionTable::Joined> SessionTable::join(std::string_view resumed_id, ClientIdentity who) {
   std::shared_ptr<ClientSession> parked_longest;
   std::shared_ptr<SessionWriter> left;
   Joined joined;
   {
     std::lock_guard lock(mutex_);
     if (!open_) return Error{ErrorCode::Unavailable, closed_reason_};
-    if (const auto found = sessions_.find(resumed_id); found != sessions_.end()) {
+    if (const auto found = sessions_.find(resumed_id);
+        found != sessions_.end() && found->second->who.grant.token_id == who.grant.token_id) {
       joined.session = found->second;
       left = joined.session->rejoin(now_ns());
     } else {
@@ -74,7 +75,7 @@ Result<SessionTable::Joined> SessionTable::join(std::string_view resumed_id) {
                        std::to_string(kMaxSessions) + " clients are here already; try again later"};
         }
       }
-      joined.session = std::make_shared<ClientSession>(random_id(), next_number_++, now_ns());
+      joined.session = std::make_shared<ClientSession>(random_id(), next_number_++, now_ns(), std::move(who));
       sessions_.emplace(joined.session->id, joined.session);
       ++totals_.sessions;
     }
@@ -113,6 +114,39 @@ void SessionTable::remove(const ClientSession& session) {
     sessions_.erase(found);
   }
   if (inputs != nullptr) inputs->forget(session.number);
+}
+
+void SessionTable::end(ClientSession& session, const Error& why) {
+  log_info("session %.8s: ended: %s", session.id.c_str(), why.message.c_str());
+  if (const auto writer = session.writer()) {
+    {
+      std::lock_guard lock(mutex_);
+      ending_.push_back({writer, now_ns()});
+    }
+    writer->end(why);
+  }
+  session.park();
+  remove(session);
+}
+
+void SessionTable::end_refused() {
+  if (!grant_check_) return;
+  for (const auto& session : sessions_now()) {
+    if (const auto holds = grant_check_(session->who.grant); !holds) end(*session, holds.error());
+  }
+}
+
+Result<std::string> SessionTable::end_session(std::string_view id_begin, const Error& why) {
+  if (id_begin.size() < 4) return invalid_argument("session: give four or more digits of its id");
+  std::shared_ptr<ClientSession> found;
+  for (const auto& session : sessions_now()) {
+    if (!session->id.starts_with(id_begin)) continue;
+    if (found) return invalid_argument("session: several begin so; give more digits");
+    found = session;
+  }
+  if (!found) return not_found("session: none begins so; livegs ctl clients lists them");
+  end(*found, why);
+  return found->id;
 }
 
 void SessionTable::deliver(std::shared_ptr<const PublishedTick> tick, std::span<const Object> added,
@@ -160,6 +194,20 @@ void SessionTable::deliver(std::shared_ptr<const PublishedTick> tick, std::span<
 }
 
 void SessionTable::sweep(int64_t now) {
+  std::vector<std::shared_ptr<SessionWriter>> stuck;
+  bool check_grants = false;
+  {
+    std::lock_guard lock(mutex_);
+    check_grants = now - grants_checked_ns_ >= kGrantCheckEvery_ns;
+    if (check_grants) grants_checked_ns_ = now;
+    std::erase_if(ending_, [&](const Ending& one) {
+      if (now - one.told_ns < kEndPatience_ns) return one.writer.expired();
+      if (auto writer = one.writer.lock()) stuck.push_back(std::move(writer));
+      return true;
+    });
+  }
+  for (const auto& writer : stuck) writer->abort();
+  if (check_grants) end_refused();
   for (const auto& session : sessions_now()) {
     const ClientSession::State state = session->state();
     const int64_t silent_ns = now - session->heard_ns.load();
@@ -201,7 +249,8 @@ void SessionTable::hear(const ClientSession& session, std::span<const InputSampl
   InputSink* inputs = nullptr;
   {
     std::lock_guard lock(mutex_);
-    if (sessions_.contains(session.id)) inputs = inputs_;  // not after it was dropped
+    // Not after it was dropped.
+    if (session.who.grant.allows(v1::INTERACT) && sessions_.contains(session.id)) inputs = inputs_;
   }
   if (inputs != nullptr) inputs->hear(session.number, samples);
 }

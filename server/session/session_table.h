@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -17,6 +18,10 @@ namespace livegs {
 inline constexpr size_t kMaxSessions = 64;
 // A stream that sends nothing for so long is over: clients send a sign of life every 50 ms.
 inline constexpr int64_t kSilentAfter_ns = 2'000'000'000;
+// So long a stream that was told to end may take to write what it is writing.
+inline constexpr int64_t kEndPatience_ns = 500'000'000;
+// So often it is looked whether tokens still hold.
+inline constexpr int64_t kGrantCheckEvery_ns = 1'000'000'000;
 // So long a session is kept whose stream broke.
 inline constexpr int64_t kParkedExpiry_ns = 30'000'000'000;
 // From Join to Stream a client fetches assets and ties kernels to drivers, which may take a while.
@@ -40,13 +45,22 @@ class SessionTable {
     std::shared_ptr<ClientSession> session;
     std::vector<Object> objects;
   };
-  // `resumed_id`: of a session to go on with, if it is still there; else, and when empty, a new one. Unavailable before
+  // `resumed_id`: of a session to go on with, if it is still there and was opened with the same token; else, and when
+  // empty, a new one. Unavailable before
   // open and after close, TooLarge when kMaxSessions are there; of those the one parked longest makes room.
-  Result<Joined> join(std::string_view resumed_id = {});
+  Result<Joined> join(std::string_view resumed_id = {}, ClientIdentity who = {});
   std::shared_ptr<ClientSession> find(std::string_view session_id) const;
   // The session's stream of this number is over: in order, and so is the session, or it broke, and the session waits
   // for its client. Nothing if the session has gone on without that stream.
   void stream_ended(ClientSession& session, uint64_t stream, bool in_order);
+
+  // Whether what a session was opened with still holds; asked once a second and by end_refused(). Before open().
+  using GrantCheck = std::function<Result<void>(const Grant&)>;
+  void check_grants_with(GrantCheck check) { grant_check_ = std::move(check); }
+  // Ends every session whose grant does not hold any more, with the reason why.
+  void end_refused();
+  // Ends the one session whose id begins so; its id. NotFound for none, InvalidArgument for several or too few digits.
+  Result<std::string> end_session(std::string_view id_begin, const Error& why);
 
   // A new tick for everybody, with what came, changed and went in it.
   void deliver(std::shared_ptr<const PublishedTick> tick, std::span<const Object> added,
@@ -57,6 +71,8 @@ class SessionTable {
 
   Object object(std::string_view name) const;  // nullptr if unknown
   std::vector<std::string> object_names() const;
+  std::vector<std::shared_ptr<ClientSession>> sessions_now() const;
+  // Nothing of a session that may only look.
   void hear(const ClientSession& session, std::span<const InputSample> samples);
 
   struct Status {
@@ -74,10 +90,11 @@ class SessionTable {
   Totals totals() const;  // over sessions that have ended
 
  private:
-  std::vector<std::shared_ptr<ClientSession>> sessions_now() const;
   void remove(const ClientSession& session);
+  void end(ClientSession& session, const Error& why);
 
   const std::string instance_;
+  GrantCheck grant_check_;
   mutable std::mutex mutex_;  // guards everything below
   bool open_ = false;
   std::string closed_reason_ = "the scene is still being built";
@@ -88,6 +105,13 @@ class SessionTable {
   std::vector<Object> objects_;  // the environment first
   std::map<std::string, std::shared_ptr<ClientSession>, std::less<>> sessions_;
   SessionNumber next_number_ = 1;
+  int64_t grants_checked_ns_ = 0;
+  // Streams that were told to end, and when: one that is amid a write which its client does not read is cut off.
+  struct Ending {
+    std::weak_ptr<SessionWriter> writer;
+    int64_t told_ns = 0;
+  };
+  std::vector<Ending> ending_;
   Totals totals_;
 };
 

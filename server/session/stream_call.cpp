@@ -51,10 +51,13 @@ v1::ServerMessage header_of(const SendWindow::Outgoing& outgoing, SessionNumber 
 
 }  // namespace
 
-StreamCall* StreamCall::start(SessionTable& table, grpc::CallbackServerContext& context) {
-  const std::shared_ptr<StreamCall> call(new StreamCall(table, context));
+StreamCall* StreamCall::start(SessionTable& table, Result<Grant> grant, grpc::CallbackServerContext& context) {
+  const std::shared_ptr<StreamCall> call(new StreamCall(table, grant ? *grant : Grant{}, context));
   call->self_ = call;
-  call->StartRead(&call->incoming_);
+  if (grant)
+    call->StartRead(&call->incoming_);
+  else
+    call->request_finish(to_status(grant.error()));
   return call.get();
 }
 
@@ -90,7 +93,7 @@ std::optional<grpc::Status> StreamCall::take_message() {
   }
   if (!session) {
     session = table_.find(message.session_id());
-    if (!session) {
+    if (!session || session->who.grant.token_id != grant_.token_id) {
       return grpc::Status(grpc::StatusCode::NOT_FOUND, "session_id: no such session; call Join first");
     }
     const auto attached = session->attach(weak_from_this());
@@ -158,6 +161,7 @@ void StreamCall::write(const SendWindow::Outgoing& outgoing, const std::lock_gua
   header.set_heard_ns(heard_ns_);
   slices.front() = grpc::Slice(header.SerializeAsString());
   outgoing_ = grpc::ByteBuffer(slices.data(), slices.size());
+  session_->bytes_sent += outgoing_.Length();
   writing_ = true;
   StartWrite(&outgoing_);
 }
@@ -193,6 +197,8 @@ void StreamCall::close(const std::string& reason) {
   finish_when_flushed_ = grpc::Status(grpc::StatusCode::UNAVAILABLE, reason);
   write_next(lock);
 }
+
+void StreamCall::end(const Error& why) { request_finish(to_status(why)); }
 
 void StreamCall::abort() {
   std::lock_guard lock(mutex_);

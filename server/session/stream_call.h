@@ -24,15 +24,18 @@ class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
                          public SessionWriter,
                          public std::enable_shared_from_this<StreamCall> {
  public:
-  static StreamCall* start(SessionTable& table, grpc::CallbackServerContext& context);
+  // `grant`: whose call it is; an error ends it at once.
+  static StreamCall* start(SessionTable& table, Result<Grant> grant, grpc::CallbackServerContext& context);
 
   void wake() override;
   void beat(int64_t now_ns) override;
   void close(const std::string& reason) override;
+  void end(const Error& why) override;
   void abort() override;
 
  private:
-  StreamCall(SessionTable& table, grpc::CallbackServerContext& context) : table_(table), context_(context) {}
+  StreamCall(SessionTable& table, Grant grant, grpc::CallbackServerContext& context)
+      : table_(table), grant_(std::move(grant)), context_(context) {}
 
   void OnReadDone(bool ok) override;
   void OnWriteDone(bool ok) override;
@@ -46,6 +49,7 @@ class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
   void finish_if_idle(const std::lock_guard<std::mutex>&);
 
   SessionTable& table_;
+  const Grant grant_;
   grpc::CallbackServerContext& context_;
   std::shared_ptr<StreamCall> self_;  // gRPC's share, given back in OnDone
 

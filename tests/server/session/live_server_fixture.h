@@ -37,6 +37,10 @@ class InputLog final : public InputSink {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, kPatience, [&] { return forgotten_.size() >= sessions; });
   }
+  size_t heard() const {
+    std::lock_guard lock(mutex_);
+    return heard_.size();
+  }
   size_t forgotten() const {
     std::lock_guard lock(mutex_);
     return forgotten_.size();

@@ -393,14 +393,18 @@ TEST_F(LiveServerTest, APortInUseIsSaidSo) {
   EXPECT_NE(second.error().message.find("in use"), std::string::npos);
 }
 
-TEST(ListenAddress, IsThisMachineOnly) {
+TEST(ListenAddress, IsThisMachineUnlessItIsSecure) {
   for (const char* address : {"127.0.0.1:0", "127.1.2.3:9780", "localhost:9780", "[::1]:65535"}) {
-    EXPECT_TRUE(check_listen_address(address)) << address;
+    EXPECT_TRUE(check_listen_address(address, false)) << address;
+    EXPECT_TRUE(check_listen_address(address, true)) << address;
+  }
+  for (const char* address : {"0.0.0.0:9780", "192.168.1.2:9780", "[::]:9780", "example.org:9780"}) {
+    EXPECT_TRUE(check_listen_address(address, true)) << address;
   }
   for (const char* address :
        {"0.0.0.0:9780", "192.168.1.2:9780", "[::]:9780", "example.org:9780", ":9780", "127.0.0.1",
         "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:-1", "127.0.0.1:12x", "127.0.0.1.example.org:80", ""}) {
-    const auto checked = check_listen_address(address);
+    const auto checked = check_listen_address(address, false);
     ASSERT_FALSE(checked) << address;
     EXPECT_EQ(checked.error().code, ErrorCode::InvalidArgument);
   }

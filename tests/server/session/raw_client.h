@@ -27,7 +27,8 @@ inline void set_patience(grpc::ClientContext& context) {
 // A client that says exactly what a test wants it to.
 class RawClient {
  public:
-  explicit RawClient(int port) : stub_(v1::LiveGs::NewStub(channel_to(port))) {}
+  explicit RawClient(int port) : RawClient(channel_to(port)) {}
+  explicit RawClient(const std::shared_ptr<grpc::Channel>& channel) : stub_(v1::LiveGs::NewStub(channel)) {}
   v1::LiveGs::Stub& stub() { return *stub_; }
 
   grpc::Status join(uint32_t protocol_version = kProtocolVersion, const std::string& resumed_session_id = "") {
@@ -65,6 +66,13 @@ class RawClient {
   bool read_any(v1::ServerMessage& message) { return stream_->Read(&message); }
   grpc::Status finish() {
     stream_->WritesDone();
+    v1::ServerMessage message;
+    while (stream_->Read(&message)) {
+    }
+    return stream_->Finish();
+  }
+  // As finish(), without ending the stream from this side.
+  grpc::Status finish_reading() {
     v1::ServerMessage message;
     while (stream_->Read(&message)) {
     }

@@ -23,7 +23,9 @@ class Writer final : public SessionWriter {
   void wake() override {}
   void beat(int64_t) override { ++beats; }
   void close(const std::string&) override {}
+  void end(const Error& why) override { ended = why.message; }
   void abort() override { aborted = true; }
+  std::string ended;
   int beats = 0;
   bool aborted = false;
 };

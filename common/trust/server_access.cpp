@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "trust/server_access.h"
+
+#include <grpcpp/security/credentials.h>
+#include <grpcpp/security/tls_certificate_verifier.h>
+#include <grpcpp/security/tls_credentials_options.h>
+
+#include <cstdlib>
+#include <mutex>
+
+#include "core/file.h"
+#include "core/log.h"
+#include "trust/fingerprint.h"
+#include "trust/host_port.h"
+#include "trust/known_servers.h"
+#include "trust/state_folder.h"
+
+namespace livegs {
+
+struct ServerAccess::Pin {
+  mutable std::mutex mutex;  // guards everything below
+  std::string fingerprint;
+  std::string code;
+  bool found_by_code = false;
+  std::string shown;  // the last certificate that was refused; empty: none
+
+  bool take(std::string_view pem) {
+    const auto seen = certificate_fingerprint(pem);
+    std::lock_guard lock(mutex);
+    if (seen && fingerprint.empty() && fits_pairing_code(*seen, code)) {
+      fingerprint = *seen;
+      found_by_code = true;
+    }
+    if (seen && *seen == fingerprint) {
+      shown.clear();
+      return true;
+    }
+    shown = seen ? *seen : "none";
+    return false;
+  }
+};
+
+// Asked by gRPC in each handshake, with the certificate whose key the other end has proved to hold.
+class ServerAccess::Verifier final : public grpc::experimental::ExternalCertificateVerifier {
+ public:
+  explicit Verifier(std::shared_ptr<Pin> pin) : pin_(std::move(pin)) {}
+  bool Verify(grpc::experimental::TlsCustomVerificationCheckRequest* request, std::function<void(grpc::Status)>,
+              grpc::Status* status) override {
+    const grpc::string_ref pem = request->peer_cert();
+    *status = pin_->take({pem.data(), pem.size()})
+                  ? grpc::Status::OK
+                  : grpc::Status(grpc::StatusCode::UNAUTHENTICATED, "another certificate than the one known");
+    return true;  // done at once
+  }
+  void Cancel(grpc::experimental::TlsCustomVerificationCheckRequest*) override {}
+
+ private:
+  std::shared_ptr<Pin> pin_;
+};
+
+ServerAccess::ServerAccess(std::string address, Keys keys)
+    : address_(std::move(address)), token_(std::move(keys.token)), pin_(std::make_shared<Pin>()) {
+  pin_->fingerprint = std::move(keys.fingerprint);
+  pin_->code = std::move(keys.pairing_code);
+}
+
+std::shared_ptr<grpc::ChannelCredentials> ServerAccess::credentials() const {
+  grpc::experimental::TlsChannelCredentialsOptions options;
+  options.set_verify_server_certs(false);  // nobody signed it: the verifier knows it
+  options.set_check_call_host(false);
+  options.set_certificate_verifier(grpc::experimental::ExternalCertificateVerifier::Create<Verifier>(pin_));
+  auto channel = grpc::experimental::TlsCredentials(options);
+  if (token_.empty()) return channel;
+  return grpc::CompositeChannelCredentials(channel, grpc::AccessTokenCredentials(token_));
+}
+
+Result<void> ServerAccess::refused() const {
+  std::lock_guard lock(pin_->mutex);
+  if (pin_->shown.empty()) return {};
+  if (pin_->fingerprint.empty()) {
+    return Error{ErrorCode::PermissionDenied,
+                 address_ + ": its certificate does not fit the pairing code: the code is another server's or mistyped, "
+                            "or somebody is in between. Nothing was sent"};
+  }
+  return Error{ErrorCode::PermissionDenied,
+               address_ + ": its certificate is not the one paired with: somebody is in between, or the server was set up "
+                          "anew. Nothing was sent. If you know that it was, pair again with --pair CODE (known " +
+                   pin_->fingerprint.substr(0, 16) + "…, shown " + pin_->shown.substr(0, 16) + "…)"};
+}
+
+Result<void> ServerAccess::remember() const {
+  if (file_.empty()) return {};
+  KnownServer server;
+  {
+    std::lock_guard lock(pin_->mutex);
+    server = {pin_->fingerprint, token_};
+  }
+  const KnownServers servers(file_);
+  const auto before = servers.find(address_);
+  if (!before) return before.error();
+  if (*before && (*before)->fingerprint == server.fingerprint && (*before)->token == server.token) return {};
+  log_info("%s: paired; its certificate and token are remembered in %s", address_.c_str(), file_.c_str());
+  return servers.remember(address_, server);
+}
+
+namespace {
+
+Result<std::string> given_token(const AccessOptions& options) {
+  std::string token;
+  if (!options.token_file.empty()) {
+    auto text = read_text_file(options.token_file, 4096);
+    if (!text) return text.error();
+    token = text->substr(0, text->find_first_of("\r\n"));
+    if (token.empty()) return invalid_argument(options.token_file.string() + ": its first line holds no token");
+  } else if (const char* set = std::getenv("LIVEGS_TOKEN"); set != nullptr) {
+    token = set;
+  }
+  for (const char c : token) {
+    if (c <= ' ' || c > '~') return invalid_argument("the token holds a character that no token has");
+  }
+  return token;
+}
+
+}  // namespace
+
+Result<std::shared_ptr<ServerAccess>> choose_access(const std::string& address, const AccessOptions& options) {
+  const auto parsed = parse_host_port(address);
+  if (!parsed) return parsed.error();
+  auto token = given_token(options);
+  if (!token) return token.error();
+  if (!options.pairing_code.empty()) {
+    if (auto checked = check_pairing_code(options.pairing_code); !checked) return checked.error();
+  }
+  auto folder = state_folder(options.state_dir);
+  std::optional<KnownServer> known;
+  if (folder) {
+    const auto found = KnownServers(*folder / "known_servers").find(address);
+    if (!found) return found.error();
+    known = *found;
+  } else if (!parsed->loopback || !options.pairing_code.empty()) {
+    return folder.error();
+  }
+  if (options.pairing_code.empty() && !known) {
+    if (parsed->loopback) return std::shared_ptr<ServerAccess>();
+    return invalid_argument(address + ": is not this machine and not known yet; pair with it: --pair CODE, which the "
+                                      "server shows when it starts");
+  }
+  ServerAccess::Keys keys;
+  if (options.pairing_code.empty()) keys.fingerprint = known->fingerprint;
+  keys.pairing_code = options.pairing_code;
+  keys.token = !token->empty() ? *token : known ? known->token : "";
+  auto access = std::make_shared<ServerAccess>(address, std::move(keys));
+  access->remember_in(*folder / "known_servers");
+  return access;
+}
+
+Result<void> forget_server(const std::string& address, const std::filesystem::path& state_dir) {
+  auto folder = state_folder(state_dir);
+  if (!folder) return folder.error();
+  return KnownServers(*folder / "known_servers").forget(address);
+}
+
+}  // namespace livegs

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// livegs ctl: looks after a server that runs, over its Admin service.
+#include <google/protobuf/util/json_util.h>
+#include <grpcpp/create_channel.h>
+#include <grpcpp/generic/generic_stub.h>
+#include <grpcpp/grpcpp.h>
+
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <memory>
+#include <string>
+
+#include "cli/commands.h"
+#include "livegs/v1/admin.grpc.pb.h"
+#include "session/grant.h"
+#include "session/server_security.h"
+#include "trust/host_port.h"
+#include "trust/server_access.h"
+#include "trust/state_folder.h"
+
+namespace livegs {
+namespace {
+
+constexpr std::chrono::seconds kPatience{5};
+
+struct Options {
+  std::string server = "127.0.0.1:9780";
+  AccessOptions access;
+  bool json = false;
+  std::string session, reason, token_id, token_name, scope = "interact";
+  double days = kTokenDays;
+};
+
+// By the state folder of a server of this user's on this machine, else as livegs-client does.
+Result<std::shared_ptr<ServerAccess>> access_for(const Options& options) {
+  const auto address = parse_host_port(options.server);
+  if (!address) return address.error();
+  const auto folder = state_folder(options.access.state_dir);
+  if (folder && address->loopback) {
+    const auto local = find_local_server(*folder);
+    if (!local && local.error().code != ErrorCode::NotFound) return local.error();
+    if (local && local->port == address->port)
+      return std::make_shared<ServerAccess>(options.server, ServerAccess::Keys{local->fingerprint, "", local->token});
+  }
+  return choose_access(options.server, options.access);
+}
+
+// A connection to the server, and how its refusals are told.
+class Server {
+ public:
+  static Result<Server> reach(const Options& options) {
+    auto access = access_for(options);
+    if (!access) return access.error();
+    Server server;
+    server.address_ = options.server;
+    server.access_ = std::move(*access);
+    grpc::ChannelArguments arguments;
+    arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+    server.channel_ = grpc::CreateCustomChannel(
+        options.server, server.access_ ? server.access_->credentials() : grpc::InsecureChannelCredentials(), arguments);
+    server.admin_ = v1::Admin::NewStub(server.channel_);
+    return server;
+  }
+
+  template <class Reply, class Request>
+  Result<Reply> ask(grpc::Status (v1::Admin::Stub::*method)(grpc::ClientContext*, const Request&, Reply*),
+                    const Request& request) {
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + kPatience);
+    Reply reply;
+    const grpc::Status status = (admin_.get()->*method)(&context, request, &reply);
+    if (!status.ok()) return error_from(status);
+    return reply;
+  }
+
+  // Whether it serves, by the standard health service: its request for the whole server is empty, and so is the name.
+  Result<bool> healthy() {
+    grpc::GenericStub stub(channel_);
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + kPatience);
+    const grpc::ByteBuffer request(nullptr, 0);
+    grpc::CompletionQueue queue;
+    const auto call = stub.PrepareUnaryCall(&context, "/grpc.health.v1.Health/Check", request, &queue);
+    call->StartCall();
+    grpc::ByteBuffer reply;
+    grpc::Status status;
+    call->Finish(&reply, &status, this);
+    void* tag = nullptr;
+    bool ok = false;
+    queue.Next(&tag, &ok);
+    if (!status.ok()) return error_from(status);
+    grpc::Slice bytes;
+    const bool whole = reply.DumpToSingleSlice(&bytes).ok();
+    return whole && bytes.size() == 2 && bytes.begin()[0] == 0x08 && bytes.begin()[1] == 1;  // status: SERVING
+  }
+
+ private:
+  Error error_from(const grpc::Status& status) const {
+    if (access_) {
+      if (auto refused = access_->refused(); !refused) return refused.error();
+    }
+    const bool absent = status.error_code() == grpc::StatusCode::UNAVAILABLE ||
+                        status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED;
+    const bool theirs = status.error_code() == grpc::StatusCode::INVALID_ARGUMENT ||
+                        status.error_code() == grpc::StatusCode::NOT_FOUND;
+    return {absent ? ErrorCode::Unavailable : theirs ? ErrorCode::InvalidArgument : ErrorCode::PermissionDenied,
+            address_ + ": " +
+                (absent ? "no server answers; --server HOST:PORT says where it is, and one whose --state-dir is its own "
+                          "needs that here too"
+                        : status.error_message())};
+  }
+
+  std::string address_;
+  std::shared_ptr<ServerAccess> access_;
+  std::shared_ptr<grpc::Channel> channel_;
+  std::unique_ptr<v1::Admin::Stub> admin_;
+};
+
+void print_json(const google::protobuf::Message& message) {
+  google::protobuf::util::JsonPrintOptions options;
+  options.add_whitespace = options.preserve_proto_field_names = options.always_print_primitive_fields = true;
+  std::string text;
+  if (google::protobuf::util::MessageToJsonString(message, &text, options).ok()) std::fputs(text.c_str(), stdout);
+}
+
+std::string day(int64_t unix_s) {
+  const std::time_t time = unix_s;
+  std::tm parts{};
+  char text[32] = "";
+  if (gmtime_r(&time, &parts) != nullptr) std::strftime(text, sizeof text, "%Y-%m-%d %H:%M", &parts);
+  return text;
+}
+
+void print_tokens(const v1::TokenList& list) {
+  std::printf("%-10s%-20s%-10s%-18s%-18s%s\n", "id", "name", "scope", "made (UTC)", "expires", "state");
+  for (const v1::Token& token : list.tokens()) {
+    std::printf("%-10s%-20s%-10s%-18s%-18s%s\n", token.id().c_str(), token.name().c_str(),
+                scope_name(token.scope()).c_str(), day(token.made_unix_s()).c_str(),
+                day(token.expires_unix_s()).c_str(),
+                token.revoked()                                    ? "revoked"
+                : token.expires_unix_s() <= system_wall_clock()() ? "expired"
+                                                                   : "holds");
+  }
+}
+
+void print_clients(const v1::ServerStatus& status) {
+  std::printf("%-10s%-18s%-26s%-16s%-10s%-11s%9s%9s%10s%10s\n", "session", "name", "from", "token", "scope", "state",
+              "for s", "frames", "replaced", "MB");
+  for (const v1::ClientStatus& client : status.clients()) {
+    std::printf("%-10s%-18.17s%-26.25s%-16.15s%-10s%-11s%9.0f%9llu%10llu%10.1f\n", client.session().c_str(),
+                client.name().c_str(), client.peer().c_str(),
+                client.token_name().empty() ? "-" : client.token_name().c_str(), scope_name(client.scope()).c_str(),
+                client.state().c_str(), client.joined_s(), static_cast<unsigned long long>(client.frames_sent()),
+                static_cast<unsigned long long>(client.frames_replaced()),
+                static_cast<double>(client.bytes_sent()) * 1e-6);
+  }
+}
+
+void print_status(const v1::ServerStatus& status) {
+  std::printf("scene         %s, %u objects, %.0f Hz, tick %llu\n", status.scene().c_str(), status.objects(),
+              status.rate_hz(), static_cast<unsigned long long>(status.tick()));
+  std::printf("server        livegs %s, protocol %u, %s, up %.0f s\n", status.version().c_str(),
+              status.protocol_version(), status.serving() ? "serving" : "not serving", status.up_s());
+  if (status.secure()) {
+    std::printf("certificate   sha256 %s\npairing code  %s\n", status.fingerprint().c_str(),
+                status.pairing_code().c_str());
+  } else {
+    std::printf("certificate   none: in the clear, for this machine only\n");
+  }
+  std::printf("clients       %d here, %llu sessions so far\n", status.clients_size(),
+              static_cast<unsigned long long>(status.sessions()));
+}
+
+// Asks, and prints the reply as JSON if that is wanted, else as `table` does.
+template <class Request, class Reply, class Table>
+int ask_and_print(const Options& options,
+                  grpc::Status (v1::Admin::Stub::*method)(grpc::ClientContext*, const Request&, Reply*),
+                  const Request& request, Table table) {
+  auto server = Server::reach(options);
+  if (!server) return report(server.error());
+  const auto reply = server->ask(method, request);
+  if (!reply) return report(reply.error());
+  if (options.json)
+    print_json(*reply);
+  else
+    table(*reply);
+  return 0;
+}
+
+int add_token(const Options& options) {
+  const auto scope = parse_scope(options.scope);
+  if (!scope) return report(scope.error());
+  v1::AddTokenRequest request;
+  request.set_name(options.token_name);
+  request.set_scope(*scope);
+  request.set_days(options.days);
+  return ask_and_print(options, &v1::Admin::Stub::AddToken, request, [](const v1::AddTokenReply& reply) {
+    // The token alone on standard output, so that it can go to a file without passing anybody's eyes.
+    std::fprintf(stderr, "token %s for %s, scope %s, until %s UTC; it is shown this once\n", reply.token().id().c_str(),
+                 reply.token().name().c_str(), scope_name(reply.token().scope()).c_str(),
+                 day(reply.token().expires_unix_s()).c_str());
+    std::printf("%s\n", reply.secret().c_str());
+  });
+}
+
+int health(const Options& options) {
+  auto server = Server::reach(options);
+  if (!server) return report(server.error());
+  const auto healthy = server->healthy();
+  if (!healthy) return report(healthy.error());
+  std::printf(options.json ? "{\"serving\": %s}\n" : "%s\n",
+              options.json ? (*healthy ? "true" : "false") : (*healthy ? "serving" : "not serving"));
+  return *healthy ? 0 : 1;
+}
+
+}  // namespace
+
+void add_ctl(CLI::App& app, int& exit_code) {
+  auto* ctl = app.add_subcommand("ctl", "Look after a server that runs");
+  ctl->require_subcommand(1);
+  ctl->fallthrough();
+  auto options = std::make_shared<Options>();
+  ctl->add_option("--server", options->server, "HOST:PORT")->capture_default_str();
+  ctl->add_option("--state-dir", options->access.state_dir,
+                  "The server's, on this machine; else where paired servers are remembered");
+  ctl->add_option("--pair", options->access.pairing_code, "The pairing code of a server on another machine");
+  ctl->add_option("--token-file", options->access.token_file, "A file with a token of scope admin for it")
+      ->check(CLI::ExistingFile);
+  ctl->add_flag("--json", options->json, "As JSON");
+  const auto add = [&, options](CLI::App* to, const char* name, const char* about, auto run) {
+    auto* command = to->add_subcommand(name, about);
+    command->fallthrough();
+    command->callback([options, run, &exit_code] { exit_code = run(*options); });
+    return command;
+  };
+
+  add(ctl, "status", "The server and its scene", [](const Options& given) {
+    return ask_and_print(given, &v1::Admin::Stub::GetStatus, v1::GetStatusRequest(), print_status);
+  });
+  add(ctl, "clients", "Who is there", [](const Options& given) {
+    return ask_and_print(given, &v1::Admin::Stub::GetStatus, v1::GetStatusRequest(), print_clients);
+  });
+  auto* kick = add(ctl, "kick", "End a client's session", [](const Options& given) {
+    v1::KickClientRequest request;
+    request.set_session(given.session);
+    request.set_reason(given.reason);
+    return ask_and_print(given, &v1::Admin::Stub::KickClient, request, [](const v1::KickClientReply& reply) {
+      std::printf("session %s has ended; it may join again while its token holds\n", reply.session().c_str());
+    });
+  });
+  kick->add_option("SESSION", options->session, "As `clients` lists it; four digits or more")->required();
+  kick->add_option("--reason", options->reason, "What the client is told");
+  add(ctl, "health", "Whether it serves; exit code 0 if so", health);
+  auto* drain = add(ctl, "drain", "Say goodbye to all clients and end the server", [](const Options& given) {
+    v1::DrainRequest request;
+    request.set_reason(given.reason);
+    return ask_and_print(given, &v1::Admin::Stub::Drain, request,
+                         [](const v1::DrainReply&) { std::printf("the server says goodbye and ends\n"); });
+  });
+  drain->add_option("--reason", options->reason, "What clients are told");
+
+  auto* tokens = ctl->add_subcommand("tokens", "Who may do what");
+  tokens->require_subcommand(1);
+  tokens->fallthrough();
+  auto* made = add(tokens, "add", "Make a token, and print it: the only time", add_token);
+  made->add_option("NAME", options->token_name, "Who or what it is for")->required();
+  made->add_option("--scope", options->scope, "view, interact, author or admin; each allows what those before do")
+      ->capture_default_str();
+  made->add_option("--days", options->days, "That it holds")->capture_default_str();
+  add(tokens, "list", "All there are, and were in the last month", [](const Options& given) {
+    return ask_and_print(given, &v1::Admin::Stub::ListTokens, v1::ListTokensRequest(), print_tokens);
+  });
+  auto* revoked = add(tokens, "revoke", "End a token, and the sessions it opened, now", [](const Options& given) {
+    v1::RevokeTokenRequest request;
+    request.set_id(given.token_id);
+    return ask_and_print(given, &v1::Admin::Stub::RevokeToken, request, [](const v1::Token& token) {
+      std::printf("token %s (%s) is revoked\n", token.id().c_str(), token.name().c_str());
+    });
+  });
+  revoked->add_option("ID", options->token_id, "As `tokens list` shows it")->required();
+}
+
+}  // namespace livegs
