@@ -10,6 +10,7 @@
 #include "core/log.h"
 #include "core/parallel_for.h"
 #include "viewer/force_study.h"
+#include "viewer/headset_run.h"
 #include "viewer/offscreen_run.h"
 #include "viewer/window_run.h"
 
@@ -44,8 +45,8 @@ int main(int argc, char** argv) {
   livegs::AccessOptions access;
   CLI::App app("Sees and touches a scene that livegs-server streams", "livegs-client");
   app.add_option("HOST:PORT", options.address, "Where the server listens")->required();
-  app.add_option("--display", display, "offscreen: pictures become files; window: a desktop window")
-      ->check(CLI::IsMember({"offscreen", "window"}))
+  app.add_option("--display", display, "offscreen: pictures become files; window: a desktop window; openxr: a headset, or a window where there is none")
+      ->check(CLI::IsMember({"offscreen", "window", "openxr"}))
       ->capture_default_str();
   app.add_option("--renderer", renderer,
                  "auto: Vulkan on a GPU, else the CPU; vulkan: Vulkan or nothing, in software too; cpu")
@@ -119,6 +120,26 @@ int main(int argc, char** argv) {
   options.access = std::move(*chosen);
   for (int signal_number : {SIGINT, SIGTERM}) signal(signal_number, [](int) { interrupted = true; });
 
+  if (display == "openxr") {
+    auto headset = livegs::HeadsetDisplay::open();
+    if (headset) {
+      livegs::HeadsetRunOptions run;
+      run.address = options.address;
+      run.access = options.access;
+      run.seconds = app.count("--seconds") > 0 ? options.seconds : 0.0;
+      run.camera_file = options.camera_file;
+      run.cache = options.cache;
+      run.connect_timeout_s = options.connect_timeout_s;
+      run.renderer = options.renderer;
+      if (reconnect->count() > 0) run.reconnect_s = options.reconnect_s;
+      const auto done = livegs::run_headset(run, **headset, interrupted);
+      if (!done) return report(done.error());
+      std::fputs(livegs::summary_text(*done).c_str(), stdout);
+      return 0;
+    }
+    livegs::log_warn("%s; a window instead", headset.error().message.c_str());
+    display = "window";
+  }
   if (display == "window") {
     livegs::WindowRunOptions window;
     window.address = options.address;

@@ -112,15 +112,38 @@ Result<void> SceneView::pose(const DriverFrame& frame) {
 Result<void> SceneView::draw(const DriverFrame& frame, std::span<const Camera> eyes,
                              std::vector<Image>& images) {
   if (auto posed = pose(frame); !posed) return posed;
-  const int64_t begun_ns = now_ns();
+  return draw(eyes, nullptr, images);
+}
+
+Result<void> SceneView::draw_into(const DriverFrame& frame, std::span<const Camera> eyes, const DeviceImage& image,
+                                  std::vector<Image>& images) {
+  images.clear();
+  if (auto posed = pose(frame); !posed) return posed;
+  return draw(eyes, &image, images);
+}
+
+std::vector<RenderedObject> SceneView::rendered() const {
   std::vector<RenderedObject> drawn;
   for (uint32_t id : visible_) {
     const Object& object = *shown(id);
     drawn.push_back({{object.asset.get(), &object.kernels, id}, object.posed_version, object.asset_version});
   }
+  return drawn;
+}
+
+Result<void> SceneView::draw_again(SplatRenderer& renderer, std::span<const Camera> eyes, std::vector<Image>& images) const {
   RenderOptions options;
   options.background = kBackground;
-  auto done = renderer_->draw(drawn, eyes, options, images);
+  return renderer.draw(rendered(), eyes, options, images);
+}
+
+Result<void> SceneView::draw(std::span<const Camera> eyes, const DeviceImage* image, std::vector<Image>& images) {
+  const int64_t begun_ns = now_ns();
+  const std::vector<RenderedObject> drawn = rendered();
+  RenderOptions options;
+  options.background = kBackground;
+  auto done = image ? renderer_->draw_into(drawn, eyes, options, *image) : renderer_->draw(drawn, eyes, options, images);
+  if (image && !done && done.error().code == ErrorCode::Unsupported) done = renderer_->draw(drawn, eyes, options, images);
   if (!done && !draws_on_cpu_) {
     log_warn("%s cannot draw this: %s; the cpu draws from here on", renderer_->name().c_str(),
              done.error().message.c_str());

@@ -39,6 +39,13 @@ class SceneView {
   // is replaced by the CPU's, with a warning.
   Result<void> draw(const DriverFrame& frame, std::span<const Camera> eyes, std::vector<Image>& images);
 
+  // The same into an image on the renderer's device; where it cannot, into `images`, which are empty else.
+  Result<void> draw_into(const DriverFrame& frame, std::span<const Camera> eyes, const DeviceImage& image,
+                         std::vector<Image>& images);
+
+  // The last picture's moment by another renderer: the CPU's, to hold the picture against.
+  Result<void> draw_again(SplatRenderer& renderer, std::span<const Camera> eyes, std::vector<Image>& images) const;
+
   struct Times {
     double skin_ms = 0, raster_ms = 0;
     size_t objects_skinned = 0;
@@ -83,6 +90,8 @@ class SceneView {
     uint64_t posed_version = 0, asset_version = 0;  // as RenderedObject has them
   };
 
+  Result<void> draw(std::span<const Camera> eyes, const DeviceImage* image, std::vector<Image>& images);
+  std::vector<RenderedObject> rendered() const;
   const Object* shown(uint32_t object_id) const;  // the oldest revision, which is that of the last pose
 
   std::map<uint32_t, std::map<uint32_t, Object>> objects_;  // by id, then revision

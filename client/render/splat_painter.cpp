@@ -29,6 +29,7 @@ class VulkanSplatPainter final : public SplatPainter {
   Result<void> paint(const FrameSplats& frame, int width, int height, int eyes) override;
   Result<void> resolve(const Eigen::Vector3f& background) override;
   Result<void> read(std::vector<Image>& images) override;
+  Result<void> copy_into(const DeviceImage& image) override;
   Result<void> read_blended(std::vector<Image>& images) override;
 
  private:
@@ -269,6 +270,22 @@ Result<void> VulkanSplatPainter::read(std::vector<Image>& images) {
   if (auto done = backend_.submit(); !done) return done;
   images_->read_resolved(images);
   return {};
+}
+
+Result<void> VulkanSplatPainter::copy_into(const DeviceImage& image) {
+  LIVEGS_ASSERT(images_ && image.layers == images_->eyes() && image.width >= images_->width() && image.height >= images_->height());
+  auto commands = commands_.record();
+  if (!commands) return commands.error();
+  transition(*commands, images_->resolved(), VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+  transition(*commands, image.image, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+  VkImageBlit region{};  // a blit, since the image may have its channels in another order
+  region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, static_cast<uint32_t>(images_->eyes())};
+  region.srcOffsets[1] = region.dstOffsets[1] = {images_->width(), images_->height(), 1};
+  handles_.vk.CmdBlitImage(*commands, images_->resolved(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image.image,
+                           VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region, VK_FILTER_NEAREST);
+  transition(*commands, image.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+  transition(*commands, images_->resolved(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+  return backend_.submit();
 }
 
 Result<void> VulkanSplatPainter::read_blended(std::vector<Image>& images) {

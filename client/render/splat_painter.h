@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "compute/backend.h"
+#include "compute/device_image.h"
 #include "splat/frame_splats.h"
 #include "splat/image.h"
 
@@ -43,6 +44,8 @@ class SplatPainter {
   // Runs all that is recorded and reads an image an eye. Display-encoded, alpha is coverage, 8 bits a
   // channel.
   virtual Result<void> read(std::vector<Image>& images) = 0;
+  // Runs all that is recorded and a copy of each eye into a layer of `image`, which is on the same device.
+  virtual Result<void> copy_into(const DeviceImage& image) = 0;
   // What went into the resolve, after it: premultiplied colour as it was blended, and coverage.
   virtual Result<void> read_blended(std::vector<Image>& images) = 0;
 };

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "compute/device_image.h"
 #include "compute/vulkan_device.h"
 #include "gaussian/posed_kernels.h"
 #include "render/splat_painter.h"
@@ -47,6 +48,10 @@ class SplatRenderer {
   // of this picture is forgotten.
   virtual Result<void> draw(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
                             const RenderOptions& options, std::vector<Image>& images) = 0;
+  // The same into a layer an eye of an image on the renderer's own device; Unsupported by one that has none.
+  virtual Result<void> draw_into(std::span<const RenderedObject>, std::span<const Camera>, const RenderOptions&, const DeviceImage&) {
+    return unsupported(name() + ": draws into no device's image");
+  }
   virtual const RenderTimes& last_times() const = 0;
 };
 

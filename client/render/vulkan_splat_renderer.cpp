@@ -27,8 +27,13 @@ class VulkanSplatRenderer final : public SplatRenderer {
   const RenderTimes& last_times() const override { return times_; }
   Result<void> draw(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
                     const RenderOptions& options, std::vector<Image>& images) override;
+  Result<void> draw_into(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
+                         const RenderOptions& options, const DeviceImage& image) override;
 
  private:
+  using TakeOut = std::function<Result<void>()>;  // of what was painted and resolved
+  Result<void> draw(std::span<const RenderedObject> objects, std::span<const Camera> eyes, const RenderOptions& options,
+                    const TakeOut& take_out);
   struct Held {
     DeviceKernels kernels;
     uint64_t asset_version = 0, posed_version = 0;
@@ -86,6 +91,17 @@ Result<double> VulkanSplatRenderer::step_ms() {
 
 Result<void> VulkanSplatRenderer::draw(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
                                        const RenderOptions& options, std::vector<Image>& images) {
+  return draw(objects, eyes, options,
+              [&] { return options_.read_blended ? painter_->read_blended(images) : painter_->read(images); });
+}
+
+Result<void> VulkanSplatRenderer::draw_into(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
+                                            const RenderOptions& options, const DeviceImage& image) {
+  return draw(objects, eyes, options, [&] { return painter_->copy_into(image); });
+}
+
+Result<void> VulkanSplatRenderer::draw(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
+                                       const RenderOptions& options, const TakeOut& take_out) {
   LIVEGS_ASSERT(eyes.size() == 1 || eyes.size() == 2);
   LIVEGS_ASSERT(eyes.front().width == eyes.back().width && eyes.front().height == eyes.back().height);
   step_began_ns_ = now_ns();
@@ -108,7 +124,7 @@ Result<void> VulkanSplatRenderer::draw(std::span<const RenderedObject> objects, 
         !done)
       return done;
     if (auto done = painter_->resolve(options.background); !done) return done;
-    return options_.read_blended ? painter_->read_blended(images) : painter_->read(images);
+    return take_out();
   };
   return timed(paint(), times_.draw_ms);
 }

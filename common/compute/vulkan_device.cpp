@@ -12,6 +12,7 @@
 
 #include "compute/pass.h"
 #include "compute/vulkan_handles.h"
+#include "compute/vulkan_maker.h"
 #include "core/log.h"
 
 namespace livegs {
@@ -73,6 +74,7 @@ Result<void> create_instance(VulkanHandles& handles, const VulkanDeviceOptions& 
     return Error{ErrorCode::Unavailable,
                  "vulkan: no loader (libvulkan.so.1); install libvulkan1 and a driver"};
   }
+  handles.get = get;
   const bool validation = wants_validation(options);
   if (validation) {
     if (auto found = check_validation_layer(get); !found) return found;
@@ -109,7 +111,9 @@ Result<void> create_instance(VulkanHandles& handles, const VulkanDeviceOptions& 
     info.ppEnabledExtensionNames = extensions.data();
   }
   const auto create = reinterpret_cast<PFN_vkCreateInstance>(get(VK_NULL_HANDLE, "vkCreateInstance"));
-  if (const VkResult made = create(&info, nullptr, &handles.instance); made != VK_SUCCESS) {
+  if (const VkResult made = options.maker ? options.maker->create_instance(get, info, &handles.instance)
+                                          : create(&info, nullptr, &handles.instance);
+      made != VK_SUCCESS) {
     handles.instance = VK_NULL_HANDLE;
     return vulkan_error("vkCreateInstance", made);
   }
@@ -177,11 +181,13 @@ bool find_queue_family(const VulkanFunctions& vk, VkPhysicalDevice device, uint3
   return false;
 }
 
-Result<void> choose_physical_device(VulkanHandles& handles) {
+Result<void> choose_physical_device(VulkanHandles& handles, VulkanMaker* maker) {
   const VulkanFunctions& vk = handles.vk;
   uint32_t count = 0;
   std::vector<VkPhysicalDevice> devices;
-  if (vk.EnumeratePhysicalDevices(handles.instance, &count, nullptr) == VK_SUCCESS) {
+  if (maker) {
+    if (const VkPhysicalDevice chosen = maker->choose(handles.instance)) devices.push_back(chosen);
+  } else if (vk.EnumeratePhysicalDevices(handles.instance, &count, nullptr) == VK_SUCCESS) {
     devices.resize(count);
     if (vk.EnumeratePhysicalDevices(handles.instance, &count, devices.data()) < 0) devices.clear();
   }
@@ -212,7 +218,7 @@ Result<void> choose_physical_device(VulkanHandles& handles) {
   return {};
 }
 
-Result<void> create_device(VulkanHandles& handles) {
+Result<void> create_device(VulkanHandles& handles, VulkanMaker* maker) {
   const float priority = 1.0f;
   auto queue = vulkan_info<VkDeviceQueueCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO);
   queue.queueFamilyIndex = handles.queue_family;
@@ -231,7 +237,9 @@ Result<void> create_device(VulkanHandles& handles) {
   info.pNext = &features11;
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queue;
-  if (const VkResult made = handles.vk.CreateDevice(handles.physical_device, &info, nullptr, &handles.device);
+  if (const VkResult made =
+          maker ? maker->create_device(handles.get, handles.physical_device, info, &handles.device)
+                : handles.vk.CreateDevice(handles.physical_device, &info, nullptr, &handles.device);
       made != VK_SUCCESS) {
     handles.device = VK_NULL_HANDLE;
     return vulkan_error("vkCreateDevice", made);
@@ -264,8 +272,8 @@ Result<std::shared_ptr<VulkanDevice>> VulkanDevice::create(const VulkanDeviceOpt
     handles->on_validation_message = [](const std::string& message) { log_warn("%s", message.c_str()); };
   }
   if (auto made = create_instance(*handles, options); !made) return made.error();
-  if (auto chosen = choose_physical_device(*handles); !chosen) return chosen.error();
-  if (auto made = create_device(*handles); !made) return made.error();
+  if (auto chosen = choose_physical_device(*handles, options.maker); !chosen) return chosen.error();
+  if (auto made = create_device(*handles, options.maker); !made) return made.error();
   return std::shared_ptr<VulkanDevice>(new VulkanDevice(std::move(handles)));
 }
 

@@ -10,6 +10,7 @@
 namespace livegs {
 
 struct VulkanHandles;
+class VulkanMaker;
 
 struct VulkanDeviceOptions {
   // Loads the Khronos validation layer with synchronization checks; LIVEGS_VULKAN_VALIDATION=1 in the
@@ -18,6 +19,8 @@ struct VulkanDeviceOptions {
   // Receives each warning and error of the layer, on any thread, until the device is destroyed. Default:
   // log_warn.
   std::function<void(const std::string& message)> on_validation_message;
+  // Makes the device in Vulkan's place and says which, during create(); null: Vulkan does.
+  VulkanMaker* maker = nullptr;
 };
 
 // A Vulkan 1.3 device with one queue that can compute, and draw where the device can at all. The loader is
@@ -37,7 +40,7 @@ class VulkanDevice {
   bool is_software() const;  // lavapipe is
   const std::string& name() const;  // as the driver tells it: "llvmpipe (LLVM 15.0.6, 256 bits)"
 
-  // For this room and client/render.
+  // For this room, client/render and client/xr.
   const VulkanHandles& handles() const { return *handles_; }
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// For the .cpp files of this room and of client/render, which draws: no other header shows Vulkan's.
+// For the .cpp files of this room, of client/render, which draws, and of client/xr: no other header shows Vulkan's.
 
 #define VK_NO_PROTOTYPES
 #include <vulkan/vulkan.h>
@@ -30,7 +30,8 @@ namespace livegs {
   X(CreateFence) X(DestroyFence) X(ResetFences) X(WaitForFences) X(CreateImage) X(DestroyImage)            \
   X(GetImageMemoryRequirements) X(BindImageMemory) X(CreateImageView) X(DestroyImageView)                  \
   X(CreateGraphicsPipelines) X(CmdBeginRendering) X(CmdEndRendering) X(CmdSetViewport) X(CmdSetScissor)    \
-  X(CmdDraw) X(CmdDrawIndirect) X(CmdCopyImageToBuffer) X(GetPhysicalDeviceFormatProperties)
+  X(CmdDraw) X(CmdDrawIndirect) X(CmdCopyImageToBuffer) X(GetPhysicalDeviceFormatProperties)      \
+  X(CmdBlitImage) X(CmdCopyBufferToImage)
 // clang-format on
 
 struct VulkanFunctions {
@@ -53,6 +54,7 @@ struct VulkanHandles {
 
   VulkanFunctions vk;
   std::function<void(const std::string&)> on_validation_message;
+  PFN_vkGetInstanceProcAddr get = nullptr;  // of the loader
   VkInstance instance = VK_NULL_HANDLE;
   VkDebugUtilsMessengerEXT messenger = VK_NULL_HANDLE;
   VkPhysicalDevice physical_device = VK_NULL_HANDLE;

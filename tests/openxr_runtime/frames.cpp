@@ -84,9 +84,8 @@ XrResult xrWaitFrame(XrSession session, const XrFrameWaitInfo* info, XrFrameStat
     period = std::llround(1e9 / runtime().refresh_hz);
     slow = std::llround(1e9 * runtime().compositor_s);
     // The next moment of the display that leaves a period and the margin, and of which no other frame is.
-    const XrTime begin = runtime().begin_ns;
     const XrTime earliest = std::max(now() + period + kMargin_ns + slow, found->last_display_time + 1);
-    displayed = begin + (earliest - begin + period - 1) / period * period;
+    displayed = (earliest + period - 1) / period * period;
     found->last_display_time = displayed;
   }
   std::this_thread::sleep_for(std::chrono::nanoseconds(std::max<XrTime>(0, displayed - period - kMargin_ns - now())));
@@ -129,7 +128,7 @@ XrResult xrEndFrame(XrSession session, const XrFrameEndInfo* info) {
   found->begun = false;
   found->waited_for.erase(found->waited_for.begin(), found->waited_for.upper_bound(info->displayTime));
   if (checked != XR_SUCCESS) return checked;
-  ++found->frames;
+  if (!eyes.empty() && runtime().begin_ns == 0) runtime().begin_ns = now();
   ++found->frames_in_state;
   const bool keep = found->keep_next && !eyes.empty();
   if (keep) found->keep_next = false;

@@ -119,7 +119,7 @@ XrResult xrCreateInstance(const XrInstanceCreateInfo* info, XrInstance* instance
     if (!known) return XR_ERROR_EXTENSION_NOT_PRESENT;
     made.extensions.insert(info->enabledExtensionNames[i]);
   }
-  if (const char* path = std::getenv("LIVEGS_XR_TIMELINE"); path && all.begin_ns == 0) {
+  if (const char* path = std::getenv("LIVEGS_XR_TIMELINE"); path) {
     auto timeline = Timeline::read(path);
     if (!timeline) {
       std::fprintf(stderr, "simulated runtime: %s\n", timeline.error().message.c_str());
@@ -139,7 +139,16 @@ XrResult xrDestroyInstance(XrInstance instance) {
     misuse(XR_ERROR_CALL_ORDER_INVALID, "xrDestroyInstance: a session is left");  // allowed, but a leak of the application's
   for (auto& [handle, session] : runtime().sessions) session.graphics.close();
   runtime().sessions.clear();
-  runtime().instances.erase(instance);
+  Runtime& all = runtime();
+  all.instances.clear();
+  all.record.reset();
+  all.timeline = {};
+  all.begin_ns = 0;
+  all.played_s = -1;
+  all.stage_from_local = kStageFromLocal;
+  all.refresh_hz = 90;
+  all.compositor_s = 0;
+  all.frames = 0;
   return XR_SUCCESS;
 }
 

@@ -17,10 +17,16 @@ Record::Record() {
   misuse_ = open("misuse.txt", nullptr);
 }
 
+Record::~Record() {
+  for (std::FILE* file : {frames_, haptics_, states_, misuse_}) {
+    if (file) std::fclose(file);
+  }
+}
+
 std::FILE* Record::open(const char* name, const char* header) const {
   if (folder_.empty()) return nullptr;
-  std::FILE* file = std::fopen((folder_ + "/" + name).c_str(), "w");
-  if (file && header) std::fprintf(file, "%s\n", header), std::fflush(file);
+  std::FILE* file = std::fopen((folder_ + "/" + name).c_str(), "a");
+  if (file && header && std::ftell(file) == 0) std::fprintf(file, "%s\n", header), std::fflush(file);
   return file;
 }
 
@@ -37,8 +43,10 @@ void Record::frame(uint64_t index, double time_s, double ended_s, double display
       image.version = PNG_IMAGE_VERSION;
       image.width = static_cast<png_uint_32>(eye.width);
       image.height = static_cast<png_uint_32>(eye.height);
-      image.format = PNG_FORMAT_RGBA;
-      png_image_write_to_file(&image, (folder_ + "/" + name).c_str(), 0, eye.rgba.data(), 0, nullptr);
+      image.format = PNG_FORMAT_RGB;
+      std::vector<uint8_t> rgb;  // a layer that does not blend is opaque
+      for (size_t i = 0; i < eye.rgba.size(); i += 4) rgb.insert(rgb.end(), &eye.rgba[i], &eye.rgba[i] + 3);
+      png_image_write_to_file(&image, (folder_ + "/" + name).c_str(), 0, rgb.data(), 0, nullptr);
     }
     const XrPosef& p = eye.pose;
     std::fprintf(frames_, "%lu,%.6f,%.6f,%.6f,%zu,%016lx,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%s\n",

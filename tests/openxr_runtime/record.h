@@ -21,10 +21,11 @@ struct EyeRecord {
 
 // Writes what happened into the folder LIVEGS_XR_OUTPUT, if it is set: frames.csv, a row a submitted frame; haptics.csv;
 // states.csv; misuse.txt, a line a call that breaks the rules (standard error, too); frame_NNNNN_E.png of frames that are kept.
-// A later instance of the process goes on in the same files.
+// What is in the files already stays.
 class Record {
  public:
   Record();
+  ~Record();
   void frame(uint64_t index, double time_s, double ended_s, double displayed_s, const std::vector<EyeRecord>& eyes, bool keep);
   void haptic(double time_s, const std::string& hand, const XrHapticVibration& vibration);
   void state(double time_s, const std::string& state);

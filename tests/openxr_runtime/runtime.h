@@ -71,10 +71,10 @@ struct Session {
   std::string profile;  // in use; empty before the first sync
   // Frames.
   bool waited = false, begun = false;
-  uint64_t frames = 0, frames_in_state = 0;
+  uint64_t frames_in_state = 0;
   XrTime last_display_time = 0;
   std::set<XrTime> waited_for;  // display times handed out and not yet ended
-  double waited_s = 0;
+  double waited_s = 0;  // when the last wait ended
   bool keep_next = false;
   std::map<XrSpace, Space> spaces;
   std::map<XrSwapchain, Swapchain> swapchains;
@@ -93,15 +93,17 @@ struct Instance {
   XrTime no_headset_until = 0;
 };
 
+const Pose kStageFromLocal{{0, 1.6, 0}, Eigen::Quaterniond::Identity()};  // before a recentre
+
 struct Runtime {
   std::mutex mutex;
   std::map<XrInstance, Instance> instances;  // of one at most, as sessions
   std::map<XrSession, Session> sessions;
   Timeline timeline;
   std::unique_ptr<Record> record;
-  XrTime begin_ns = 0;    // of the timeline; 0 before the first session
+  XrTime begin_ns = 0;    // of the timeline; 0 before the first picture
   double played_s = -1;   // the timeline's events up to here have happened
-  Pose stage_from_local{{0, 1.6, 0}, Eigen::Quaterniond::Identity()};
+  Pose stage_from_local = kStageFromLocal;
   double refresh_hz = 90, compositor_s = 0;
   uint64_t frames = 0, last_handle = 0;
 };

@@ -89,7 +89,7 @@ void play_timeline() {
   Runtime& all = runtime();
   if (all.sessions.empty()) return;  // what is due waits for a session
   Session& session = all.sessions.begin()->second;
-  const double now_s = timeline_s(now());
+  const double now_s = all.begin_ns == 0 ? -1 : timeline_s(now());
   for (const Timeline::Event& event : all.timeline.events(all.played_s, now_s)) {
     if (session.loss != Session::Loss::None) break;
     all.played_s = event.time_s;
@@ -139,7 +139,6 @@ XrResult xrCreateSession(XrInstance instance, const XrSessionCreateInfo* info, X
   Session made;
   if (!made.graphics.open(found->vulkan_of, *binding)) return XR_ERROR_RUNTIME_FAILURE;
   *session = new_handle<XrSession>();
-  if (all.begin_ns == 0) all.begin_ns = now();
   Session& created = all.sessions.emplace(*session, std::move(made)).first->second;
   move_to(created, XR_SESSION_STATE_IDLE);
   move_to(created, XR_SESSION_STATE_READY);

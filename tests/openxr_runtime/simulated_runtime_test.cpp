@@ -7,29 +7,12 @@
 #include <filesystem>
 #include <set>
 
+#include "openxr_runtime/record_files.h"
 #include "scratch_folder.h"
 #include "system/program.h"
 
 namespace livegs {
 namespace {
-
-std::vector<std::vector<std::string>> rows(const std::filesystem::path& csv) {
-  std::vector<std::vector<std::string>> read;
-  std::ifstream file(csv);
-  for (std::string line; std::getline(file, line);) {
-    std::istringstream words(line);
-    std::vector<std::string>& row = read.emplace_back();
-    for (std::string word; std::getline(words, word, ',');) row.push_back(word);
-  }
-  if (!read.empty()) read.erase(read.begin());
-  return read;
-}
-
-std::string text(const std::filesystem::path& path) {
-  std::ostringstream read;
-  read << std::ifstream(path).rdbuf();
-  return read.str();
-}
 
 template <class T>
 T of(XrStructureType type) {

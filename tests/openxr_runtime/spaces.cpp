@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where things are. The stage is the root: LOCAL stands in it until a recentre, the timeline's poses are in it.
+#include <algorithm>
 #include <cmath>
 
 #include "runtime.h"
@@ -34,7 +35,8 @@ Pose head_pose(XrTime time) {
 
 Pose hand_pose(const std::string& hand, bool aim, XrTime time) {
   const std::string track = aim && runtime().timeline.has(hand + ".aim") ? hand + ".aim" : hand;
-  return runtime().timeline.pose(track, timeline_s(time));
+  // What a hand will do is not known, as with a real one: it is taken to stay.
+  return runtime().timeline.pose(track, timeline_s(std::min(time, now())));
 }
 
 Session* session_of(XrSpace space) {

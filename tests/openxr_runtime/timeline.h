@@ -14,7 +14,8 @@ namespace livegs::simulated {
 //   SECONDS pose TRACK X Y Z QW QX QY QZ   head, left, right (grips), left.aim, right.aim (else the grip's): stage from it
 //   SECONDS input TRACK VALUE              left.trigger, right.squeeze, right.primary ...: 0 to 1, until the next entry
 //   SECONDS do EVENT [NUMBERS]             once: see kEvents in timeline.cpp
-// Poses are interpolated between the entries of a track. Seconds count from the first session of the process.
+// Poses are interpolated between the entries of a track. Seconds count from the first picture that is submitted to the instance;
+// until then it is second 0.
 class Timeline {
  public:
   struct Event {

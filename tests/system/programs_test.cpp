@@ -157,10 +157,20 @@ TEST_F(Programs, AServerThatIsNotThereIsOneLineAndCodeOne) {
   expect_one_line(client, "no server answers at 127.0.0.1:1");
 }
 
-TEST_F(Programs, ADisplayThatDoesNotExistYetIsRefused) {
-  Program client({LIVEGS_CLIENT, "127.0.0.1:1", "--display", "openxr"});
+TEST_F(Programs, ADisplayThatDoesNotExistIsRefused) {
+  Program client({LIVEGS_CLIENT, "127.0.0.1:1", "--display", "hologram"});
   EXPECT_EQ(client.wait(), 2);
   EXPECT_NE(client.err().find("offscreen"), std::string::npos) << client.err();
+}
+
+// The remedy for the headset, then the window's.
+TEST_F(Programs, WithoutAHeadsetAWindowIsTried) {
+  Program client({"/usr/bin/env", "DISPLAY=", "XR_RUNTIME_JSON=/nowhere/at_all.json", LIVEGS_CLIENT, "127.0.0.1:1", "--display", "openxr"});
+  EXPECT_EQ(client.wait(), 1);
+  const std::string err = client.err();
+  EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 2) << err;
+  EXPECT_NE(err.find("XR_RUNTIME_JSON"), std::string::npos) << err;
+  EXPECT_NE(err.find("--display offscreen"), std::string::npos) << err;
 }
 
 TEST_F(Programs, APokeAtNothingNamesWhatThereIs) {

@@ -98,6 +98,23 @@ TEST(SceneView, TheCpuTakesOverFromADeviceThatIsLost) {
   EXPECT_EQ(view.renderer_name(), "cpu");
 }
 
+// For a headset: what cannot be drawn into its images comes as pictures, from the same renderer or from the CPU.
+TEST(SceneView, WhatCannotBeDrawnIntoADevicesImageComesAsPictures) {
+  const Camera camera = look_at({0, 0, 2}, {0, 0, 0}, {0, 1, 0}, 0.7, 96, 64);
+  SceneView view(std::make_unique<LostRenderer>());
+  ASSERT_TRUE(view.add(1, cube_asset(0.3f, {1, 0, 0}), rigid_rest(), false));
+  std::vector<Image> first, picture, again;
+  ASSERT_TRUE(view.draw(frame_of({{1, {0, 0, 0}}}), {&camera, 1}, first));
+  for (const char* renderer : {"lost", "cpu"}) {
+    ASSERT_TRUE(view.draw_into(frame_of({{1, {0, 0, 0}}}), {&camera, 1}, DeviceImage{}, picture));
+    EXPECT_EQ(view.renderer_name(), renderer);
+    EXPECT_EQ(picture.at(0).pixels, first.at(0).pixels);
+  }
+  const auto oracle = create_cpu_renderer();
+  ASSERT_TRUE(view.draw_again(*oracle, {&camera, 1}, again));
+  EXPECT_EQ(again.at(0).pixels, first.at(0).pixels);
+}
+
 TEST(SceneView, LeavesOutWhatWasRemovedAndWhatIsUnknown) {
   SceneView view;
   ASSERT_TRUE(view.add(1, cube_asset(0.2f, {1, 0, 0}), rigid_rest(), false));

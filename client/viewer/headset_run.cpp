@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/headset_run.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/clock.h"
+#include "core/format_text.h"
+#include "core/log.h"
+#include "render/choose_camera.h"
+#include "stream/session_client.h"
+#include "viewer/camera_file.h"
+#include "viewer/force_arrow.h"
+#include "viewer/frame_log.h"
+#include "viewer/frame_meter.h"
+#include "viewer/hand_marks.h"
+#include "viewer/live_stream.h"
+#include "viewer/load_scene.h"
+#include "viewer/playout.h"
+#include "viewer/render_scale.h"
+
+namespace livegs {
+namespace {
+
+constexpr double kBudgetOfPeriod = 0.8;      // for drawing
+constexpr float kFeltImpulse_n_s = 0.02f;    // less is not felt
+constexpr float kFullImpulse_n_s = 1.0f;     // as strong as the controller can
+constexpr double kContact_s = 0.02, kTake_s = 0.015;
+constexpr float kTakeAmplitude = 0.3f;
+constexpr size_t kMostLatencies = 1 << 20;
+
+class HeadsetRun {
+ public:
+  HeadsetRun(const HeadsetRunOptions& options, SessionClient& client, AssetLibrary& assets, SceneView& view, HeadsetDisplay& display)
+      : options_(options), client_(client), stream_(assets), view_(view), display_(display) {
+    for (const StreamedObject& object : client.scene().objects) masses_kg_[object.id] = object.mass_kg;
+  }
+
+  Result<void> run(const std::atomic<bool>& interrupted);
+  HeadsetRunSummary summary() const;
+
+ private:
+  Result<void> take_news();
+  Result<void> place();
+  void send_hands();
+  void feel(const ReceivedFrame& frame);
+  void add_marks(DriverFrame& drivers) const;
+  Result<void> draw(PlannedFrame& planned);
+
+  const HeadsetRunOptions& options_;
+  SessionClient& client_;
+  LiveStream stream_;
+  SceneView& view_;
+  HeadsetDisplay& display_;
+
+  Playout playout_;
+  std::map<uint32_t, double> masses_kg_;  // by object id
+  bool placed_ = false;
+  int64_t placed_ns_ = 0;
+  InputSample sample_;
+  std::array<uint32_t, 2> held_{};  // object ids; 0: none
+  FrameMeter meter_;
+  uint64_t measured_sequence_ = 0;
+  std::vector<double> latencies_ms_, draws_ms_;
+  size_t vibrations_ = 0;
+  std::vector<Image> images_;
+  int64_t last_ns_ = 0;
+  double scale_budget_ms_ = 0;
+  std::optional<RenderScale> scale_;
+};
+
+// One stands where the camera would, upright.
+Result<void> HeadsetRun::place() {
+  constexpr PictureSize kAsSeen{640, 640};
+  Camera camera = choose_camera(view_, kAsSeen.width, kAsSeen.height);
+  if (!options_.camera_file.empty()) {
+    auto read = read_camera_file(options_.camera_file, kAsSeen);
+    if (!read) return read.error();
+    camera = *read;
+  }
+  const Eigen::Vector3d ahead = camera.world_from_camera.orientation * -Eigen::Vector3d::UnitZ();
+  const double turn_rad = std::hypot(ahead.x(), ahead.z()) > 1e-6 ? std::atan2(-ahead.x(), -ahead.z()) : 0.0;
+  display_.set_scene_from_local(
+      {camera.world_from_camera.position_m, Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitY()))});
+  if (options_.marks) {
+    if (auto added = HandMarks::add_to(view_); !added) return added;
+  }
+  placed_ = true;
+  placed_ns_ = now_ns();
+  return {};
+}
+
+Result<void> HeadsetRun::take_news() {
+  auto news = stream_.take(view_);
+  if (!news) return news.error();
+  for (const StreamedObject& object : news->described) masses_kg_[object.id] = object.mass_kg;
+  if (news->goodbye) log_warn("the server says goodbye: %s", news->goodbye->c_str());
+  if (news->lost) log_warn("the server has gone: %s; looking for it", news->lost->c_str());
+  if (news->back) log_info("the server is back");
+  if (news->anew) playout_.begin_again();
+  if (news->frames.empty()) return {};
+  const auto newest = news->frames.back().drivers;
+  for (ReceivedFrame& frame : news->frames) {
+    feel(frame);
+    playout_.add(std::move(frame));
+  }
+  if (placed_) return {};
+  if (auto posed = view_.pose(*newest); !posed) return posed;
+  return place();
+}
+
+void HeadsetRun::send_hands() {
+  const HeadsetInput& input = display_.input();
+  sample_.hands = input.hands;
+  ++sample_.sequence;
+  sample_.sampled_ns = now_ns();
+  meter_.sampled(sample_.sequence, sample_.sampled_ns);
+  client_.send(sample_);
+}
+
+// What contacts gave the object that a hand holds, and that it was taken.
+void HeadsetRun::feel(const ReceivedFrame& frame) {
+  std::array<uint32_t, 2> held{};
+  for (const HeldByHand& one : frame.hands) {
+    if (one.hand > 1) continue;
+    held[one.hand] = one.object_id;
+    float amplitude = 0;
+    double seconds = kContact_s;
+    if (held_[one.hand] != one.object_id) {
+      amplitude = kTakeAmplitude;
+      seconds = kTake_s;
+    } else if (one.contact_impulse_n_s > kFeltImpulse_n_s) {
+      amplitude = std::min(1.0f, std::sqrt(one.contact_impulse_n_s / kFullImpulse_n_s));
+    }
+    if (amplitude == 0) continue;
+    display_.vibrate(one.hand, amplitude, seconds);
+    ++vibrations_;
+  }
+  held_ = held;
+}
+
+void HeadsetRun::add_marks(DriverFrame& drivers) const {
+  std::vector<HandMarks::Force> forces;
+  for (const HeldByHand& held : playout_.shown()->hands) {
+    const auto mass = masses_kg_.find(held.object_id);
+    const Eigen::AlignedBox3d box = view_.bounds(held.object_id);
+    if (mass == masses_kg_.end() || box.isEmpty()) continue;
+    const double metres_a_newton = arrow_metres_per_newton(mass->second, box.sizes().maxCoeff());
+    forces.push_back({held.hand, held.point_m.cast<double>(), metres_a_newton * held.force_n.cast<double>()});
+  }
+  HandMarks::append(display_.input().hands, forces, drivers);
+}
+
+Result<void> HeadsetRun::draw(PlannedFrame& planned) {
+  const int64_t begun_ns = now_ns();
+  auto drivers = playout_.at(begun_ns, planned.display_time_ns);
+  if (!drivers) return display_.submit(planned, {});
+  if (options_.marks) add_marks(*drivers);
+  if (auto posed = view_.pose(*drivers); !posed) return posed;
+  display_.update_views(planned);  // skinning took its time, and the head moves on
+  const auto image = display_.acquire();
+  if (!image) return display_.submit(planned, {});
+  if (auto drawn = view_.draw_into(*drivers, planned.views, *image, images_); !drawn) return drawn;
+  const int64_t drawn_ns = now_ns();
+  const uint64_t before = display_.counts().pictures;
+  if (auto submitted = display_.submit(planned, images_); !submitted) return submitted;
+  if (display_.counts().pictures == before) return {};  // the session was lost meanwhile
+  if (options_.on_picture) options_.on_picture(planned, view_);
+  if (draws_ms_.size() < kMostLatencies) draws_ms_.push_back(milliseconds_from_ns(drawn_ns - begun_ns));
+  // Of the first picture of each sample.
+  const ReceivedFrame& shown = *playout_.shown();
+  meter_.shown(shown, std::max(drawn_ns, planned.display_time_ns), milliseconds_from_ns(drawn_ns - last_ns_));
+  last_ns_ = drawn_ns;
+  if (shown.input_sequence > measured_sequence_ && meter_.hand_to_picture_ms() && latencies_ms_.size() < kMostLatencies) {
+    measured_sequence_ = shown.input_sequence;
+    latencies_ms_.push_back(*meter_.hand_to_picture_ms());
+  }
+  if (!options_.scales) return {};
+  const double budget_ms = 1e3 * kBudgetOfPeriod * display_.period_s();
+  if (!scale_ || std::abs(budget_ms - scale_budget_ms_) > 0.01) scale_.emplace(scale_budget_ms_ = budget_ms);
+  scale_->drew(milliseconds_from_ns(drawn_ns - begun_ns));
+  display_.set_scale(scale_->value());
+  return {};
+}
+
+Result<void> HeadsetRun::run(const std::atomic<bool>& interrupted) {
+  client_.start(stream_);
+  bool over = false;
+  while (!interrupted) {
+    if (auto taken = take_news(); !taken) return taken;
+    auto planned = display_.wait_frame();
+    if (!planned) break;
+    if (auto taken = take_news(); !taken) return taken;  // what came while it waited
+    if (placed_) send_hands();
+    if (auto done = planned->views.empty() || !placed_ ? display_.submit(*planned, {}) : draw(*planned); !done) return done;
+    if (client_.ended() && !std::exchange(over, true)) log_warn("the session is over; what it showed last stays");
+    if (options_.seconds > 0 && placed_ && seconds_from_ns(now_ns() - placed_ns_) >= options_.seconds) break;
+  }
+  return {};
+}
+
+HeadsetRunSummary HeadsetRun::summary() const {
+  HeadsetRunSummary summary;
+  summary.runtime = display_.runtime_name();
+  summary.renderer = view_.renderer_name();
+  summary.counts = display_.counts();
+  summary.hand_to_picture_ms_p50 = percentile(latencies_ms_, 0.5);
+  summary.hand_to_picture_ms_p95 = percentile(latencies_ms_, 0.95);
+  summary.draw_ms_p50 = percentile(draws_ms_, 0.5);
+  summary.draw_ms_p95 = percentile(draws_ms_, 0.95);
+  summary.vibrations = vibrations_;
+  return summary;
+}
+
+}  // namespace
+
+Result<HeadsetRunSummary> run_headset(const HeadsetRunOptions& options, HeadsetDisplay& display,
+                                      const std::atomic<bool>& interrupted) {
+  ConnectOptions connect;
+  connect.access = options.access;
+  connect.timeout_s = options.connect_timeout_s;
+  connect.reconnect_s = options.reconnect_s;
+  connect.outlive_draining = true;  // it may be started again
+  auto joined = SessionClient::join(options.address, connect);
+  if (!joined) return joined.error();
+  auto renderer = options.renderer == RendererChoice::Cpu
+                      ? Result<std::unique_ptr<SplatRenderer>>(create_cpu_renderer())
+                      : create_vulkan_renderer(display.device());
+  if (!renderer) return renderer.error();
+  std::filesystem::path cache_folder = options.cache;
+  if (cache_folder.empty()) {
+    auto folder = AssetCache::default_folder();
+    if (!folder) return folder.error();
+    cache_folder = std::move(*folder);
+  }
+  const AssetCache cache(cache_folder);
+  AssetLibrary assets(**joined, cache);
+  SceneView view(*std::move(renderer));
+  if (auto loaded = load_scene((*joined)->scene(), assets, view); !loaded) return loaded.error();
+  HeadsetRun run(options, **joined, assets, view, display);
+  const auto done = run.run(interrupted);
+  const auto finished = display.finish();
+  const auto stopped = (*joined)->stop();  // before the run's stream goes, which its reader calls
+  if (!stopped) log_warn("%s", stopped.error().message.c_str());
+  if (!done) return done.error();
+  if (!finished) return finished.error();
+  return run.summary();
+}
+
+std::string summary_text(const HeadsetRunSummary& summary) {
+  const auto count = [](uint64_t value) { return static_cast<unsigned long long>(value); };
+  return format_text("%llu pictures to %s by %s; %llu sessions, %llu lost, %llu recentred\n", count(summary.counts.pictures),
+                     summary.runtime.c_str(), summary.renderer.c_str(), count(summary.counts.sessions), count(summary.counts.losses),
+                     count(summary.counts.recentres)) +
+         format_text("hand to picture p50 %.0f ms, p95 %.0f ms; drawing p50 %.1f ms, p95 %.1f ms\n", summary.hand_to_picture_ms_p50,
+                     summary.hand_to_picture_ms_p95, summary.draw_ms_p50, summary.draw_ms_p95);
+}
+
+}  // namespace livegs

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "compute/device_image.h"
+#include "compute/vulkan_memory.h"
+#include "splat/image.h"
+#include "xr/openxr_instance.h"
+
+namespace livegs {
+
+// The images of both eyes, a layer each, in sRGB. One thread.
+class OpenXrSwapchain {
+ public:
+  explicit OpenXrSwapchain(const VulkanHandles& handles) : handles_(handles) {}
+  ~OpenXrSwapchain();
+  OpenXrSwapchain(const OpenXrSwapchain&) = delete;
+  OpenXrSwapchain& operator=(const OpenXrSwapchain&) = delete;
+
+  // Once. XR_ERROR_SWAPCHAIN_FORMAT_UNSUPPORTED where the runtime has no sRGB of 8 bits.
+  XrResult create(XrSession session, int width, int height);
+  XrSwapchain handle() const { return swapchain_; }
+  bool acquired() const { return acquired_.has_value(); }
+
+  // Waits until one of the images is free, for as long as it takes.
+  XrResult acquire(DeviceImage& image);
+  // Writes pictures that were drawn elsewhere into the acquired image: one an eye.
+  Result<void> upload(std::span<const Image> images);
+  XrResult release();
+
+ private:
+  Result<void> prepare_upload(VkDeviceSize bytes);
+
+  const VulkanHandles& handles_;
+  XrSwapchain swapchain_ = XR_NULL_HANDLE;
+  std::vector<VkImage> images_;
+  int width_ = 0, height_ = 0;
+  bool bgra_ = false;
+  std::optional<uint32_t> acquired_;
+  // Of uploads.
+  VkCommandPool pool_ = VK_NULL_HANDLE;
+  VkCommandBuffer commands_ = VK_NULL_HANDLE;
+  VkFence fence_ = VK_NULL_HANDLE;
+  std::optional<HostBuffer> staging_;
+  VkDeviceSize staging_bytes_ = 0;
+};
+
+}  // namespace livegs

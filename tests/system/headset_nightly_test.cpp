@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// Ten minutes with the headset: twenty lost sessions, lost focus, recentres, four refresh rates, stalls.
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "system/headset_session.h"
+
+namespace livegs {
+namespace {
+
+constexpr int kLosses = 20;
+constexpr double kPart_s = 28.5;  // from one loss to the next
+
+double resident_mb() {
+  long pages = 0, resident = 0;
+  std::ifstream("/proc/self/statm") >> pages >> resident;
+  return 1e-6 * static_cast<double>(resident) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+}
+
+// Each part: a look around, a box taken, carried and let go, and one or two of what can happen.
+std::string ten_minutes() {
+  constexpr std::array kRates = {72, 120, 80, 90};
+  std::string timeline = "0 pose left -0.35 1.6 -0.3 1 0 0 0\n";
+  const auto add = [&](double at_s, const std::string& what) { timeline += std::to_string(at_s) + " " + what + "\n"; };
+  for (int part = 0; part <= kLosses; ++part) {
+    const double at = kPart_s * part;
+    add(at, "pose head 0 1.6 0 1 0 0 0");
+    add(at + 10, "pose head 0.15 1.65 0.05 0.995 0.02 0.09 0");
+    add(at + 20, "pose head -0.1 1.55 0 0.998 0 -0.06 0.01");
+    add(at, "pose right 0 1.6 -1 1 0 0 0");
+    add(at + 4, "input right.squeeze 1");
+    add(at + 4.5, "pose right 0 1.6 -1 1 0 0 0");
+    add(at + 6, "pose right 0 1.8 -1 1 0 0 0");
+    add(at + 8, "pose right 0 1.6 -1 1 0 0 0");
+    add(at + 10, "input right.squeeze 0");
+    add(at + 11, "input left.trigger 1");
+    add(at + 12, "input left.trigger 0");
+    add(at + 13, "do refresh " + std::to_string(kRates[static_cast<size_t>(part) % kRates.size()]));
+    add(at + 14, "do take-focus");
+    add(at + 15, "do give-focus");
+    if (part % 2 == 0) add(at + 16, "do recentre 0 1.6 0 " + std::to_string(part % 3));
+    add(at + 17, "do compositor 0.1");
+    add(at + 18, "do compositor 0");
+    if (part % 4 == 1) add(at + 19, "do hide");
+    if (part % 4 == 1) add(at + 20, "do show");
+    add(at + 22, "do picture");
+    if (part < kLosses) add(at + kPart_s - 1, part % 2 ? "do cut-session" : "do lose-session");
+  }
+  add(600, "do exit");
+  return timeline;
+}
+
+TEST_F(HeadsetSession, LastsTenMinutesAndTwentyLosses) {
+  std::vector<double> memory_mb;
+  const auto done = run(floating({{"carried", {0, 0, 0}}, {"pulled", {-0.35, 0, 0}}}), ten_minutes(),
+                        {.on_kept = [&] { memory_mb.push_back(resident_mb()); }});
+  ASSERT_TRUE(done) << done.error().message;
+  std::printf("%s", summary_text(*done).c_str());
+  expect_no_complaints();
+  EXPECT_EQ(done->counts.sessions, kLosses + 1u);
+  EXPECT_EQ(done->counts.losses, static_cast<uint64_t>(kLosses));
+  EXPECT_EQ(done->counts.recentres, kLosses / 2 + 1u);
+  ASSERT_GE(kept_.size(), 18u);
+  expect_oracle();
+  // A session is a swapchain and some spaces; one that stayed would be 3 images of two eyes at least. The list of ticks
+  // that this test keeps, and pieces that the allocator holds, grow too.
+  ASSERT_GE(memory_mb.size(), 4u);
+  std::printf("resident %.0f MB at the third picture, %.0f MB at the last\n", memory_mb[2], memory_mb.back());
+  EXPECT_LT(memory_mb.back(), memory_mb[2] + 60);
+}
+
+}  // namespace
+}  // namespace livegs

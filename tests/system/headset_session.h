@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <map>
+#include <mutex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/clock.h"
+#include "openxr_runtime/record_files.h"
+#include "scratch_folder.h"
+#include "system/fault_proxy.h"
+#include "system/served_scene.h"
+#include "viewer/headset_run.h"
+
+namespace livegs {
+
+// A server, the headset's client and the simulated runtime in one process, with both validation layers looking on. The
+// scene is 1 m before and 1.6 m below where the stage has its origin: stage (0, 1.6, -1) is its middle.
+class HeadsetSession : public ::testing::Test {
+ protected:
+  struct Settings {
+    std::string eye_size = "96x108";
+    RendererChoice renderer = RendererChoice::Vulkan;
+    double network_delay_ms = 0;
+    bool marks = true;
+    double seconds = 0;              // 0: the timeline ends it
+    std::function<void()> on_kept = {};   // with each picture that is kept
+  };
+
+  // Boxes that float, each named; nothing else is there.
+  static Scene floating(const std::map<std::string, Eigen::Vector3d>& boxes) {
+    std::string objects;
+    for (const auto& [name, at] : boxes) {
+      char text[400];
+      std::snprintf(text, sizeof text, R"(%s{ "name": "%s", "shape": { "box": { "size_m": [0.12, 0.12, 0.12] } },
+        "pose": { "position_m": [%g, %g, %g] }, "physics": { "behavior": "RIGID", "mass_kg": 1 } })",
+                    objects.empty() ? "" : ", ", name.c_str(), at.x(), at.y(), at.z());
+      objects += text;
+    }
+    v1::Scene file;
+    const auto parsed = google::protobuf::util::JsonStringToMessage(
+        R"({ "gravity_m_s2": [0, 0, 0], "objects": [)" + objects + "] }", &file);
+    EXPECT_TRUE(parsed.ok()) << parsed.message();
+    auto scene = Scene::build(file, ".", "floating", {});
+    EXPECT_TRUE(scene) << scene.error().message;
+    return std::move(*scene);
+  }
+
+  // Where an object was at each tick, as the simulation has it.
+  struct Seen {
+    int64_t at_ns = 0;
+    std::map<std::string, BodyState> bodies;
+  };
+
+  Result<HeadsetRunSummary> run(Scene scene, const std::string& timeline, const Settings& settings) {
+    ServedScene served(std::move(scene), [&](const Scene& now) {
+      Seen one{now_ns(), {}};
+      for (const BodyState& body : now.world().bodies()) {
+        if (const SceneObject* object = now.find(body.object_id)) one.bodies[object->name] = body;
+      }
+      std::lock_guard lock(mutex_);
+      seen_.push_back(std::move(one));
+    });
+    FaultProxy proxy(served.port());
+    proxy.set_link({.delay_ms = settings.network_delay_ms});
+    set("XR_RUNTIME_JSON", LIVEGS_SIMULATED_OPENXR);
+    set("LIVEGS_XR_TIMELINE", folder_.write("timeline.txt", timeline));
+    set("LIVEGS_XR_OUTPUT", folder_ / "");
+    set("LIVEGS_XR_EYE_SIZE", settings.eye_size);
+    set("XR_ENABLE_API_LAYERS", "XR_APILAYER_LUNARG_core_validation");
+    set("XR_CORE_VALIDATION_EXPORT_TYPE", "text");
+    set("XR_CORE_VALIDATION_FILE_NAME", folder_ / "core.txt");
+    VulkanDeviceOptions vulkan;
+    vulkan.validation = true;
+    vulkan.on_validation_message = [this](const std::string& message) {
+      std::lock_guard lock(mutex_);
+      vulkan_messages_.push_back(message);
+    };
+    auto display = HeadsetDisplay::open(vulkan);
+    if (!display) return display.error();
+    HeadsetRunOptions options;
+    options.address = "127.0.0.1:" + std::to_string(proxy.port());
+    options.seconds = settings.seconds;
+    options.camera_file = folder_.write("camera.json", R"({ "position_m": [0, 0, 1], "look_at_m": [0, 0, 0], "vertical_fov_deg": 60 })");
+    options.cache = folder_ / "cache";
+    options.connect_timeout_s = options.reconnect_s = 60;
+    options.renderer = settings.renderer;
+    options.scales = false;
+    options.marks = settings.marks;
+    options.on_picture = [this, &settings](const PlannedFrame& picture, const SceneView& view) { 
+      if (hold_against_oracle(picture, view) && settings.on_kept) settings.on_kept();
+    };
+    const std::atomic<bool> interrupted{false};
+    auto done = run_headset(options, **display, interrupted);
+    display->reset();
+    return done;
+  }
+
+  // A picture that the runtime kept, and the CPU's of the same moment from the same eyes.
+  struct Kept {
+    std::array<std::filesystem::path, 2> files;
+    std::vector<Image> oracle;
+    std::vector<Camera> eyes;
+  };
+
+  // What no session may leave behind.
+  void expect_no_complaints() const {
+    EXPECT_EQ(text(folder_ / "misuse.txt"), "");
+    EXPECT_EQ(text(folder_ / "core.txt"), "");
+    EXPECT_TRUE(vulkan_messages_.empty()) << vulkan_messages_.size() << " messages, the first: " << vulkan_messages_.front();
+  }
+
+  // Both eyes of what was kept, as the CPU draws them. 8 bits alone leave 59 dB.
+  void expect_oracle() const {
+    for (const Kept& kept : kept_) {
+      for (int eye = 0; eye < 2; ++eye) {
+        const auto shown = read_png(kept.files[eye]);
+        ASSERT_TRUE(shown) << shown.error().message;
+        EXPECT_GT(psnr_db(*shown, kept.oracle[eye]), 50.0) << kept.files[eye];
+      }
+    }
+  }
+
+  std::vector<std::string> states() const {
+    std::vector<std::string> names;
+    for (const auto& row : rows(folder_ / "states.csv")) names.push_back(row.at(1));
+    return names;
+  }
+
+  ScratchFolder folder_;
+  std::mutex mutex_;  // guards the next two while a session runs
+  std::vector<Seen> seen_;
+  std::vector<std::string> vulkan_messages_;
+  std::vector<Kept> kept_;
+
+ private:
+  static void set(const char* name, const std::string& value) { ::setenv(name, value.c_str(), 1); }
+
+  bool hold_against_oracle(const PlannedFrame& picture, const SceneView& view) {
+    Kept kept;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
+      const std::string name = entry.path().filename();
+      if (!name.starts_with("frame_") || !names_.insert(name).second) continue;
+      kept.files[name.ends_with("_1.png")] = entry.path();
+    }
+    if (kept.files[0].empty()) return false;
+    const auto cpu = create_cpu_renderer();
+    EXPECT_TRUE(view.draw_again(*cpu, picture.views, kept.oracle));
+    kept.eyes = picture.views;
+    kept_.push_back(std::move(kept));
+    return true;
+  }
+  std::set<std::string> names_;
+};
+
+}  // namespace livegs
