@@ -90,7 +90,9 @@ bool voxels_fill(const ParticleSet& particles, double volume, const Matrix3d& la
 // about its own is taken to be full, and what that adds or takes is made up by the others. False, and nothing changed, where
 // full ones are not nearly all.
 bool end_at_faces(const Bounds& surface, double volume, BodyExtent& extent) {
-  constexpr double kAbout = 0.25, kRounding = 1e-6, kNearlyAll = 0.8;
+  constexpr double kAbout = 0.25, kRounding = 1e-6, kNearlyAll = 0.8, kFilled = 0.999;
+  // What fills its bounding box has no partial ones: its sections are as wide as they look.
+  const bool filled = volume >= kFilled * surface.volume();
   std::vector<MassBox> boxes = extent.boxes;
   std::vector<char> full;
   double full_m3 = 0.0, partial_m3 = 0.0;
@@ -106,7 +108,7 @@ bool end_at_faces(const Bounds& surface, double volume, BodyExtent& extent) {
     const double own_m3 = (high - low).prod();
     box.centre_m = 0.5 * (low + high);
     box.half_m = 0.5 * (high - low);
-    full.push_back(std::abs(box.volume_m3 - own_m3) <= kAbout * own_m3);
+    full.push_back(filled || std::abs(box.volume_m3 - own_m3) <= kAbout * own_m3);
     if (full.back()) box.volume_m3 = own_m3;
     (full.back() ? full_m3 : partial_m3) += box.volume_m3;
   }

@@ -74,6 +74,15 @@ Result<void> check_event(const v1::Event& event, const Objects& objects, const s
     if (objects.contains(object)) return {};
     return missing(name + ".object", "no object is called \"" + object + "\"");
   };
+  const auto check_hand = [&](const auto& hand, const std::string& name) -> Result<void> {
+    LIVEGS_CHECK(check_target(hand.object(), name));
+    LIVEGS_CHECK(vector_value(hand.point_m(), Eigen::Vector3d::Zero(), name + ".point_m"));
+    if (objects.at(hand.object())->physics().behavior() == v1::Physics::STATIC) {
+      return missing(name + ".object", "\"" + hand.object() + "\" is STATIC and cannot be moved");
+    }
+    if (hand.path().empty()) return missing(name + ".path", "is missing; name a CSV of where the hand goes");
+    return {};
+  };
   switch (event.action_case()) {
     case v1::Event::kForce: {
       const v1::Event::Force& force = event.force();
@@ -115,18 +124,12 @@ Result<void> check_event(const v1::Event& event, const Objects& objects, const s
       }
       return {};
     }
-    case v1::Event::kGrab: {
-      const v1::Event::Grab& grab = event.grab();
-      LIVEGS_CHECK(check_target(grab.object(), field + ".grab"));
-      LIVEGS_CHECK(vector_value(grab.point_m(), Eigen::Vector3d::Zero(), field + ".grab.point_m"));
-      if (objects.at(grab.object())->physics().behavior() == v1::Physics::STATIC) {
-        return missing(field + ".grab.object", "\"" + grab.object() + "\" is STATIC and cannot be moved");
-      }
-      if (grab.path().empty()) return missing(field + ".grab.path", "is missing; name a CSV of where the hand goes");
-      return {};
-    }
+    case v1::Event::kGrab:
+      return check_hand(event.grab(), field + ".grab");
+    case v1::Event::kPull:
+      return check_hand(event.pull(), field + ".pull");
     case v1::Event::ACTION_NOT_SET:
-      return missing(field, "does nothing; give force, ball, grab, break, set_physics or release_region");
+      return missing(field, "does nothing; give force, ball, grab, pull, break, set_physics or release_region");
   }
   return {};
 }

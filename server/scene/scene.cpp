@@ -182,8 +182,9 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
   const auto by_name = [&](const std::string& object) { return scene.find(std::string_view(object)); };
   if (auto added = add_joints(file, by_name, *scene.world_); !added) return added.error();
   for (int i = 0; i < scene.file_.events_size(); ++i) {
-    if (scene.file_.events(i).action_case() != v1::Event::kGrab) continue;
-    auto path = read_grab_path(folder / scene.file_.events(i).grab().path());
+    const v1::Event& event = scene.file_.events(i);
+    if (!event.has_grab() && !event.has_pull()) continue;
+    auto path = read_grab_path(folder / (event.has_grab() ? event.grab().path() : event.pull().path()));
     if (!path) return path.error();
     scene.paths_[static_cast<size_t>(i)] = std::move(*path);
   }
@@ -401,6 +402,13 @@ void Scene::apply(const v1::Event& event, uint64_t event_id) {
       if (!grabbed) {
         log_warn("%s: grab at %.3f s: %s", object->name.c_str(), event.time_s(), grabbed.error().message.c_str());
       }
+      break;
+    }
+    case v1::Event::kPull: {
+      const SceneObject* object = find(event.pull().object());
+      const double now_s = static_cast<double>(world_->tick()) / world_->settings().rate_hz;
+      grabs_.begin_pull(*world_, kEventForceBit | event_id, object->id, vector_of(event.pull().point_m()), object->mass_kg,
+                        paths_.at(event_id), now_s);
       break;
     }
     case v1::Event::ACTION_NOT_SET:

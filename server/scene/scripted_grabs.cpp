@@ -25,6 +25,14 @@ World::Grip hand_grip(double mass_kg) {
   return grip;
 }
 
+World::Spring ray_spring(double mass_kg) {
+  const double angular_frequency = 2.0 * M_PI * kSpringFrequency_hz;
+  World::Spring spring;
+  spring.stiffness_n_m = mass_kg * angular_frequency * angular_frequency;
+  spring.max_force_n = std::max(kLeastSpringForce_n, kSpringWeights * 9.81 * mass_kg);
+  return spring;
+}
+
 GrabPath::Motion GrabPath::at(double time_s) const {
   const auto after = std::upper_bound(times_s.begin(), times_s.end(), time_s);
   const Eigen::Vector3d still = Eigen::Vector3d::Zero();
@@ -98,19 +106,34 @@ Result<void> ScriptedGrabs::begin(World& world, uint64_t grab_id, uint32_t objec
                                   double now_s) {
   const Pose hand{world.world_point(object_id, rest_point_m), path.poses.front().orientation};
   if (auto grabbed = world.grab(grab_id, object_id, hand, hand_grip(mass_kg)); !grabbed) return grabbed;
-  running_.push_back({grab_id, path, now_s});
+  running_.push_back({grab_id, path, now_s, std::nullopt});
   return {};
 }
 
+void ScriptedGrabs::begin_pull(World& world, uint64_t spring_id, uint32_t object_id, const Eigen::Vector3d& rest_point_m,
+                               double mass_kg, const GrabPath& path, double now_s) {
+  World::Spring spring = ray_spring(mass_kg);
+  spring.rest_point_m = rest_point_m;
+  spring.target_m = path.poses.front().position_m;
+  world.set_spring(spring_id, object_id, spring);
+  running_.push_back({spring_id, path, now_s, std::pair(object_id, spring)});
+}
+
 void ScriptedGrabs::move(World& world, double now_s) {
-  std::erase_if(running_, [&](const Running& grab) {
-    if (now_s - grab.start_s < grab.path.end_s()) return false;
-    world.release_grab(grab.grab_id);
+  std::erase_if(running_, [&](const Running& hand) {
+    if (now_s - hand.start_s < hand.path.end_s()) return false;
+    hand.pull ? world.clear_spring(hand.id) : world.release_grab(hand.id);
     return true;
   });
-  for (const Running& grab : running_) {
-    const GrabPath::Motion motion = grab.path.at(now_s - grab.start_s);
-    world.move_grab(grab.grab_id, motion.pose, motion.velocity_m_s, motion.spin_rad_s);
+  for (Running& hand : running_) {
+    const GrabPath::Motion motion = hand.path.at(now_s - hand.start_s);
+    if (hand.pull) {
+      auto& [object_id, spring] = *hand.pull;
+      spring.target_m = motion.pose.position_m;
+      world.set_spring(hand.id, object_id, spring);
+    } else {
+      world.move_grab(hand.id, motion.pose, motion.velocity_m_s, motion.spin_rad_s);
+    }
   }
 }
 

@@ -53,12 +53,9 @@ void HandControls::apply_ray(Scene& scene, uint64_t spring, Hand& hand, const Ha
 
   const SceneObject* object = scene.find(hand.object_id);
   if (object == nullptr || object->mass_kg <= 0) return;  // what never moves is not pulled
-  const double angular_frequency = 2 * std::numbers::pi * kSpringFrequency_hz;
-  World::Spring pull;
+  World::Spring pull = ray_spring(object->mass_kg);
   pull.rest_point_m = hand.rest_point_m;
   pull.target_m = input.aim.position_m + hand.distance_m * ray_direction(input.aim);
-  pull.stiffness_n_m = object->mass_kg * angular_frequency * angular_frequency;
-  pull.max_force_n = std::max(kLeastSpringForce_n, kSpringWeights * 9.81 * object->mass_kg);
   world.set_spring(spring, hand.object_id, pull);
 }
 

@@ -21,14 +21,6 @@ inline constexpr float kTriggerEased = 0.4f;
 // A ray reaches across a room, not to the horizon.
 inline constexpr double kRayReach_m = 20.0;
 
-// A held point follows like a mass on a spring of this frequency, whatever the object weighs: at 3 Hz it
-// trails the hand by 28 mm under its own weight, (2 pi f)^2 = 355 / s^2 against 9.81 m/s^2.
-inline constexpr double kSpringFrequency_hz = 3.0;
-// The spring lifts an object and swings it, but pulls with no more than this many times its weight, and at
-// least with kLeastSpringForce_n, which is what a finger presses a doorbell with.
-inline constexpr double kSpringWeights = 6.0;
-inline constexpr double kLeastSpringForce_n = 2.0;
-
 // A hand that closes takes the nearest object within this distance of its grip.
 inline constexpr double kGrabReach_m = 0.1;
 inline constexpr float kSqueezed = 0.5f;

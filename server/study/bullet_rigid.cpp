@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/bullet_rigid.h"
 
+#include <LinearMath/btConvexHullComputer.h>
 #include <btBulletDynamicsCommon.h>
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
+#include <vector>
 
 namespace livegs::study {
 namespace {
@@ -19,6 +23,24 @@ btTransform to_bullet(const Pose& pose) {
   return btTransform(btQuaternion(static_cast<btScalar>(q.x()), static_cast<btScalar>(q.y()),
                                   static_cast<btScalar>(q.z()), static_cast<btScalar>(q.w())),
                      to_bullet(pose.position_m));
+}
+
+// Bullet puts a margin around a hull, 40 mm if not told: here as much as its faces are drawn in before, so that the body has
+// its own size.
+constexpr btScalar kHullMargin_m = 5e-4f;
+std::unique_ptr<btConvexHullShape> hull_around(const std::vector<Vector3d>& corners_m) {
+  std::vector<btVector3> corners;
+  for (const Vector3d& corner : corners_m) corners.push_back(to_bullet(corner));
+  btConvexHullComputer computer;
+  const btScalar drawn_in = computer.compute(&corners[0].m_floats[0], sizeof(btVector3), static_cast<int>(corners.size()),
+                                             kHullMargin_m, 0.25f);
+  auto hull = std::make_unique<btConvexHullShape>();
+  if (drawn_in < 0) computer.compute(&corners[0].m_floats[0], sizeof(btVector3), static_cast<int>(corners.size()), 0, 0);
+  for (int i = 0; i < computer.vertices.size(); ++i) hull->addPoint(computer.vertices[i], false);
+  hull->setMargin(std::max(btScalar(0), drawn_in));
+  hull->recalcLocalAabb();
+  hull->initializePolyhedralFeatures();
+  return hull;
 }
 
 class BulletRigid final : public RigidSolver {
@@ -51,11 +73,7 @@ class BulletRigid final : public RigidSolver {
     if (part.radius_m > 0.0) {
       shapes_.push_back(std::make_unique<btSphereShape>(static_cast<btScalar>(part.radius_m)));
     } else if (!part.corners_m.empty()) {
-      auto hull = std::make_unique<btConvexHullShape>();
-      for (const Vector3d& corner : part.corners_m) hull->addPoint(to_bullet(corner), false);
-      hull->recalcLocalAabb();
-      hull->initializePolyhedralFeatures();
-      shapes_.push_back(std::move(hull));
+      shapes_.push_back(hull_around(part.corners_m));
     } else {
       shapes_.push_back(std::make_unique<btBoxShape>(to_bullet(0.5 * part.size_m)));
     }

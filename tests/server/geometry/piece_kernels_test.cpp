@@ -202,6 +202,19 @@ TEST(PieceKernels, BindEveryKernelOnceAndBridgeNoCrack) {
   }
 }
 
+TEST(PieceKernels, OfACupAreBoundOnceOverAHundredSeeds) {
+  const TriangleMesh mesh = testing::cup_mesh(32, 8);
+  const GaussianAsset asset = kernels_about(mesh, 300, 0.003, 0.006);
+  for (uint64_t seed = 1; seed <= 100; ++seed) {
+    SCOPED_TRACE(seed);
+    const VoronoiPieces pieces = cut(mesh, 8 + seed % 9, seed);
+    const auto kernels = make_piece_kernels(asset, {}, pieces);
+    ASSERT_TRUE(kernels);
+    expect_bound_once(asset, *kernels, pieces, 0.2);
+    if (HasFatalFailure()) return;
+  }
+}
+
 TEST(PieceKernels, FollowTheFrameOfTheObject) {
   const TriangleMesh mesh = testing::cup_mesh(48, 10);
   Similarity object_from_asset;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/shape_mesh.h"
 #include "server/physics/elastic_bodies.h"
 
 namespace livegs {
@@ -51,6 +52,17 @@ TEST(RegionLoad, AnEndOfABarIsItsWholeFace) {
     EXPECT_NEAR(face.least_m[0], side * 0.2, 1e-15);
     EXPECT_NEAR(face.most_m[0], side * 0.2, 1e-15);
     EXPECT_NEAR((face.centre_m - Vector3d(side * 0.2, 0, 0)).norm(), 0.0, 1e-15);
+  }
+}
+
+// As scenes sample boxes: voxels that do not fit across them.
+TEST(RegionLoad, AnEndOfASampledBoxIsItsWholeFace) {
+  for (const Vector3d& size : {Vector3d(0.4, 0.1, 0.1), Vector3d(0.3, 0.07, 0.07), Vector3d(1.0, 0.3, 0.3),
+                               Vector3d(0.35, 0.13, 0.09)}) {
+    for (const double thickness_m : {0.01, 0.03}) {
+      const Face face = face_of(sample_particles(box_mesh(size)), 0.04, box({0.5 * size.x() - thickness_m, -1, -1}, {1, 1, 1}));
+      EXPECT_NEAR(face.area_m2 / (size.y() * size.z()), 1.0, 0.005) << size.transpose() << ", " << thickness_m << " m";
+    }
   }
 }
 

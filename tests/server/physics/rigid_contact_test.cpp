@@ -371,6 +371,8 @@ TEST(RigidContact, TumblingBoxNeverGainsEnergy) {
   }
 }
 
+constexpr double kFastRadius_m = 0.025;
+
 // A ball of 50 mm is thrown at a plate of 5 mm, at 1 to 100 m/s and slanting: at no tick is it beyond the plate or in it,
 // and it has met it. `add` puts it into the world.
 template <class Add>
@@ -406,13 +408,13 @@ void expect_none_pass(int aims, double rate_hz, double give_m, const Add& add) {
   }
   EXPECT_EQ(passed, 0) << rate_hz;
   EXPECT_EQ(missed, 0) << rate_hz;
-  EXPECT_GT(deepest_m, 0.0275 - give_m) << rate_hz;  // half the plate and the radius
+  EXPECT_GT(deepest_m, 0.0025 + kFastRadius_m - give_m) << rate_hz;  // half the plate and the radius
 }
 
 TEST(RigidContact, FastBallDoesNotPassAPlate) {
   for (const double rate_hz : {60.0, 90.0}) {
     expect_none_pass(1000, rate_hz, 1e-4, [](World& world, const Vector3d& from, const Vector3d& velocity) {
-      auto description = ball(1, from);
+      auto description = ball(1, from, kFastRadius_m);
       description.velocity_m_s = velocity;
       ASSERT_TRUE(world.add_ball(description));
     });
@@ -422,7 +424,7 @@ TEST(RigidContact, FastBallDoesNotPassAPlate) {
 // It comes to lie on facets, which are 0.3 % of the radius within; spinning, on the ball within it.
 TEST(RigidContact, FastMeshDoesNotPassAPlate) {
   for (const double rate_hz : {60.0, 90.0}) {
-    auto description = body_of(1, sphere_mesh(0.025, 3), 0.5);
+    auto description = body_of(1, sphere_mesh(kFastRadius_m, 3), 0.5);
     expect_none_pass(20, rate_hz, 1e-3, [&](World& world, const Vector3d& from, const Vector3d& velocity) {
       description.world_from_object.position_m = from;
       description.velocity_m_s = velocity;

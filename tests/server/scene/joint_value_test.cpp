@@ -64,6 +64,8 @@ TEST(JointValue, GrabPathsAreChecked) {
             "events[0].grab.object: \"table\" is STATIC and cannot be moved");
   EXPECT_EQ(refusal(R"("events": [ { "grab": { "object": "lid" } } ])"),
             "events[0].grab.path: is missing; name a CSV of where the hand goes");
+  EXPECT_EQ(refusal(R"("events": [ { "pull": { "object": "lid" } } ])"),
+            "events[0].pull.path: is missing; name a CSV of where the hand goes");
 }
 
 }  // namespace
