@@ -18,11 +18,14 @@
 #include "analysis/endpoint_choice.h"
 #include "core/clock.h"
 #include "core/log.h"
+#include "core/log_format.h"
 #include "core/parallel_for.h"
 #include "scene/scene.h"
+#include "service_notice.h"
 #include "session/live_analysis.h"
 #include "session/live_run.h"
 #include "session/live_server.h"
+#include "session/metrics.h"
 #include "session/run_summary.h"
 #include "session/server_security.h"
 #include "session/simulation_loop.h"
@@ -36,6 +39,8 @@ struct Options {
   std::string listen = "127.0.0.1:9780";
   std::string tls = "auto";
   std::string state_dir;
+  std::optional<int> metrics_port;
+  std::string log_format = "text";
   std::optional<double> rate_hz;
   std::optional<int> substeps;
   int threads = 0;
@@ -105,11 +110,13 @@ int run(const Options& options) {
   }
   const sigset_t signals = block_ending_signals();
   set_log_level(options.verbose ? LogLevel::Debug : LogLevel::Info);
+  if (options.log_format == "json") log_as_json();
   set_thread_count(options.threads);
 
   auto endpoint = choose_endpoint(options.endpoint);
   if (!endpoint) return report(endpoint.error());
 
+  ServiceNotice notice;
   // The port first: it is refused at once, and clients that come early are told to wait.
   const auto security = open_security(options);
   if (!security) return report(security.error());
@@ -166,6 +173,16 @@ int run(const Options& options) {
     std::fflush(stdout);
   }
 
+  std::unique_ptr<Metrics> metrics;
+  if (options.metrics_port) {
+    auto served = Metrics::serve(*options.metrics_port, {(*server)->session_table(), [&] { return loop.summary(); },
+                                                         [&] { return (*server)->published(); }});
+    if (!served) return report(served.error());
+    metrics = std::move(*served);
+    log_info("metrics: http://127.0.0.1:%d/metrics", metrics->port());
+  }
+  notice.say("READY=1\nSTATUS=Serving " + loop.scene().name());
+
   std::string reason;
   if (options.wait_for_client) {
     reason = wait_for_signal(signals, [&] { return (*server)->streaming_count() > 0 || !drain_reason().empty(); });
@@ -176,12 +193,14 @@ int run(const Options& options) {
     analysis.begin();
     const int64_t end_ns = now_ns() + static_cast<int64_t>(options.seconds * 1e9);
     reason = wait_for_signal(signals, [&] {
+      notice.feed((*server)->published().frames, now_ns());
       return (options.seconds > 0 && now_ns() >= end_ns) || !drain_reason().empty();
     });
     if (reason.empty()) reason = drain_reason();
     if (reason.empty()) reason = "the server has run for its time";
   }
   log_info("%s", reason.c_str());
+  notice.say("STOPPING=1");
   (*server)->shut_down(reason);
   loop.stop();
   std::fputs(run_summary(loop.scene(), loop.summary(), (*server)->published(), (*server)->sessions()).c_str(),
@@ -212,6 +231,12 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0, 1024));
   app.add_option("--seconds", options.seconds, "Stop after so long; 0: when it is told to")
       ->check(CLI::NonNegativeNumber);
+  app.add_option("--metrics", options.metrics_port,
+                 "Serve metrics for Prometheus on 127.0.0.1:PORT; 0 lets the system choose; none when left out")
+      ->check(CLI::Range(0, 65535));
+  app.add_option("--log-format", options.log_format, "text, or json: an object a line")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->capture_default_str();
   app.add_flag("--print-port", options.print_port, "Print the port on standard output once clients may join");
   app.add_flag("--wait-for-client", options.wait_for_client,
                "Let the first tick wait until a client streams");

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/log.h"
 
+#include "core/log_format.h"
+
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -10,6 +12,26 @@
 
 namespace livegs {
 namespace {
+
+bool json = false;
+
+// As the inside of a JSON string; what is no UTF-8 has to come as something, so every byte above ASCII stays as it is.
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      out += '\\';
+      out += c;
+    } else if (static_cast<unsigned char>(c) < 0x20) {
+      char code[8];
+      std::snprintf(code, sizeof code, "\\u%04x", c);
+      out += code;
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
 
 spdlog::logger& logger() {
   // Never destroyed: threads that outlive main may still log.
@@ -30,10 +52,16 @@ void write(spdlog::level::level_enum level, const char* format, va_list argument
   va_end(measured);
   std::string text(length > 0 ? static_cast<size_t>(length) : 0, '\0');
   std::vsnprintf(text.data(), text.size() + 1, format, arguments);
+  if (json) text = escaped(text.c_str());
   logger().log(level, spdlog::string_view_t(text.data(), text.size()));
 }
 
 }  // namespace
+
+void log_as_json() {
+  json = true;
+  logger().set_pattern(R"({"time":"%Y-%m-%dT%H:%M:%S.%eZ","level":"%l","message":"%v"})", spdlog::pattern_time_type::utc);
+}
 
 void set_log_level(LogLevel level) {
   constexpr spdlog::level::level_enum kLevels[] = {

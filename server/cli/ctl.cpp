@@ -145,15 +145,15 @@ void print_tokens(const v1::TokenList& list) {
 }
 
 void print_clients(const v1::ServerStatus& status) {
-  std::printf("%-10s%-18s%-26s%-16s%-10s%-11s%9s%9s%10s%10s\n", "session", "name", "from", "token", "scope", "state",
-              "for s", "frames", "replaced", "MB");
+  std::printf("%-10s%-18s%-26s%-16s%-10s%-11s%9s%9s%10s%10s%9s\n", "session", "name", "from", "token", "scope", "state",
+              "for s", "frames", "replaced", "MB", "trip ms");
   for (const v1::ClientStatus& client : status.clients()) {
-    std::printf("%-10s%-18.17s%-26.25s%-16.15s%-10s%-11s%9.0f%9llu%10llu%10.1f\n", client.session().c_str(),
+    std::printf("%-10s%-18.17s%-26.25s%-16.15s%-10s%-11s%9.0f%9llu%10llu%10.1f%9.1f\n", client.session().c_str(),
                 client.name().c_str(), client.peer().c_str(),
                 client.token_name().empty() ? "-" : client.token_name().c_str(), scope_name(client.scope()).c_str(),
                 client.state().c_str(), client.joined_s(), static_cast<unsigned long long>(client.frames_sent()),
                 static_cast<unsigned long long>(client.frames_replaced()),
-                static_cast<double>(client.bytes_sent()) * 1e-6);
+                static_cast<double>(client.bytes_sent()) * 1e-6, client.acknowledged_ms());
   }
 }
 

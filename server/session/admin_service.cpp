@@ -85,6 +85,7 @@ grpc::ServerUnaryReactor* AdminService::GetStatus(grpc::CallbackServerContext* c
     client.set_frames_sent(session->frames_sent());
     client.set_frames_replaced(session->frames_replaced());
     client.set_bytes_sent(session->bytes_sent);
+    client.set_acknowledged_ms(session->times().round_trip_ms.percentile(0.5));
   }
   return finish(context, grpc::Status::OK);
 }

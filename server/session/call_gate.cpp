@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "session/call_gate.h"
 
+#include "core/clock.h"
+
 namespace livegs {
 namespace {
 
@@ -45,6 +47,12 @@ grpc::Status CallGate::Process(const InputMetadata& metadata, grpc::AuthContext*
     return {grpc::StatusCode::PERMISSION_DENIED, "the token \"" + grant->token_name + "\" is of scope " +
                                                      scope_name(grant->scope) + "; this call needs " +
                                                      scope_name(needed)};
+  }
+  std::lock_guard lock(mutex_);
+  // Tokens are few; those that have ended are not worth a sweep.
+  RateLimit& calls = calls_.try_emplace(grant->token_id, kMaxCallsPerSecond, kMaxCallsAtOnce).first->second;
+  if (!calls.take(now_ns())) {
+    return {grpc::StatusCode::RESOURCE_EXHAUSTED, "more than 200 calls a second with this token"};
   }
   return grpc::Status::OK;
 }

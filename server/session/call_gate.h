@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "session/rate_limit.h"
 #include "session/token_store.h"
 
 namespace livegs {
@@ -16,6 +17,9 @@ namespace livegs {
 // What a call needs, by its path ("/livegs.v1.LiveGs/Join"). Nothing at all for the health check, which tells no more than
 // an open port; admin for a path that is not listed, so that a call that is forgotten here is shut and not open.
 v1::Scope needed_scope(std::string_view path);
+
+// Of one token: a client that joins fetches an asset a call.
+inline constexpr double kMaxCallsPerSecond = 200, kMaxCallsAtOnce = 2000;
 
 // The one place where calls are let in: gRPC asks it of each, of every service, before its handler sees anything. With
 // TLS only; in the clear there is none. Non-blocking: a look-up in memory.
@@ -31,6 +35,8 @@ class CallGate final : public grpc::AuthMetadataProcessor {
 
  private:
   const TokenStore& tokens_;
+  std::mutex mutex_;  // guards calls_
+  std::map<std::string, RateLimit> calls_;  // by token
 };
 
 // Whose call this is, for a handler. `tokens` null: in the clear.

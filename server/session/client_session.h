@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "session/duration_histogram.h"
 #include "session/grant.h"
 #include "session/send_window.h"
 #include "session/stepped_tick.h"
@@ -34,6 +35,13 @@ inline constexpr int64_t kBeatAfter_ns = 200'000'000;
 struct ClientIdentity {
   Grant grant;
   std::string name, peer;  // as it calls itself, printable; its address
+};
+
+// How long things took in a session so far, milliseconds.
+struct ClientTimes {
+  DurationHistogram send_ms;        // from handing a message to gRPC to gRPC's having passed it on
+  DurationHistogram round_trip_ms;  // from writing a frame to hearing that it was decoded
+  DurationHistogram staleness_ms;   // from the end of its tick's step to that
 };
 
 // One client from Join on: joined, then streaming, and parked when its stream broke, until it joins again or its time is
@@ -117,6 +125,19 @@ class ClientSession {
     if (stream != stream_ || state_ != State::Streaming) return std::nullopt;
     return window_.take();
   }
+  void add_send(double ms) {
+    std::lock_guard lock(mutex_);
+    times_.send_ms.add(ms);
+  }
+  void add_answer(double round_trip_ms, double staleness_ms) {
+    std::lock_guard lock(mutex_);
+    times_.round_trip_ms.add(round_trip_ms);
+    times_.staleness_ms.add(staleness_ms);
+  }
+  ClientTimes times() const {
+    std::lock_guard lock(mutex_);
+    return times_;
+  }
   uint64_t frames_sent() const {
     std::lock_guard lock(mutex_);
     return window_.sent();
@@ -131,6 +152,7 @@ class ClientSession {
   State state_ = State::Joined;
   uint64_t stream_ = 1;
   SendWindow window_;
+  ClientTimes times_;
   std::weak_ptr<SessionWriter> writer_;
 };
 

@@ -17,6 +17,7 @@ class DurationHistogram {
     const double bin = value <= kLowest ? 0.0 : std::log(value / kLowest) / std::log(kRatio);
     ++bins_[std::min(static_cast<size_t>(bin), kBins - 1)];
     ++count_;
+    sum_ += value;
     largest_ = std::max(largest_, value);
   }
 
@@ -31,6 +32,7 @@ class DurationHistogram {
     return largest_;
   }
   uint64_t count() const { return count_; }
+  double sum() const { return sum_; }
   double largest() const { return largest_; }
 
  private:
@@ -39,6 +41,7 @@ class DurationHistogram {
   static constexpr size_t kBins = 1512;  // ln(1e13) / ln(1.02)
   std::array<uint64_t, kBins> bins_{};
   uint64_t count_ = 0;
+  double sum_ = 0;
   double largest_ = 0;
 };
 

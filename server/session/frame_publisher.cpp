@@ -113,7 +113,8 @@ void FramePublisher::deliver(const SteppedTick& tick) {
 PublisherSummary FramePublisher::summary() const {
   const EncodingRecord::Summary encoded = record_->summary();
   std::lock_guard lock(mutex_);
-  return {frames_, skipped_, encoded.frame_bytes_p50, encoded.frame_bytes_p99, encoded.encode_ms_p50, encoded.encode_ms_p99};
+  return {frames_, skipped_, encoded.frame_bytes_p50, encoded.frame_bytes_p99, encoded.encode_ms_p50, encoded.encode_ms_p99,
+          encoded.encoded, encoded.frame_bytes_total, encoded.encode_ms_total};
 }
 
 }  // namespace livegs

@@ -19,6 +19,8 @@ struct PublisherSummary {
   uint64_t skipped = 0;  // ticks whose frame was replaced before it was encoded; their events were kept
   double frame_bytes_p50 = 0, frame_bytes_p99 = 0;
   double encode_ms_p50 = 0, encode_ms_p99 = 0;
+  uint64_t encoded = 0;  // frames, one for each baseline that clients had
+  double frame_bytes_total = 0, encode_ms_total = 0;
 };
 
 // Between the simulation and the sessions, on a thread of its own: hands each tick to every session, so that neither encoding nor a hundred socket writes lengthen a tick. When it falls behind,

@@ -13,10 +13,11 @@
 
 #include "core/log.h"
 #include "scene/fragile_object.h"
-#include "session/describe_object.h"
-#include "session/live_service.h"
 #include "session/admin_service.h"
 #include "session/call_gate.h"
+#include "session/connection_door.h"
+#include "session/describe_object.h"
+#include "session/live_service.h"
 #include "session/server_security.h"
 #include "trust/host_port.h"
 
@@ -46,8 +47,10 @@ void limit(grpc::ServerBuilder& builder) {
   builder.SetMaxReceiveMessageSize(kMaxRequestBytes);
   builder.SetMaxSendMessageSize(-1);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxStreamsPerConnection);
-  // Two servers on one port would share its clients between them.
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  // Who opens a connection and says nothing, and who is done with it, does not keep it: three seconds for the handshake,
+  // and more than the two minutes that a client may take from Join to Stream without a call.
+  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 3000);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, 180'000);
   // A machine that fell off the network is noticed within four seconds; sessions have their own, shorter
   // patience.
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 1000);
@@ -90,7 +93,7 @@ struct LiveServer::Parts {
   LiveService service;
   AdminService admin;
   std::unique_ptr<grpc::Server> server;
-  int port = 0;
+  std::unique_ptr<ConnectionDoor> door;
   std::unique_ptr<FramePublisher> publisher = std::make_unique<FramePublisher>(table, assets);
   bool shut_down = false;
 };
@@ -102,26 +105,27 @@ Result<std::unique_ptr<LiveServer>> LiveServer::listen(const std::string& addres
   set_up_process();
   auto parts = std::make_unique<Parts>(security);
   grpc::ServerBuilder builder;
-  builder.AddListeningPort(address, credentials(security), &parts->port);
+  const auto where = parse_host_port(address);
+  auto door = ConnectionDoor::listen(where->host, where->port);
+  if (!door) return door.error();
+  auto acceptor = builder.experimental().AddExternalConnectionAcceptor(
+      grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, credentials(security));
   builder.RegisterService(&parts->service);
   builder.RegisterService(&parts->admin);
   limit(builder);
   parts->server = builder.BuildAndStart();
-  if (!parts->server || parts->port == 0) {
-    return Error{ErrorCode::Unavailable,
-                 "cannot listen on " + address +
-                     ": the port is in use, or the address is none of this machine; stop the other server or give "
-                     "another with --listen HOST:PORT"};
-  }
-  if (security) security->set_port(parts->port);
+  if (!parts->server) return Error{ErrorCode::Internal, "gRPC made no server for " + address};
   parts->server->GetHealthCheckService()->SetServingStatus(false);
   parts->server->GetHealthCheckService()->SetServingStatus(kServiceName, false);
+  parts->door = std::move(*door);
+  parts->door->open(std::move(acceptor));
+  if (security) security->set_port(parts->door->port());
   return std::unique_ptr<LiveServer>(new LiveServer(std::move(parts)));
 }
 
 LiveServer::~LiveServer() { shut_down("the server is closing"); }
 
-int LiveServer::port() const { return parts_->port; }
+int LiveServer::port() const { return parts_->door->port(); }
 
 TickSink& LiveServer::ticks() { return *parts_->publisher; }
 
@@ -161,11 +165,13 @@ void LiveServer::shut_down(const std::string& reason) {
   parts_->shut_down = true;
   parts_->server->GetHealthCheckService()->SetServingStatus(false);
   parts_->server->GetHealthCheckService()->SetServingStatus(kServiceName, false);
+  parts_->door->close();
   parts_->table.close(reason);
   parts_->server->Shutdown(std::chrono::system_clock::now() + kShutdownPatience);
   parts_->server->Wait();
 }
 
+const SessionTable& LiveServer::session_table() const { return parts_->table; }
 SessionTable::Totals LiveServer::sessions() const { return parts_->table.totals(); }
 size_t LiveServer::client_count() const { return parts_->table.status().clients; }
 size_t LiveServer::streaming_count() const { return parts_->table.status().streaming; }

@@ -56,6 +56,7 @@ class LiveServer {
   void shut_down(const std::string& reason);
 
   SessionTable::Totals sessions() const;
+  const SessionTable& session_table() const;  // for who counts
   size_t client_count() const;
   size_t streaming_count() const;  // of those, with an open stream
   PublisherSummary published() const;

@@ -38,7 +38,8 @@ void EncodingRecord::add(size_t bytes, double ms) {
 
 EncodingRecord::Summary EncodingRecord::summary() const {
   std::lock_guard lock(mutex_);
-  return {bytes_.percentile(0.50), bytes_.percentile(0.99), ms_.percentile(0.50), ms_.percentile(0.99)};
+  return {bytes_.percentile(0.50), bytes_.percentile(0.99), ms_.percentile(0.50), ms_.percentile(0.99),
+          ms_.count(),             bytes_.sum(),            ms_.sum()};
 }
 
 EncodedFrame PublishedTick::against(const StreamBaselinePtr& written) const {

@@ -23,6 +23,8 @@ class EncodingRecord {
  public:
   struct Summary {
     double frame_bytes_p50 = 0, frame_bytes_p99 = 0, encode_ms_p50 = 0, encode_ms_p99 = 0;
+    uint64_t encoded = 0;
+    double frame_bytes_total = 0, encode_ms_total = 0;
   };
   void add(size_t bytes, double ms);
   Summary summary() const;

@@ -259,6 +259,7 @@ SimulationSummary SimulationLoop::summary() const {
   summary.step_ms_p50 = step_ms_.percentile(0.50);
   summary.step_ms_p99 = step_ms_.percentile(0.99);
   summary.step_ms_max = step_ms_.largest();
+  summary.step_ms_total = step_ms_.sum();
   summary.shots = shots_;
   return summary;
 }

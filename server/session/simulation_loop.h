@@ -36,7 +36,7 @@ struct SimulationSummary {
   uint64_t late_ticks = 0;  // whose step was not done before the next tick was due
   uint64_t slips = 0;       // times the schedule was given up
   double run_s = 0;
-  double step_ms_p50 = 0, step_ms_p99 = 0, step_ms_max = 0;
+  double step_ms_p50 = 0, step_ms_p99 = 0, step_ms_max = 0, step_ms_total = 0;
   uint64_t shots = 0;
 };
 

@@ -88,6 +88,9 @@ std::optional<grpc::Status> StreamCall::take_message() {
   uint64_t stream = 0;
   {
     std::lock_guard lock(mutex_);
+    if (!messages_.take(heard_ns)) {
+      return grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "more than 1000 messages a second");
+    }
     session = session_;
     stream = stream_;
   }
@@ -120,6 +123,12 @@ std::optional<grpc::Status> StreamCall::take_message() {
     echoed_ns_ = message.sent_ns();
     heard_ns_ = heard_ns;
     if (message.key_frame_wanted()) baseline_ = nullptr;
+    for (; !unanswered_.empty() && unanswered_.front().tick <= message.acknowledged_tick(); unanswered_.pop_front()) {
+      if (const Written& frame = unanswered_.front(); frame.tick == message.acknowledged_tick()) {
+        session->add_answer(milliseconds_from_ns(heard_ns - frame.written_ns),
+                            milliseconds_from_ns(heard_ns - frame.stepped_ns));
+      }
+    }
   }
   table_.hear(*session, *samples);
   return std::nullopt;
@@ -156,6 +165,7 @@ void StreamCall::write(const SendWindow::Outgoing& outgoing, const std::lock_gua
     slices.push_back(frame.tail->slice);  // counted, not copied
   }
   written_ns_ = now_ns();
+  if (outgoing.tick) unanswered_.push_back({outgoing.tick->tick(), outgoing.tick->stepped_ns, written_ns_});
   header.set_sent_ns(written_ns_);
   header.set_echoed_ns(echoed_ns_);
   header.set_heard_ns(heard_ns_);
@@ -169,6 +179,7 @@ void StreamCall::write(const SendWindow::Outgoing& outgoing, const std::lock_gua
 void StreamCall::OnWriteDone(bool ok) {
   std::lock_guard lock(mutex_);
   writing_ = false;
+  if (ok) session_->add_send(milliseconds_from_ns(now_ns() - written_ns_));
   if (!ok && !finish_status_)
     finish_status_ = grpc::Status(grpc::StatusCode::CANCELLED, "the client is gone");
   if (finish_status_)

@@ -5,14 +5,19 @@
 #include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/server_callback.h>
 
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <optional>
 
 #include "session/client_session.h"
+#include "session/rate_limit.h"
 #include "session/session_table.h"
 
 namespace livegs {
+
+// A client at 240 Hz sends a sample and an acknowledgement a frame.
+inline constexpr double kMaxMessagesPerSecond = 1000;
 
 // One Stream rpc. Messages are raw: a header of this client's own and the frame's tail that all share, in one
 // ByteBuffer. gRPC calls the On… functions, on its own threads and not in any order between them; the
@@ -61,6 +66,12 @@ class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
   int64_t echoed_ns_ = 0;                   // sent_ns of the newest message of the client
   int64_t heard_ns_ = 0;                    // when that came
   int64_t written_ns_ = 0;                  // when the last message was handed to gRPC
+  struct Written {
+    uint64_t tick = 0;
+    int64_t stepped_ns = 0, written_ns = 0;
+  };
+  std::deque<Written> unanswered_;          // frames, at most a window of them
+  RateLimit messages_{kMaxMessagesPerSecond, 2 * kMaxMessagesPerSecond};
   StreamBaselinePtr baseline_;              // of what was written; null: the next frame is a key frame
   grpc::ByteBuffer outgoing_;               // of the write that is under way: it outlives OnWriteDone
   bool writing_ = false;

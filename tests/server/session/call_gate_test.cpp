@@ -5,6 +5,10 @@
 #include <google/protobuf/descriptor.h>
 #include <grpcpp/generic/generic_stub.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include "livegs/v1/admin.grpc.pb.h"
 #include "scratch_folder.h"
@@ -276,6 +280,87 @@ TEST_F(Gate, AKickedClientIsToldWhyAndMayComeBack) {
   EXPECT_EQ(status.error_code(), grpc::StatusCode::PERMISSION_DENIED);
   EXPECT_NE(status.error_message().find("lunch"), std::string::npos) << status.error_message();
   EXPECT_TRUE(client.join().ok());
+}
+
+TEST(RateLimit, LetsSoManyASecondAndSoManyAtOnce) {
+  constexpr int64_t kSecond_ns = 1'000'000'000;
+  RateLimit limit(10, 25);
+  int64_t now = 5 * kSecond_ns;
+  const auto taken = [&](int tries) {
+    int count = 0;
+    for (int i = 0; i < tries; ++i) count += limit.take(now) ? 1 : 0;
+    return count;
+  };
+  EXPECT_EQ(taken(100), 25);
+  now += kSecond_ns;
+  EXPECT_EQ(taken(100), 10);
+  now += kSecond_ns / 2;
+  EXPECT_EQ(taken(100), 5);
+  now += 3600 * kSecond_ns;
+  EXPECT_EQ(taken(100), 25);
+  int steady = 0;
+  for (int i = 0; i < 1000; ++i) {  // ten seconds in steps that its rate does not divide
+    now += kSecond_ns / 100;
+    steady += limit.take(now) ? 1 : 0;
+  }
+  EXPECT_NEAR(steady, 100, 1);
+}
+
+TEST_F(Gate, OneTokenThatCallsTooOftenIsSlowedAndNoOther) {
+  CallGate gate(security_->tokens());
+  const auto ask = [&](const std::string& secret) {
+    const std::string value = "Bearer " + secret, path = "/livegs.v1.LiveGs/GetServerInfo";
+    const grpc::AuthMetadataProcessor::InputMetadata metadata = {{"authorization", value}, {":path", path}};
+    return gate.Process(metadata, nullptr, nullptr, nullptr).error_code();
+  };
+  const std::string busy = token(v1::ADMIN), other = token(v1::VIEW);
+  int refused = 0;
+  for (int i = 0; i < 100'000 && refused == 0; ++i) refused += ask(busy) == grpc::StatusCode::RESOURCE_EXHAUSTED ? 1 : 0;
+  EXPECT_EQ(refused, 1);
+  EXPECT_EQ(ask(other), grpc::StatusCode::OK);
+}
+
+// Two tokens in one call are none.
+TEST_F(Gate, ACallShowsOneTokenOrNone) {
+  CallGate gate(security_->tokens());
+  const std::string good = "Bearer " + token(v1::ADMIN), basic = "Basic " + good.substr(7);
+  const std::string path = "/livegs.v1.LiveGs/Join";
+  using Metadata = grpc::AuthMetadataProcessor::InputMetadata;
+  for (const Metadata& metadata : {Metadata{{":path", path}, {"authorization", good}, {"authorization", good}},
+                                   Metadata{{":path", path}, {"authorization", basic}}, Metadata{{":path", path}}, Metadata{}}) {
+    EXPECT_EQ(gate.Process(metadata, nullptr, nullptr, nullptr).error_code(), grpc::StatusCode::UNAUTHENTICATED);
+  }
+}
+
+// Who connects and says nothing is gone after three seconds; without the limit it is two minutes.
+TEST_F(Gate, AConnectionThatNeverShakesHandsIsClosed) {
+  const int silent = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(static_cast<uint16_t>(server_->port()));
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  ASSERT_EQ(::connect(silent, reinterpret_cast<sockaddr*>(&to), sizeof to), 0);
+  pollfd news{silent, POLLIN, 0};
+  char byte = 0;
+  ASSERT_EQ(::poll(&news, 1, 60'000), 1);
+  EXPECT_LE(::recv(silent, &byte, 1, 0), 0);
+  ::close(silent);
+}
+
+TEST_F(LiveServerTest, AClientThatFloodsItsStreamIsCutOff) {
+  open();
+  RawClient client(server_->port()), other(server_->port());
+  ASSERT_TRUE(client.join().ok());
+  ASSERT_TRUE(other.join().ok());
+  client.open();
+  other.open();
+  for (int i = 0; i < 200'000 && client.send({}); ++i) {
+  }
+  const grpc::Status status = client.finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_NE(status.error_message().find("messages a second"), std::string::npos) << status.error_message();
+  publish(1);
+  EXPECT_EQ(other.read().tick(), 1u);
 }
 
 TEST_F(LiveServerTest, InTheClearEverythingIsOpenButTokens) {
