@@ -128,7 +128,11 @@ XrResult xrEndFrame(XrSession session, const XrFrameEndInfo* info) {
   found->begun = false;
   found->waited_for.erase(found->waited_for.begin(), found->waited_for.upper_bound(info->displayTime));
   if (checked != XR_SUCCESS) return checked;
-  if (!eyes.empty() && runtime().begin_ns == 0) runtime().begin_ns = now();
+  if (!eyes.empty() || runtime().anchor_ns != 0) {
+    const XrTime ended = now();
+    runtime().anchor_s = timeline_s(ended);
+    runtime().anchor_ns = ended;
+  }
   ++found->frames_in_state;
   const bool keep = found->keep_next && !eyes.empty();
   if (keep) found->keep_next = false;

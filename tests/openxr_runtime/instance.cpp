@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The instance, the system, paths, events, time.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -23,7 +24,9 @@ XrTime now() {
 }
 
 double timeline_s(XrTime time) {
-  return runtime().begin_ns == 0 ? 0 : 1e-9 * static_cast<double>(time - runtime().begin_ns);
+  const Runtime& all = runtime();
+  if (all.anchor_ns == 0) return 0;
+  return all.anchor_s + std::min(1e-9 * static_cast<double>(time - all.anchor_ns), kMostOfAFrame_s);
 }
 
 XrResult misuse(XrResult code, const std::string& what) {
@@ -143,7 +146,8 @@ XrResult xrDestroyInstance(XrInstance instance) {
   all.instances.clear();
   all.record.reset();
   all.timeline = {};
-  all.begin_ns = 0;
+  all.anchor_ns = 0;
+  all.anchor_s = 0;
   all.played_s = -1;
   all.stage_from_local = kStageFromLocal;
   all.refresh_hz = 90;

@@ -101,7 +101,9 @@ struct Runtime {
   std::map<XrSession, Session> sessions;
   Timeline timeline;
   std::unique_ptr<Record> record;
-  XrTime begin_ns = 0;    // of the timeline; 0 before the first picture
+  // The timeline: second anchor_s was at anchor_ns, when a frame last ended; 0 before the first picture.
+  XrTime anchor_ns = 0;
+  double anchor_s = 0;
   double played_s = -1;   // the timeline's events up to here have happened
   Pose stage_from_local = kStageFromLocal;
   double refresh_hz = 90, compositor_s = 0;
@@ -114,6 +116,8 @@ constexpr XrSystemId kSystem = 7;
 // Time: a clock of its own, so that none who takes it for the system's goes unnoticed.
 constexpr XrTime kClockAhead_ns = 1'234'567'890'123;
 XrTime now();
+// It passes with the clock, but by no more than kMostOfAFrame_s a frame: what a slow application does not see does not happen.
+constexpr double kMostOfAFrame_s = 0.1;
 double timeline_s(XrTime time);
 
 template <class Handle>

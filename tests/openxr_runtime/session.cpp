@@ -89,7 +89,7 @@ void play_timeline() {
   Runtime& all = runtime();
   if (all.sessions.empty()) return;  // what is due waits for a session
   Session& session = all.sessions.begin()->second;
-  const double now_s = all.begin_ns == 0 ? -1 : timeline_s(now());
+  const double now_s = all.anchor_ns == 0 ? -1 : timeline_s(now());
   for (const Timeline::Event& event : all.timeline.events(all.played_s, now_s)) {
     if (session.loss != Session::Loss::None) break;
     all.played_s = event.time_s;

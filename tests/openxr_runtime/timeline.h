@@ -15,7 +15,7 @@ namespace livegs::simulated {
 //   SECONDS input TRACK VALUE              left.trigger, right.squeeze, right.primary ...: 0 to 1, until the next entry
 //   SECONDS do EVENT [NUMBERS]             once: see kEvents in timeline.cpp
 // Poses are interpolated between the entries of a track. Seconds count from the first picture that is submitted to the instance;
-// until then it is second 0.
+// until then it is second 0, and a slow application does not miss what happens (runtime.h).
 class Timeline {
  public:
   struct Event {
