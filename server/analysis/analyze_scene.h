@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -30,7 +31,7 @@ struct AnalysisTarget {
 // One look at an object.
 struct TargetView {
   std::vector<AnalysisImage> images;  // what a model is shown
-  std::string camera;                 // where it was taken from, in words
+  std::string camera;                 // where it was taken from, in words, for a person
   AnalysisImage mask = {};            // where the object is seen, for a person; may be empty
 };
 // Makes the looks, best first; called on threads of the analysis, for several objects at a time, while the
@@ -41,6 +42,7 @@ using TargetViews =
 enum class AnalysisStage {
   Offline,   // the estimate; nothing was asked yet
   Asked,     // the model has the question
+  std::map<std::string, std::string> slots = {};  // camera and object in figures, for the model: camera_slots
   Repaired,  // its answer would not do; it was told why
   Finished,
 };

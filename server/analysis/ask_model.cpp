@@ -90,7 +90,7 @@ void ask_model(const AnalysisTarget& target, const std::vector<SceneObjectFacts>
     if (stop.stop_requested()) break;
     AnalysisQuestion question;
     question.slots = fact_slots(*target.facts, target.offline, neighbours);
-    question.slots["camera"] = look.camera;
+    question.slots.insert(look.slots.begin(), look.slots.end());
     question.images = look.images;
     const std::string key = question_hash(question, target, neighbours, state, options.prompt_version);
     question_hashes += key;

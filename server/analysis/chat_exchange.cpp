@@ -35,6 +35,7 @@ Result<RawAnswer> ChatExchange::ask(const AnalysisQuestion& question, std::stop_
   }
   slots_ = complete_slots(question, tools_);
   images_ = question.images;
+  for (AnalysisImage& image : images_) image.caption = endpoint_.prompts().caption(image.caption);
   return converse(stop, endpoint_.settings().tools);
 }
 

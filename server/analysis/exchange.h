@@ -20,7 +20,7 @@
 namespace livegs {
 
 struct AnalysisImage {
-  std::string caption;     // what it shows: "the scene, the object outlined"
+  std::string caption;     // what it shows, by its name in prompts/captions.json: "outlined"
   std::string media_type;  // "image/png" or "image/jpeg"; nothing else is understood everywhere
   std::string bytes;       // of the file
 };

@@ -167,9 +167,7 @@ std::string view_section(const AnalysisUpdate& update, std::span<const TargetVie
   }
   if (views.empty()) {
     for (const AnalysisTurn& turn : update.turns) {
-      const auto camera = turn.question.slots.find("camera");
-      if (turn.question.images.empty()) continue;
-      add(camera == turn.question.slots.end() ? "" : camera->second, turn.question.images);
+      if (!turn.question.images.empty()) add("", turn.question.images);
     }
   }
   return html;
@@ -214,9 +212,9 @@ std::string explain_page(const AnalysisTarget& target, const AnalysisUpdate& upd
       "<p class=\"verdict\">" +
       std::string(verdict == Verdict::Accepted ? "The model's answer was accepted."
                   : verdict == Verdict::NeedsReview
-                      ? "The model's answer needs review; the offline estimate stays."
-                  : update.turns.empty() ? "No model was heard; the offline estimate stays."
-                                         : "The model's answer was refused; the offline estimate stays.") +
+                      ? "The model's answer needs review; the object keeps its values."
+                  : update.turns.empty() ? "No model was heard; the object keeps its values."
+                                         : "The model's answer was refused; the object keeps its values.") +
       "</p>\n";
   if (!update.judgement.message.empty()) html += "<p>" + escaped(update.judgement.message) + "</p>\n";
   html += view_section(update, views);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "analysis/object_kinds.h"
+#include "analysis/physics_values.h"
 #include "core/format_text.h"
 
 namespace livegs {
@@ -17,6 +18,17 @@ std::string range(const v1::EstimatedValue& value, double factor, const char* un
                      factor * value.high());
 }
 
+// What a person or the scene's author told, by its field.
+std::string told_text(const v1::PhysicalParameters& known) {
+  std::string line;
+  for (const PhysicsValue& value : physics_values()) {
+    const v1::EstimatedValue& one = (known.*value.get)();
+    if (one.source() != v1::EstimatedValue::PERSON && one.source() != v1::EstimatedValue::SCENE) continue;
+    line += (line.empty() ? "" : ", ") + format_text("%s %.4g", value.name, one.best());
+  }
+  return line;
+}
+
 std::string mesh_text(const MeshFacts& mesh) {
   const Eigen::Vector3d box_cm = 100 * sorted_box_m(mesh);
   std::string line = format_text(
@@ -24,11 +36,11 @@ std::string mesh_text(const MeshFacts& mesh) {
       "%.0f %% of its convex hull",
       box_cm[0], box_cm[1], box_cm[2], 1e6 * mesh.volume_m3, 1e4 * mesh.area_m2, 1e3 * mesh.mean_wall_m,
       100 * mesh.solidity);
-  if (mesh.openness > 0.15) line += format_text(", open to look into (%.0f %%)", 100 * mesh.openness);
-  if (mesh.thin_sheet > 0.3) line += ", a thin sheet";
-  if (mesh.rod > 0.3) line += ", a rod";
+  if (mesh.openness > 0.15) line += format_text(", %.0f %% open", 100 * mesh.openness);
+  if (mesh.thin_sheet > 0.3) line += ", thin sheet";
+  if (mesh.rod > 0.3) line += ", rod";
   if (mesh.piece_count > 1) line += format_text(", %d pieces", mesh.piece_count);
-  return line + "; thin walls are drawn thicker than they are";
+  return line;
 }
 
 std::string looks_text(const AppearanceFacts& look) {
@@ -82,9 +94,13 @@ std::map<std::string, std::string> fact_slots(const ObjectFacts& facts, const v1
   std::map<std::string, std::string> slots;
   if (!facts.name.empty()) slots["name"] = facts.name;
   const Eigen::Vector3d& size = facts.mesh.size_m;
-  slots["size"] = format_text("%.3g x %.3g x %.3g m along its axes, y upwards", size.x(), size.y(), size.z());
-  slots["scale"] =
-      facts.scale_known ? "known, metric" : "a guess: sizes may be off by a factor of two, masses by eight";
+  slots["size"] = format_text("%.3g x %.3g x %.3g m", size.x(), size.y(), size.z());
+  if (facts.scale_known) {
+    slots["scale"] = "metric";
+  } else {
+    slots["scale_off"] = "2";
+    slots["mass_off"] = "8";
+  }
   slots["mesh"] = mesh_text(facts.mesh);
   if (facts.appearance.mean_opacity > 0) slots["looks"] = looks_text(facts.appearance);
   if (!neighbours.empty()) slots["neighbours"] = neighbours_text(neighbours);
@@ -94,6 +110,7 @@ std::map<std::string, std::string> fact_slots(const ObjectFacts& facts, const v1
                   offline.material().c_str(), range(offline.mass_kg(), 1e3, "g").c_str(),
                   v1::Physics::Behavior_Name(offline.behavior()).c_str(), offline.confidence()) +
       offline.mass_kg().reason();
+  if (std::string told = told_text(offline); !told.empty()) slots["told"] = std::move(told);
   return slots;
 }
 

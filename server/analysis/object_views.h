@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -57,8 +58,10 @@ Result<std::vector<ObjectView>> object_views(std::span<const DrawnObject> scene,
                                              const ViewOptions& options = {},
                                              std::vector<ViewCandidate>* candidates = nullptr);
 
-// Where the camera stood, in words and metres, for a person or a prompt: "from the front right, 20 degrees
-// above, …".
+// Where the camera stood, in words and metres, for a person: "from the front right, 20 degrees above, …".
 std::string describe_camera(const ObjectView& view);
+// The same in figures, for prompts/user.md: camera_position and target_position ("x, y, z", metres, world frame),
+// camera_distance (m), camera_azimuth and camera_elevation (degrees), camera_seen (percent).
+std::map<std::string, std::string> camera_slots(const ObjectView& view);
 
 }  // namespace livegs

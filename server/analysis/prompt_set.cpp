@@ -7,6 +7,7 @@
 #include "answer.schema.json.h"
 #include "answer_in_text.md.h"
 #include "answer_turn.md.h"
+#include "captions.json.h"
 #include "core/content_hash.h"
 #include "core/file.h"
 #include "examples.json.h"
@@ -37,6 +38,7 @@ constexpr BuiltIn kBuiltIn[] = {{"system.md", kSystemPrompt, nullptr},
                                 {"tools.json", kToolsPrompt, nullptr},
                                 {"answer_turn.md", kAnswerTurnPrompt, nullptr},
                                 {"answer_in_text.md", kAnswerInTextPrompt, "{{schema}}"},
+                                {"captions.json", kCaptionsPrompt, nullptr},
                                 {"repair.md", kRepairPrompt, "{{problem}}"},
                                 {"search.md", kSearchPrompt, "{{name}}"},
                                 {"answer.schema.json", kAnswerSchemaPrompt, "{{material_ids}}"},
@@ -101,6 +103,9 @@ Result<PromptSet> PromptSet::load(const std::filesystem::path& folder) {
     }
   }
   set.examples_ = std::move(*examples);
+  auto captions = parse_json(set.text("captions.json"));
+  if (!captions) return invalid_data("prompts/captions.json: " + captions.error().message);
+  set.captions_ = std::move(*captions);
   auto descriptions = parse_json(set.text("tools.json"));
   if (!descriptions) return invalid_data("prompts/tools.json: " + descriptions.error().message);
   set.tools_ = OrderedJson::array();
@@ -157,6 +162,11 @@ std::string PromptSet::answer_turn(bool schema_in_words) const {
 
 std::string PromptSet::repair(std::string_view problem) const {
   return fill_slots(text("repair.md"), {{"problem", quoted_text(problem, kLongestProblem)}});
+}
+
+std::string PromptSet::caption(const std::string& name) const {
+  const std::string words = text_member(captions_, name.c_str());
+  return words.empty() ? name : words;
 }
 
 std::string PromptSet::search(const std::map<std::string, std::string>& slots) const {

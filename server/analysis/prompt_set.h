@@ -26,6 +26,7 @@ class PromptSet {
   std::string tools_turn() const;
   std::string answer_turn(bool schema_in_words) const;
   std::string repair(std::string_view problem) const;
+  std::string caption(const std::string& name) const;  // of a picture: its words, or the name where there are none
   std::string search(const std::map<std::string, std::string>& slots) const;
 
   const OrderedJson& answer_schema() const { return schema_; }
@@ -39,6 +40,7 @@ class PromptSet {
   std::map<std::string, std::string> texts_;
   std::string version_;
   OrderedJson schema_, tools_, examples_;
+  Json captions_;
   std::vector<std::string> fields_;
 };
 

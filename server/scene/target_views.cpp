@@ -31,13 +31,13 @@ Result<std::vector<TargetView>> target_views(const ViewedScene& scene, uint32_t 
   if (!views) return views.error();
   std::vector<TargetView> targets;
   for (const ObjectView& view : *views) {
-    auto outlined = png_of(view.outlined, "the scene, the object outlined");
-    auto cutout = png_of(view.cutout, "the object alone");
-    auto mask = png_of(view.mask, "where it is seen");
+    auto outlined = png_of(view.outlined, "outlined");
+    auto cutout = png_of(view.cutout, "cut-out");
+    auto mask = png_of(view.mask, "mask");
     if (!outlined) return outlined.error();
     if (!cutout) return cutout.error();
     if (!mask) return mask.error();
-    targets.push_back({{std::move(*outlined), std::move(*cutout)}, describe_camera(view), std::move(*mask)});
+    targets.push_back({{std::move(*outlined), std::move(*cutout)}, describe_camera(view), std::move(*mask), camera_slots(view)});
   }
   return targets;
 }

@@ -214,15 +214,22 @@ TEST_F(HalfHiddenBoard, TheFactsNameWhatTheyShow) {
   std::vector<SceneObjectFacts> neighbours(20);
   for (size_t i = 0; i < neighbours.size(); ++i) neighbours[i].name = "thing " + std::to_string(i);
   const auto slots = fact_slots(facts, estimate_offline(facts), neighbours);
-  for (const char* slot : {"name", "size", "scale", "mesh", "neighbours", "materials", "offline"}) {
+  for (const char* slot : {"name", "size", "scale_off", "mesh", "neighbours", "materials", "offline"}) {
     EXPECT_FALSE(slots.at(slot).empty()) << slot;
   }
   const std::string& told = slots.at("neighbours");
   EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 11);  // twelve lines
   EXPECT_NE(told.find("thing 19"), std::string::npos);
   EXPECT_EQ(told.find("thing 7:"), std::string::npos);
-  EXPECT_NE(slots.at("scale").find("guess"), std::string::npos);
+  EXPECT_EQ(slots.count("scale"), 0u);  // it is a guess
   EXPECT_NE(describe_camera(views->front()).find("m from its centre"), std::string::npos);
+  // Camera, target and distance fit together, to the three digits they are told in.
+  const auto camera = camera_slots(views->front());
+  double at[6] = {};
+  ASSERT_EQ(std::sscanf((camera.at("camera_position") + ", " + camera.at("target_position")).c_str(),
+                        "%lf, %lf, %lf, %lf, %lf, %lf", &at[0], &at[1], &at[2], &at[3], &at[4], &at[5]),
+            6);
+  EXPECT_NEAR(std::hypot(at[0] - at[3], at[1] - at[4], at[2] - at[5]), std::stod(camera.at("camera_distance")), 0.02);
 }
 
 }  // namespace

@@ -16,7 +16,6 @@ namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
 constexpr const char* kFormat = "livegs.judgement/1";
-constexpr const char* kFirstVersion = "1";
 constexpr std::uint64_t kMaxBytes = 1 << 20;
 constexpr const char* kHow =
     "judge it: mass_harness --judge OLD_PROMPTS prompts --record ANSWERS --keep prompts/judged.json, with a "
@@ -116,7 +115,9 @@ Result<void> check_judgement(const fs::path& folder) {
     return invalid_data("prompts/judged.json: says version " + version + " of prompts that say " +
                         files->version + "; " + kHow);
   }
-  if (version == kFirstVersion && model.empty()) return {};
+  // As long as no model has been asked there is nothing to compare with; from the first figures on there is.
+  const auto last_judged = json.find("last_judged_version");
+  if (model.empty() && last_judged != json.end() && *last_judged == "") return {};
   const auto figures = json.find("figures");
   if (model.empty() || figures == json.end() || !figures->is_array() || figures->empty()) {
     return invalid_data("prompts/judged.json: holds no figures of a model for version " + version + "; " +

@@ -7,6 +7,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "analysis/prompt_set.h"
+#include "core/file.h"
 #include "geometry/shape_mesh.h"
 #include "model_endpoint_cases.h"
 #include "scratch_folder.h"
@@ -79,7 +81,7 @@ TestModelServer::Handler made_up_model(const std::vector<JudgedObject>& objects)
 
 // prompts/ with a sentence more in its system text, and its version.
 fs::path changed_prompts(const ScratchFolder& scratch, const std::string& name, const std::string& sentence,
-                         const char* version = "2") {
+                         const char* version = "3") {
   const fs::path folder = scratch / name;
   fs::copy(kPrompts, folder);
   std::ofstream(folder / "system.md", std::ios::app) << sentence << '\n';
@@ -177,6 +179,45 @@ TEST(PromptJudgement, ThePromptsAreThoseThatWereJudged) {
   EXPECT_TRUE(checked) << checked.error().message;
 }
 
+// What is decoded first bears on what follows: the range, then the value (prompts/system.md, step 8).
+TEST(Prompts, TheRangeIsWrittenBeforeTheValue) {
+  const std::vector<std::string> order = {"low", "high", "best"};
+  const auto keys = [](const nlohmann::ordered_json& range) {
+    std::vector<std::string> names;
+    for (const auto& [name, value] : range.items()) names.push_back(name);
+    return names;
+  };
+  const auto json = [](const char* name) { return nlohmann::ordered_json::parse(*read_text_file(kPrompts / name)); };
+  const auto fields = json("answer.schema.json")["properties"];
+  const auto& young = fields["young_mpa"]["anyOf"][0];
+  for (const auto& range : {fields["mass_g"], young}) {
+    EXPECT_EQ(range["required"], nlohmann::ordered_json(order));
+    EXPECT_EQ(keys(range["properties"]), order);
+  }
+  for (const auto& example : json("examples.json")) {
+    EXPECT_EQ(keys(example["answer"]["mass_g"]), order) << example["facts"];
+    const auto& told = example["answer"]["young_mpa"];
+    if (!told.is_null()) EXPECT_EQ(keys(told), order) << example["facts"];
+  }
+}
+
+// Words are in the files: a folder's own take the place of those that are built in, also those beside pictures and facts.
+TEST(Prompts, PicturesAndFactsAreWordedByTheFiles) {
+  const ScratchFolder scratch;
+  scratch.write("prompts/captions.json", R"({ "outlined": "look here" })");
+  scratch.write("prompts/user.md", "Name: {{name}}\nOff by {{scale_off}}\n");
+  const auto built_in = PromptSet::load(""), own = PromptSet::load(scratch / "prompts");
+  ASSERT_TRUE(built_in && own);
+  EXPECT_NE(built_in->version(), own->version());
+  EXPECT_EQ(built_in->caption("outlined"), "the scene, the object outlined");
+  EXPECT_EQ(own->caption("outlined"), "look here");
+  EXPECT_EQ(own->caption("mask"), "mask");
+  EXPECT_EQ(own->user({{"name", "cup"}, {"scale_off", "2"}}), "Name: \"cup\"\nOff by 2\n");
+  EXPECT_EQ(own->user({{"name", "cup"}}), "Name: \"cup\"\n");
+  scratch.write("prompts/captions.json", "[");
+  EXPECT_FALSE(PromptSet::load(scratch / "prompts"));
+}
+
 TEST(PromptJudgement, AChangedPromptIsNoticedAndToldHowToBeJudged) {
   const ScratchFolder scratch;
   const auto refusal = [](const fs::path& folder) {
@@ -187,9 +228,9 @@ TEST(PromptJudgement, AChangedPromptIsNoticedAndToldHowToBeJudged) {
     EXPECT_NE(message.find("mass_harness --judge"), std::string::npos) << message;
     return message;
   };
-  EXPECT_NE(refusal(changed_prompts(scratch, "same number", "Take care.", "1")).find("raise the number"),
+  EXPECT_NE(refusal(changed_prompts(scratch, "same number", "Take care.", "2")).find("raise the number"),
             std::string::npos);
-  EXPECT_NE(refusal(changed_prompts(scratch, "number raised", "Take care.")).find("speaks of version 1"),
+  EXPECT_NE(refusal(changed_prompts(scratch, "number raised", "Take care.")).find("speaks of version 2"),
             std::string::npos);
 
   // With figures it lands, unless they say worse or were made up.
