@@ -26,9 +26,9 @@ void step_behind() {
   set_serial_here(true);
 }
 
-SceneObjectFacts facts_for_others(const AnalysisTarget& one, const v1::PhysicalParameters& known,
-                                  bool analysed, const Eigen::Vector3d& from_m) {
+SceneObjectFacts facts_for_others(const AnalysisNeighbour& one, bool analysed, const Eigen::Vector3d& from_m) {
   SceneObjectFacts facts;
+  const v1::PhysicalParameters& known = one.known;
   facts.name = one.facts->name;
   facts.material = known.material();
   facts.behavior = known.behavior() == v1::Physics::ELASTIC  ? "elastic"
@@ -44,7 +44,8 @@ SceneObjectFacts facts_for_others(const AnalysisTarget& one, const v1::PhysicalP
 // The objects in flight and those that are done. Any thread.
 class Course {
  public:
-  Course(std::span<const AnalysisTarget> targets) : targets_(targets), done_(targets.size()) {}
+  Course(std::span<const AnalysisTarget> targets, std::span<const AnalysisNeighbour> others)
+      : targets_(targets), others_(others), done_(targets.size()) {}
 
   // The next object once all that it is to be told of is done; nothing when there is none left or it is to
   // stop.
@@ -60,22 +61,28 @@ class Course {
     while (first_open_ < done_.size() && done_[first_open_]) ++first_open_;
     changed_.notify_all();
   }
-  // At most kMaxNeighbours: estimates, the nearest last, then those that are done as far back as it may see
-  // them, the newest last.
+  // At most kMaxNeighbours: estimates, then those that a person, the scene or a model told of before, each the nearest
+  // last; then those that are done as far back as it may see them, the newest last.
   std::vector<SceneObjectFacts> neighbours_of(size_t index) {
     std::lock_guard lock(mutex_);
-    std::vector<SceneObjectFacts> estimated, analysed;
+    std::vector<SceneObjectFacts> estimated, told, analysed;
+    const auto add = [&](const AnalysisNeighbour& one, std::vector<SceneObjectFacts>& known) {
+      const bool estimate = one.known.mass_kg().source() == v1::EstimatedValue::OFFLINE;
+      (estimate ? estimated : known).push_back(facts_for_others(one, !estimate, targets_[index].position_m));
+    };
+    for (const AnalysisNeighbour& one : others_) add(one, told);
     for (size_t i = 0; i < targets_.size(); ++i) {
       if (i == index) continue;
       const AnalysisTarget& one = targets_[i];
       const bool visible = i + kContextLag <= index;
       const bool by_model = visible && done_[i]->second;
-      (by_model ? analysed : estimated)
-          .push_back(facts_for_others(one, visible ? done_[i]->first : one.offline, by_model,
-                                      targets_[index].position_m));
+      add({one.facts, visible ? done_[i]->first : one.offline, one.position_m}, by_model ? analysed : told);
     }
-    std::stable_sort(estimated.begin(), estimated.end(),
-                     [](const auto& a, const auto& b) { return a.distance_m > b.distance_m; });
+    for (auto* group : {&estimated, &told}) {
+      std::stable_sort(group->begin(), group->end(),
+                       [](const auto& a, const auto& b) { return a.distance_m > b.distance_m; });
+    }
+    estimated.insert(estimated.end(), told.begin(), told.end());
     estimated.insert(estimated.end(), analysed.begin(), analysed.end());
     if (estimated.size() > kMaxNeighbours) {
       estimated.erase(estimated.begin(), estimated.end() - static_cast<long>(kMaxNeighbours));
@@ -85,6 +92,7 @@ class Course {
 
  private:
   std::span<const AnalysisTarget> targets_;
+  std::span<const AnalysisNeighbour> others_;
   std::mutex mutex_;  // guards all below
   std::condition_variable_any changed_;
   size_t next_ = 0, first_open_ = 0;
@@ -114,7 +122,7 @@ AnalysisSummary analyze_scene(std::span<const AnalysisTarget> targets, ModelEndp
   for (size_t i = 0; i < targets.size(); ++i) update(offline_of(i));
 
   const EndpointState known = endpoint ? endpoint->state() : EndpointState{};
-  Course course(targets);
+  Course course(targets, options.neighbours);
   std::vector<bool> finished(targets.size(), false);
   const auto tell = [&](const AnalysisUpdate& one) {
     std::lock_guard lock(mutex);

@@ -24,7 +24,16 @@ namespace livegs {
 struct AnalysisTarget {
   uint32_t object_id = 0;
   std::shared_ptr<const ObjectFacts> facts;
-  v1::PhysicalParameters offline;  // what it has until the model answers
+  // What it has without any model's answer: the estimate, a person's edits, the scene author's words (sources PERSON and
+  // SCENE). Answers are asked for with it and weighed against it.
+  v1::PhysicalParameters offline;
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+};
+
+// An object of the scene that is not asked about: told, or analysed before.
+struct AnalysisNeighbour {
+  std::shared_ptr<const ObjectFacts> facts;
+  v1::PhysicalParameters known;  // what it has
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
 };
 
@@ -33,6 +42,7 @@ struct TargetView {
   std::vector<AnalysisImage> images;  // what a model is shown
   std::string camera;                 // where it was taken from, in words, for a person
   AnalysisImage mask = {};            // where the object is seen, for a person; may be empty
+  std::map<std::string, std::string> slots = {};  // camera and object in figures, for the model: camera_slots
 };
 // Makes the looks, best first; called on threads of the analysis, for several objects at a time, while the
 // model is still busy with those before.
@@ -42,7 +52,6 @@ using TargetViews =
 enum class AnalysisStage {
   Offline,   // the estimate; nothing was asked yet
   Asked,     // the model has the question
-  std::map<std::string, std::string> slots = {};  // camera and object in figures, for the model: camera_slots
   Repaired,  // its answer would not do; it was told why
   Finished,
 };
@@ -82,6 +91,7 @@ inline constexpr double kSlowViews_s = 2;
 struct AnalysisOptions {
   int views = 1;                 // 1 or 3; more than one is a vote
   AnswerCache* cache = nullptr;  // outlives the call
+  std::vector<AnalysisNeighbour> neighbours = {};  // told to the model besides the targets themselves
   bool behind = true;            // pictures are drawn only with what others leave of the cores
   std::string prompt_version;    // part of what a cached answer belongs to
 };

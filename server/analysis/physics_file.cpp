@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "analysis/hand_edits.h"
+#include "analysis/physics_values.h"
 
 namespace livegs {
 namespace {
@@ -410,6 +411,13 @@ Result<v1::PhysicalParameters> with_physics_file(const v1::PhysicalParameters& o
   v1::PhysicalParameters physics = offline;
   if (file.has_physics()) {
     physics = file.physics();
+    // What a person or a scene had told when it was asked is theirs, and holds only while they say it.
+    for (const PhysicsValue& value : physics_values()) {
+      const auto source = (physics.*value.get)().source();
+      if (source == v1::EstimatedValue::PERSON || source == v1::EstimatedValue::SCENE) {
+        *(physics.*value.mutable_value)() = (offline.*value.get)();
+      }
+    }
     const double analysed_m = file.physics().longest_side_m().best(), now_m = facts.mesh.size_m.maxCoeff();
     if (analysed_m > 0 && now_m > 0 && std::abs(std::log(now_m / analysed_m)) > std::log(kSameSize)) {
       *physics.mutable_mass_kg() = offline.mass_kg();

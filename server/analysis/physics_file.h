@@ -44,7 +44,8 @@ Result<v1::PhysicsFile> redo_physics(const std::filesystem::path& path, const Wr
 // The records of the log, oldest first; a torn last line and lines that cannot be read are left out.
 std::vector<v1::PhysicsLogRecord> read_physics_log(const std::filesystem::path& path);
 
-// `offline` with what the file holds in place of it: its analysis, then its edits (source PERSON). Analysed
+// `offline` with what the file holds in place of it: its analysis, but for what was a person's or a scene's in it, then its
+// edits (source PERSON). Analysed
 // values that depend on size are left out, and `note` says so, where the object stands in another size than
 // it was analysed in.
 Result<v1::PhysicalParameters> with_physics_file(const v1::PhysicalParameters& offline,

@@ -231,6 +231,7 @@ int run(const AnalyzeCommand& options) {
   for (size_t i = 0; explained && !*endpoint && i < targets->size(); ++i) {
     std::fprintf(stderr, "%s: drawing its views, %zu of %zu\n",
                  object_of((*targets)[i].object_id)->name.c_str(), i + 1, targets->size());
+  asked.neighbours = analysis->neighbours(*targets);
     (void)views.of((*targets)[i].object_id, options.views);
   }
   std::vector<Analysed> all(targets->size());

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,8 +13,8 @@
 
 namespace livegs {
 
-// What an analysis needs to know of a scene, as it stood when this was made: objects, facts, and kernels to
-// draw. Made on the thread that owns the scene; afterwards any thread, whatever becomes of the scene.
+// What an analysis needs to know of a scene: its objects when this was made, their facts, and their kernels as they stood
+// at the start, to draw. Made on the thread that owns the scene; afterwards any thread, whatever becomes of the scene.
 class SceneAnalysis {
  public:
   // Without kernels no views can be made, and nothing large is copied.
@@ -28,8 +29,11 @@ class SceneAnalysis {
     BuiltAs built;        // as it runs
     std::filesystem::path physics_file;
     AnalysisTarget target;
+    v1::PhysicalParameters known;  // with the sidecar's answer in it, if there is one
   };
   const std::vector<Object>& objects() const;
+  // All objects but the targets, with what they had when this was made. Without kernels, all stand in the origin.
+  std::vector<AnalysisNeighbour> neighbours(std::span<const AnalysisTarget> targets) const;
 
   // Pictures of an object from around it: the scene with its outline, and the object alone. Outlives this.
   TargetViews views() const;
@@ -46,5 +50,9 @@ inline constexpr int kViewLongSide_px = 768;
 // words. `note` as of with_physics_file.
 Result<v1::PhysicalParameters> layered_physics(const v1::PhysicsFile& file, const v1::Physics& written,
                                                const ObjectFacts& facts, std::string& note);
+// The same without the answer that the sidecar holds: what a new answer is weighed against (AnalysisTarget::offline), so
+// that an object which is analysed twice comes out as if it were the first time.
+Result<v1::PhysicalParameters> told_physics(const v1::PhysicsFile& file, const v1::Physics& written,
+                                            const ObjectFacts& facts);
 
 }  // namespace livegs

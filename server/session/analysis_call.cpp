@@ -25,7 +25,8 @@ AnalysisCall::AnalysisCall(AnalysisControl* control, const v1::AnalyzeSceneReque
         std::lock_guard lock(line->mutex);
         line->ended = true;
         if (line->call && !line->writing) line->call->write_next();
-      });
+      },
+      gone_.get_token());
   if (!begun) {
     std::lock_guard lock(line_->mutex);
     line_->call = nullptr;
@@ -44,6 +45,7 @@ void AnalysisCall::write_next() {
 }
 
 void AnalysisCall::OnWriteDone(bool ok) {
+  if (!ok) gone_.request_stop();
   std::lock_guard lock(line_->mutex);
   line_->writing = false;
   line_->waiting.pop_front();
@@ -54,6 +56,7 @@ void AnalysisCall::OnWriteDone(bool ok) {
 
 // With a write under way, its end comes next and finishes.
 void AnalysisCall::OnCancel() {
+  gone_.request_stop();
   std::lock_guard lock(line_->mutex);
   if (!line_->call || line_->writing) return;
   line_->call = nullptr;

@@ -6,14 +6,15 @@
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <stop_token>
 
 #include "livegs/v1/session.pb.h"
 #include "session/analysis_control.h"
 
 namespace livegs {
 
-// One AnalyzeScene rpc: progress in order, as it comes. Deletes itself; the analysis goes on when the client
-// goes.
+// One AnalyzeScene rpc: progress in order, as it comes. Deletes itself. When the client cancels or goes,
+// nothing more is asked.
 class AnalysisCall final : public grpc::ServerWriteReactor<v1::AnalysisProgress> {
  public:
   // `control` may be nullptr: UNAVAILABLE.
@@ -32,6 +33,7 @@ class AnalysisCall final : public grpc::ServerWriteReactor<v1::AnalysisProgress>
   void OnCancel() override;
   void OnDone() override;
 
+  std::stop_source gone_;
   std::shared_ptr<Line> line_ = std::make_shared<Line>();
 };
 

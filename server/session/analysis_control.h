@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -17,10 +18,11 @@ class AnalysisControl {
   virtual ~AnalysisControl() = default;
 
   // `progress` is called from the analysis's thread, one at a time, and returns false when nobody listens any
-  // more; `ended` once, last, unless this fails. No names: every object whose behaviour is AUTO.
+  // more; `ended` once, last, unless this fails. No names: every object whose behaviour is AUTO. A requested `stop` ends
+  // it, whether it has begun or waits: nothing more is asked, and what was accepted before stays.
   using Progress = std::function<bool(const v1::AnalysisProgress&)>;
   virtual Result<void> analyze(std::vector<std::string> objects, Progress progress,
-                               std::function<void()> ended) = 0;
+                               std::function<void()> ended, std::stop_token stop = {}) = 0;
 
   virtual Result<v1::PhysicsReply> set_physics(const std::string& object, const v1::Physics& physics) = 0;
   virtual Result<v1::PhysicsReply> undo_physics(const std::string& object, bool redo) = 0;

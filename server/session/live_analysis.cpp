@@ -3,6 +3,8 @@
 
 #include <pthread.h>
 
+#include <algorithm>
+
 #include "analysis/physics_file.h"
 #include "core/log.h"
 
@@ -81,7 +83,7 @@ void LiveAnalysis::take_reloaded(const Scene& scene) {
 }
 
 Result<void> LiveAnalysis::analyze(std::vector<std::string> objects, Progress progress,
-                                   std::function<void()> ended) {
+                                   std::function<void()> ended, std::stop_token stop) {
   auto targets = scene_.targets(objects);
   if (!targets) return targets.error();
   std::lock_guard lock(mutex_);
@@ -89,7 +91,7 @@ Result<void> LiveAnalysis::analyze(std::vector<std::string> objects, Progress pr
     return Error{ErrorCode::TooLarge,
                  std::to_string(kMaxWaiting) + " analyses are waiting already; try again later"};
   }
-  requests_.push_back({std::move(*targets), std::move(progress), std::move(ended)});
+  requests_.push_back({std::move(*targets), std::move(progress), std::move(ended), std::move(stop)});
   changed_.notify_one();
   return {};
 }
@@ -105,13 +107,41 @@ void LiveAnalysis::run(std::stop_token stop) {
       request = std::move(requests_.front());
       requests_.pop_front();
     }
-    work(*request, stop);
+    if (!request->stop.stop_requested()) {
+      std::stop_source either;
+      const auto end = [&] { either.request_stop(); };
+      const std::stop_callback closed(stop, end), cancelled(request->stop, end);
+      work(*request, either.get_token());
+    }
     request->ended();
   }
 }
 
-void LiveAnalysis::work(const Request& request, std::stop_token stop) {
+std::vector<AnalysisNeighbour> LiveAnalysis::refresh(std::vector<AnalysisTarget>& targets) {
+  std::vector<AnalysisNeighbour> others;
+  for (const auto& [id, known] : known_) {
+    const SceneAnalysis::Object& object = *known.object;
+    const auto asked = std::find_if(targets.begin(), targets.end(),
+                                    [&, wanted = id](const auto& one) { return one.object_id == wanted; });
+    const auto kept = known.decided->present();
+    std::string ignored;
+    if (asked == targets.end()) {
+      const auto now = kept ? layered_physics(*kept, object.written, *object.target.facts, ignored)
+                            : Result<v1::PhysicalParameters>(kept.error());
+      others.push_back({object.target.facts, now ? *now : object.known, object.target.position_m});
+    } else if (kept) {
+      auto told = told_physics(*kept, object.written, *object.target.facts);
+      if (!told) continue;
+      *told->mutable_longest_side_m() = object.target.offline.longest_side_m();
+      asked->offline = std::move(*told);
+    }
+  }
+  return others;
+}
+
+void LiveAnalysis::work(Request& request, std::stop_token stop) {
   AnalysisOptions options;
+  options.neighbours = refresh(request.targets);
   options.views = options_.views;
   options.cache = &cache_;
   uint32_t finished = 0;

@@ -39,7 +39,7 @@ class LiveAnalysis final : public AnalysisControl {
   void take_reloaded(const Scene& scene);
 
   Result<void> analyze(std::vector<std::string> objects, Progress progress,
-                       std::function<void()> ended) override;
+                       std::function<void()> ended, std::stop_token stop = {}) override;
   Result<v1::PhysicsReply> set_physics(const std::string& object, const v1::Physics& physics) override;
   Result<v1::PhysicsReply> undo_physics(const std::string& object, bool redo) override;
 
@@ -52,11 +52,14 @@ class LiveAnalysis final : public AnalysisControl {
     std::vector<AnalysisTarget> targets;
     Progress progress;
     std::function<void()> ended;
+    std::stop_token stop;  // of whoever asked for it
   };
   static constexpr size_t kMaxWaiting = 8;
 
   void run(std::stop_token stop);
-  void work(const Request& request, std::stop_token stop);
+  void work(Request& request, std::stop_token stop);
+  // What objects have now, in the targets and beside them.
+  std::vector<AnalysisNeighbour> refresh(std::vector<AnalysisTarget>& targets);
   // Takes an answer into the object's decided values and the scene; empty, or why not.
   std::string land(const AnalysisUpdate& update);
   // What the object has with `file`, brought into the scene at the next tick.

@@ -119,7 +119,10 @@ TEST_F(LiveAnalysisTest, WhatIsAcceptedLandsAtATickAsOneChange) {
   ASSERT_TRUE(changes_to("sponge", by_model));
   EXPECT_EQ(changes_of("wood block"), 1u);
   EXPECT_EQ(changes_of("told"), 0u);  // its behaviour is told: nobody was asked
-  for (const std::string& line : endpoint->asked()) EXPECT_EQ(line.find("told <"), std::string::npos) << line;
+  for (const std::string& line : endpoint->asked()) {
+    EXPECT_EQ(line.find("told <"), std::string::npos) << line;
+    EXPECT_NE(line.find(" told!1.000000"), std::string::npos) << line;  // the others are told of it
+  }
   loop->stop();
   const SceneObject* block = loop->scene().find("wood block");
   EXPECT_EQ(block->mass_kg, block->physics.mass_kg().best());
@@ -175,6 +178,49 @@ TEST_F(LiveAnalysisTest, AnEditIsLockedAndCanBeUndoneAndRedone) {
     ASSERT_TRUE(analysis->undo_physics(name, false));
     EXPECT_EQ(analysis->undo_physics(name, false).error().code, ErrorCode::NotFound);
   }
+}
+
+// What a person said since the scene was loaded is what the next answer is asked for and weighed against with.
+TEST_F(LiveAnalysisTest, AnEditCountsInTheNextAnalysis) {
+  std::mutex mutex;
+  std::string told;
+  start([&](const AnalysisQuestion& question, const ToolBox& tools, int turn) -> Result<std::string> {
+    std::lock_guard lock(mutex);
+    const auto slot = question.slots.find("told");
+    told = slot == question.slots.end() ? "" : slot->second;
+    auto answer = nlohmann::json::parse(*weigh(question, tools, turn));
+    answer["mass_g"] = {{"low", 4500}, {"best", 5000}, {"high", 5500}};
+    return answer.dump();
+  });
+  const auto analyzed = [&] {
+    std::condition_variable changed;
+    bool ended = false;
+    v1::AnalysisProgress last;
+    EXPECT_TRUE(analysis->analyze(
+        {"wood block"},
+        [&](const v1::AnalysisProgress& progress) {
+          last = progress;
+          return true;
+        },
+        [&] {
+          std::lock_guard lock(mutex);
+          ended = true;
+          changed.notify_all();
+        }));
+    std::unique_lock lock(mutex);
+    EXPECT_TRUE(changed.wait_for(lock, kPatience, [&] { return ended; }));
+    return last;
+  };
+  EXPECT_EQ(analyzed().verdict(), v1::AnalysisProgress::NEEDS_REVIEW);  // ten times the estimate
+  EXPECT_EQ(told, "");
+  v1::Physics edit;
+  edit.set_mass_kg(5);
+  ASSERT_TRUE(analysis->set_physics("wood block", edit));
+  const auto last = analyzed();
+  EXPECT_EQ(last.verdict(), v1::AnalysisProgress::ACCEPTED) << last.message();
+  EXPECT_EQ(last.parameters().mass_kg().source(), EstimatedValue::PERSON);
+  EXPECT_EQ(last.parameters().friction().source(), EstimatedValue::MODEL);
+  EXPECT_EQ(told, "mass_kg 5");
 }
 
 TEST_F(LiveAnalysisTest, BadEditsNameTheField) {
@@ -280,6 +326,39 @@ TEST_F(LiveAnalysisTest, ClientsFollowAnalysesAndEdit) {
   undo.set_object("wood block");
   EXPECT_TRUE(client.stub().UndoPhysics(&context, undo, &reply).ok());
   EXPECT_EQ(reply.parameters().mass_kg().source(), EstimatedValue::MODEL);
+  server->shut_down("done");
+}
+
+// A client that cancels costs no more tokens, and the next in line does not wait for its answers.
+TEST_F(LiveAnalysisTest, ACancelledCallStopsAskingAndLetsTheNextOneIn) {
+  auto listening = LiveServer::listen("127.0.0.1:0");
+  ASSERT_TRUE(listening);
+  auto server = std::move(*listening);
+  start(weigh);
+  endpoint->delay = [](const std::string& name) {
+    return name == "sponge" ? std::chrono::milliseconds(0) : std::chrono::milliseconds(std::chrono::minutes(10));
+  };
+  loop->stop();
+  server->open(loop->scene(), *loop);
+  server->open_analysis(*analysis);
+  RawClient client(server->port());
+  grpc::ClientContext hung, next;
+  v1::AnalyzeSceneRequest request;
+  v1::AnalysisProgress progress;
+  request.add_objects("wood block");
+  const auto stream = client.stub().AnalyzeScene(&hung, request);
+  while (progress.stage() != v1::AnalysisProgress::ASKED) ASSERT_TRUE(stream->Read(&progress));
+  hung.TryCancel();
+  EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::CANCELLED);
+  request.set_objects(0, "sponge");
+  set_patience(next);
+  const auto second = client.stub().AnalyzeScene(&next, request);
+  while (second->Read(&progress)) {
+  }
+  EXPECT_TRUE(second->Finish().ok());
+  EXPECT_EQ(progress.stage(), v1::AnalysisProgress::FINISHED);
+  EXPECT_EQ(progress.object(), "sponge");
+  EXPECT_EQ(progress.verdict(), v1::AnalysisProgress::ACCEPTED) << progress.message();
   server->shut_down("done");
 }
 
