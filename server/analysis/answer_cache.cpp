@@ -19,7 +19,9 @@ nlohmann::json to_json(const RawAnswer& answer) {
           {"prompt_tokens", answer.prompt_tokens},
           {"completion_tokens", answer.completion_tokens},
           {"cost_usd", answer.cost_usd},
-          {"wall_s", answer.wall_s}};
+          {"wall_s", answer.wall_s},
+          {"transcript", answer.transcript},
+          {"warnings", answer.warnings}};
 }
 
 std::optional<RawAnswer> from_json(const nlohmann::json& json) {
@@ -40,6 +42,12 @@ std::optional<RawAnswer> from_json(const nlohmann::json& json) {
   answer.completion_tokens = static_cast<std::int64_t>(number("completion_tokens"));
   answer.cost_usd = number("cost_usd");
   answer.wall_s = number("wall_s");
+  answer.transcript = text("transcript");
+  if (const auto warnings = json.find("warnings"); warnings != json.end() && warnings->is_array()) {
+    for (const nlohmann::json& one : *warnings) {
+      if (one.is_string()) answer.warnings.push_back(one.get<std::string>());
+    }
+  }
   return answer;
 }
 
@@ -73,7 +81,15 @@ void AnswerCache::keep(const std::string& key, const RawAnswer& answer) {
   if (folder_.empty()) return;
   std::error_code ignored;
   std::filesystem::create_directories(folder_, ignored);
-  const std::string text = to_json(answer).dump(1, ' ', false, nlohmann::json::error_handler_t::replace);
+  const auto written_as = [](const RawAnswer& one) {
+    return to_json(one).dump(1, ' ', false, nlohmann::json::error_handler_t::replace);
+  };
+  std::string text = written_as(answer);
+  if (text.size() > kMaxCachedBytes) {
+    RawAnswer shorter = answer;
+    shorter.transcript.clear();
+    text = written_as(shorter);
+  }
   if (auto written = write_file_atomically(folder_ / (key + ".json"), text); !written) {
     log_debug("analysis: the answer is not kept for later: %s", written.error().message.c_str());
   }

@@ -15,7 +15,8 @@ namespace livegs {
 
 // Answers that passed the gate, by the hash of everything that was asked: the same question is not asked
 // twice. They are kept for ever, in `folder` if there is one; failures are remembered for ten minutes, in
-// memory. The answer is kept as it came and judged again. Any thread.
+// memory. The answer is kept as it came, with its transcript unless that is longer than a megabyte, and judged again.
+// Any thread.
 class AnswerCache {
  public:
   static constexpr int64_t kFailure_ns = 600'000'000'000;

@@ -83,8 +83,13 @@ const char* verdict_text(const AnalysisUpdate& update) {
 
 void tell_progress(const std::string& name, const AnalysisUpdate& update) {
   switch (update.stage) {
-    case AnalysisStage::Offline:
+    case AnalysisStage::Offline: {
+      const v1::EstimatedValue& mass = update.parameters.mass_kg();
+      std::fprintf(stderr, "%s: at first %.4g g (%.4g to %.4g) of %s, %s\n", name.c_str(), 1e3 * mass.best(),
+                   1e3 * mass.low(), 1e3 * mass.high(), update.parameters.material().c_str(),
+                   v1::Physics::Behavior_Name(update.parameters.behavior()).c_str());
       break;
+    }
     case AnalysisStage::Asked:
       std::fprintf(stderr, "%s: asked\n", name.c_str());
       break;
@@ -226,15 +231,16 @@ int run(const AnalyzeCommand& options) {
   asked.views = options.views;
   asked.cache = &cache;
   asked.behind = false;  // a person waits for them
+  asked.neighbours = analysis->neighbours(*targets);
   KeptViews views(analysis->views());
   // With an endpoint they are made while others wait for their answers.
   for (size_t i = 0; explained && !*endpoint && i < targets->size(); ++i) {
     std::fprintf(stderr, "%s: drawing its views, %zu of %zu\n",
                  object_of((*targets)[i].object_id)->name.c_str(), i + 1, targets->size());
-  asked.neighbours = analysis->neighbours(*targets);
     (void)views.of((*targets)[i].object_id, options.views);
   }
   std::vector<Analysed> all(targets->size());
+  Result<void> all_kept;
   const auto looks = [&](uint32_t id, int count, std::stop_token) { return views.of(id, count); };
   const AnalysisSummary summary =
       analyze_scene(*targets, endpoint->get(), looks, asked, [&](const AnalysisUpdate& update) {
@@ -242,21 +248,25 @@ int run(const AnalyzeCommand& options) {
         one.object = object_of(update.object_id);
         one.update = update;
         if (*endpoint) tell_progress(one.object->name, update);
+        // At once: what was paid for is not lost when the rest is broken off.
+        if (options.write && update.stage == AnalysisStage::Finished) {
+          if (auto kept = keep(*one.object, update, *endpoint != nullptr); !kept && all_kept) all_kept = kept;
+        }
       });
   for (Analysed& one : all) {
     auto parameters = outcome(*one.object, one.update);
     if (!parameters) return report(parameters.error());
     one.parameters = std::move(*parameters);
-    if (options.write) {
-      if (auto kept = keep(*one.object, one.update, *endpoint != nullptr); !kept) return report(kept.error());
-    }
     if (explained) {
       const auto seen = views.of(one.object->target.object_id, options.views);
-      if (auto written = explain(options.explain, *one.object, one.update, seen); !written)
+      AnalysisUpdate shown = one.update;
+      shown.parameters = one.parameters;  // what it has, as the table says
+      if (auto written = explain(options.explain, *one.object, shown, seen); !written)
         return report(written.error());
     }
   }
   if (const int code = print(options, all); code != 0) return code;
+  if (!all_kept) return report(all_kept.error());
   if (*endpoint) {
     std::fprintf(
         stderr,

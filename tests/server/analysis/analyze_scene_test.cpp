@@ -244,11 +244,75 @@ TEST(AnalyzeScene, TheSameQuestionIsAskedOnce) {
   EXPECT_TRUE(again.last(2).parameters.SerializeAsString() == first);
   EXPECT_TRUE(again.last(2).cached);
   EXPECT_EQ(again.last(2).record.model(), "fake-1");
+  ASSERT_EQ(again.last(2).turns.size(), 1u);
+  EXPECT_EQ(again.last(2).turns[0].answer.transcript, "said to mug c");  // for the page that explains it
+  EXPECT_EQ(again.last(2).turns[0].answer.warnings, std::vector<std::string>{"made up"});
   EXPECT_EQ(again.summary.prompt_tokens, 0);
   // Another picture is another question.
   run(targets, &endpoint, options, {},
       [](uint32_t id, int count, std::stop_token stop) { return look(id + 1, count, stop); });
   EXPECT_EQ(endpoint.asked().size(), 6u);
+}
+
+// What cannot be read again because it is too long would be asked for, and paid for, again.
+TEST(AnalyzeScene, ALongTranscriptIsNotKeptAndTheAnswerIs) {
+  ScratchFolder folder;
+  RawAnswer answer;
+  answer.json = "{}";
+  answer.transcript = std::string(size_t{2} << 20, 'x');
+  AnswerCache(folder / "answers").keep("key", answer);
+  const auto kept = AnswerCache(folder / "answers").answer("key");
+  ASSERT_TRUE(kept);
+  EXPECT_EQ(kept->json, "{}");
+  EXPECT_EQ(kept->transcript, "");
+}
+
+// Objects that are not asked about are told all the same: what a scene's author, a person or a model said of them as
+// known, the rest as an estimate.
+TEST(AnalyzeScene, TheModelIsToldOfObjectsThatAreNotAskedAbout) {
+  const auto all = mugs(3);
+  AnalysisOptions options;
+  v1::PhysicalParameters told = all[0].offline;
+  told.mutable_mass_kg()->set_best(1);
+  told.mutable_mass_kg()->set_source(v1::EstimatedValue::SCENE);
+  options.neighbours = {{all[0].facts, told, all[0].position_m}, {all[1].facts, all[1].offline, all[1].position_m}};
+  FakeEndpoint endpoint(weigh);
+  const Seen result = run(std::span(all).subspan(2), &endpoint, options);
+  ASSERT_EQ(endpoint.asked().size(), 1u);
+  const std::string line = endpoint.asked()[0];
+  EXPECT_NE(line.find(" mug a!1.000000"), std::string::npos) << line;
+  EXPECT_NE(line.find(" mug b?"), std::string::npos) << line;
+  const auto& slot = result.last(0).turns.at(0).question.slots.at("neighbours");
+  EXPECT_NE(slot.find("mug a: 1000 g"), std::string::npos) << slot;
+}
+
+// A mass that a person gave stands against what kind and size suggest: an answer that agrees with it is not far from what
+// is known, it is told in the question, and what depends on it is worked out from it.
+TEST(AnalyzeScene, AnswersAreWeighedAgainstWhatAPersonTold) {
+  auto targets = mugs(1);
+  v1::Physics edits;
+  const double told_kg = 12 * targets[0].offline.mass_kg().best();
+  edits.set_mass_kg(told_kg);
+  const auto heavy = [&](const AnalysisQuestion&, const ToolBox&, int) -> Result<std::string> {
+    json answer = mug_answer();
+    const double mass_g = 950 * told_kg;
+    answer["mass_g"] = {{"low", mass_g * 0.9}, {"best", mass_g}, {"high", mass_g * 1.1}};
+    return answer.dump();
+  };
+  FakeEndpoint endpoint(heavy);
+  EXPECT_EQ(run(targets, &endpoint).last(0).judgement.verdict, Verdict::NeedsReview);
+  const auto told =
+      merge_scene_physics(targets[0].offline, edits, *targets[0].facts, v1::EstimatedValue::PERSON);
+  ASSERT_TRUE(told);
+  targets[0].offline = *told;
+  const Seen result = run(targets, &endpoint);
+  const AnalysisUpdate& last = result.last(0);
+  EXPECT_EQ(last.judgement.verdict, Verdict::Accepted) << last.judgement.message;
+  EXPECT_EQ(last.parameters.mass_kg().best(), told_kg);
+  EXPECT_EQ(last.parameters.mass_kg().source(), v1::EstimatedValue::PERSON);
+  EXPECT_EQ(last.parameters.friction().source(), v1::EstimatedValue::MODEL);
+  EXPECT_DOUBLE_EQ(last.parameters.break_impulse_n_s().best(), 3.1 * told_kg);
+  EXPECT_NE(last.turns.at(0).question.slots.at("told").find("mass_kg "), std::string::npos);
 }
 
 TEST(AnalyzeScene, FailuresAreRememberedForTenMinutes) {

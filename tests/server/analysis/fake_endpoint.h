@@ -89,6 +89,8 @@ class FakeEndpoint final : public ModelEndpoint {
     answer.prompt_version = "1-test";
     answer.prompt_tokens = 1000 * (turn + 1);
     answer.completion_tokens = 250 * (turn + 1);
+    answer.transcript = "said to " + name;
+    answer.warnings = {"made up"};
     return answer;
   }
 

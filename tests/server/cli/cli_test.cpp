@@ -283,6 +283,13 @@ TEST(Cli, InfoConvertRenderMeshAndAnalyzeAnAsset) {
             3);
   EXPECT_NE(analysis.out.find("\"mass_kg\""), std::string::npos);
   EXPECT_NE(analysis.out.find("stoneware"), std::string::npos);
+  // A page says what the table says: a person's mass.
+  folder.write("scene/cup.physics.json", R"({ "edits": { "mass_kg": 0.3217 } })");
+  ASSERT_EQ(run({"analyze", cup, "--offline", "--explain", folder / "edited"}).code, 0);
+  const auto rows = lines_of(folder / "edited/cup.html");
+  EXPECT_TRUE(std::any_of(rows.begin(), rows.end(), [](const std::string& line) {
+    return line.find("321.7 g") != std::string::npos && line.find(">person<") != std::string::npos;
+  }));
 }
 
 // One line that names the thing; exit code 2 for what the user can mend.
