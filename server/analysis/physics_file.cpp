@@ -10,6 +10,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "analysis/hand_edits.h"
 #include "analysis/physics_values.h"
@@ -100,6 +101,15 @@ struct Kept {
 
 bool changes(const PhysicsLogRecord& record) { return record.action() != PhysicsLogRecord::PROPOSAL; }
 
+bool same_content(v1::PhysicsFile a, v1::PhysicsFile b) {
+  for (v1::PhysicsFile* file : {&a, &b}) {
+    file->clear_revision();
+    file->clear_version();
+    file->clear_as_decided();
+  }
+  return a.SerializeAsString() == b.SerializeAsString();
+}
+
 Result<Kept> read_kept(const fs::path& path) {
   Kept kept;
   kept.log = read_physics_log(path);
@@ -121,13 +131,24 @@ Result<Kept> read_kept(const fs::path& path) {
   // Ended between the log and the sidecar: the last change is in the log only. A sidecar that is gone was
   // deleted.
   if (!kept.there) return kept;
-  for (auto record = kept.log.rbegin(); record != kept.log.rend(); ++record) {
-    if (!changes(*record)) continue;
-    if (record->previous() == kept.on_disk && record->file().revision() != kept.on_disk &&
-        !kept.edited_by_hand) {
-      kept.file = record->file();
-    }
-    break;
+  const PhysicsLogRecord *newest = nullptr, *before = nullptr;
+  for (const PhysicsLogRecord& record : kept.log) {
+    if (changes(record)) before = std::exchange(newest, &record);
+  }
+  if (!newest) return kept;
+  if (!kept.edited_by_hand) {
+    if (newest->previous() == kept.on_disk && newest->file().revision() != kept.on_disk) kept.file = newest->file();
+    return kept;
+  }
+  // What was edited by hand may be in the log already, and the change that it was found by after it.
+  const auto holds_edit = [&](const PhysicsLogRecord& record) {
+    return record.action() == PhysicsLogRecord::EDIT_BY_HAND && record.previous() == kept.on_disk &&
+           same_content(record.file(), kept.file);
+  };
+  if (holds_edit(*newest) ||
+      (before && holds_edit(*before) && newest->previous() == before->file().revision())) {
+    kept.file = newest->file();
+    kept.edited_by_hand = false;
   }
   return kept;
 }
