@@ -242,60 +242,84 @@ bool survives(int step, const Change& change) {
   return WIFEXITED(status);
 }
 
-// Killed between any two writes: what stands afterwards is what was before or what was decided, never less,
-// and what a person wrote by hand is there in any case. Then everything goes on as if nothing had happened.
+// Killed between any two writes: what stands afterwards is what was before or what was decided, and once the log has been
+// synced it is what was decided; what a person wrote by hand is there in any case. Then everything goes on as if nothing
+// had happened.
 TEST_F(PhysicsFileTest, AKillBetweenAnyTwoWritesLosesNothing) {
+  const auto analysed_kg = [&] { return read().physics().mass_kg().best(); };
+  const auto proposed_kg = [&] {
+    double kg = 0;
+    for (const v1::PhysicsLogRecord& record : read_physics_log(path)) {
+      if (record.action() == v1::PhysicsLogRecord::PROPOSAL) kg = record.file().physics().mass_kg().best();
+    }
+    return kg;
+  };
+  const auto now_kg = [&] { return mass_kg(); };
+  enum class From { Nothing, Edited, EditedByHand, Undone };
   struct Kill {
     const char* name;
-    std::function<bool(const std::filesystem::path&, const WriteStep&)> change;
+    From from;
+    std::function<bool(const WriteStep&)> change;
+    std::function<double()> look;
     double before_kg, after_kg;
-    bool by_hand;
   };
-  const double offline_kg = estimate_offline(mug_facts()).mass_kg().best();
   const Kill kills[] = {
-      {"analysis of a new asset",
-       [](auto& to, auto& step) {
-         return apply_analysis(to, analysed(0.31), record_of("s"), step).has_value();
-       },
-       offline_kg, 0.31, false},
-      {"analysis",
-       [](auto& to, auto& step) {
-         return apply_analysis(to, analysed(0.4), record_of("s"), step).has_value();
-       },
-       0.25, 0.25, false},
-      {"edit", [](auto& to, auto& step) { return edit_physics(to, edit_of_mass(0.2), step).has_value(); },
-       0.25, 0.2, false},
-      {"edit after an edit by hand",
-       [](auto& to, auto& step) { return edit_physics(to, edit_of_mass(0.2), step).has_value(); }, 0.25, 0.2,
-       true},
-      {"undo", [](auto& to, auto& step) { return undo_physics(to, step).has_value(); }, 0.25, 0.31, false},
-      {"proposal",
-       [](auto& to, auto& step) { return log_proposal(to, analysed(9), record_of("s"), step).has_value(); },
-       0.25, 0.25, false},
+      {"analysis of a new asset", From::Nothing,
+       [&](auto& step) { return apply_analysis(path, analysed(0.31), record_of("s"), step).has_value(); },
+       analysed_kg, 0, 0.31},
+      {"analysis", From::Edited,
+       [&](auto& step) { return apply_analysis(path, analysed(0.4), record_of("s"), step).has_value(); },
+       analysed_kg, 0.31, 0.4},
+      {"edit", From::Edited,
+       [&](auto& step) { return edit_physics(path, edit_of_mass(0.2), step).has_value(); }, now_kg, 0.25, 0.2},
+      {"edit after an edit by hand", From::EditedByHand,
+       [&](auto& step) { return edit_physics(path, edit_of_mass(0.2), step).has_value(); }, now_kg, 0.25, 0.2},
+      {"undo", From::Edited, [&](auto& step) { return undo_physics(path, step).has_value(); }, now_kg, 0.25, 0.31},
+      {"redo", From::Undone, [&](auto& step) { return redo_physics(path, step).has_value(); }, now_kg, 0.31, 0.25},
+      {"proposal", From::Edited,
+       [&](auto& step) { return log_proposal(path, analysed(9), record_of("s"), step).has_value(); }, proposed_kg, 0,
+       9},
+  };
+  const auto contents = [&] {
+    return std::pair(*read_text_file(path), *read_text_file(folder / "mug.physics.log"));
   };
   ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("s")));
   ASSERT_TRUE(edit_physics(path, edit_of_mass(0.25)));
-  const std::string sidecar = *read_text_file(path), log = *read_text_file(folder / "mug.physics.log");
-  int killed = 0;
+  const auto edited = contents();
+  ASSERT_TRUE(undo_physics(path));
+  const auto undone = contents();
+  const auto begin = [&](From from) {
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+      std::filesystem::remove(entry.path());
+    if (from == From::Nothing) return;
+    const auto& [sidecar, log] = from == From::Undone ? undone : edited;
+    folder.write("mug.physics.json", sidecar);
+    folder.write("mug.physics.log", log);
+    if (from == From::EditedByHand) edit_by_hand("/physics/friction/best", 0.77);
+  };
+  int killed = 0, decided_steps = 0;
   for (const Kill& kill : kills) {
-    for (int step = 0;; ++step) {
+    begin(kill.from);
+    std::vector<std::string> names;
+    ASSERT_TRUE(kill.change([&](const char* name) { names.emplace_back(name); })) << kill.name;
+    // The record of the decision is the last that is synced.
+    const auto last_sync = std::find(names.rbegin(), names.rend(), "sync log");
+    ASSERT_NE(last_sync, names.rend()) << kill.name;
+    const auto synced = static_cast<int>(names.rend() - last_sync);  // changes of the disk up to there
+    for (int step = 0; step <= static_cast<int>(names.size()); ++step) {
       SCOPED_TRACE(std::string(kill.name) + ", step " + std::to_string(step));
-      for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
-        std::filesystem::remove(entry.path());
-      if (&kill != &kills[0]) {
-        folder.write("mug.physics.json", sidecar);
-        folder.write("mug.physics.log", log);
-      }
-      if (kill.by_hand) edit_by_hand("/physics/friction/best", 0.77);
-      const bool done = survives(step, [&](const WriteStep& before) { return kill.change(path, before); });
-      const double now_kg = mass_kg();
-      if (done) {
-        ASSERT_EQ(now_kg, kill.after_kg);
+      begin(kill.from);
+      const bool done = survives(step, kill.change);
+      ASSERT_EQ(done, step == static_cast<int>(names.size()));
+      const double found_kg = kill.look(), layered_kg = mass_kg();
+      if (step >= synced) {
+        ASSERT_EQ(found_kg, kill.after_kg);
+        decided_steps += done ? 0 : 1;
       } else {
-        ASSERT_TRUE(now_kg == kill.before_kg || now_kg == kill.after_kg) << now_kg;
-        ++killed;
+        ASSERT_TRUE(found_kg == kill.before_kg || found_kg == kill.after_kg) << found_kg;
       }
-      if (kill.by_hand) {
+      killed += done ? 0 : 1;
+      if (kill.from == From::EditedByHand) {
         ASSERT_EQ(read().edits().friction(), 0.77);
       }
       // What is there can be built on, and undone.
@@ -303,13 +327,29 @@ TEST_F(PhysicsFileTest, AKillBetweenAnyTwoWritesLosesNothing) {
       ASSERT_EQ(mass_kg(), 0.123);
       if (step % 3 == 0) {
         ASSERT_TRUE(undo_physics(path));
-        ASSERT_EQ(mass_kg(), now_kg);
+        ASSERT_EQ(mass_kg(), layered_kg);
       }
-      if (done) break;
-      ASSERT_LT(step, 40);
     }
   }
   EXPECT_GT(killed, 40);
+  EXPECT_GT(decided_steps, 15);
+}
+
+// What was a person's or the scene's when the model was asked is kept as theirs: it goes when they take it back.
+TEST_F(PhysicsFileTest, ToldValuesInAnAnalysisHoldOnlyWhileTheyAreTold) {
+  const double offline_kg = estimate_offline(mug_facts()).mass_kg().best();
+  for (const auto source : {EstimatedValue::PERSON, EstimatedValue::SCENE}) {
+    auto answer = analysed(5);
+    answer.mutable_mass_kg()->set_source(source);
+    answer.mutable_friction()->set_best(0.33);
+    answer.mutable_friction()->set_source(EstimatedValue::MODEL);
+    ASSERT_TRUE(apply_analysis(path, answer, record_of("s")));
+    EXPECT_EQ(mass_kg(), offline_kg);
+    std::string note;
+    const auto physics = with_physics_file(estimate_offline(mug_facts()), read(), mug_facts(), note);
+    ASSERT_TRUE(physics);
+    EXPECT_EQ(physics->friction().best(), 0.33);
+  }
 }
 
 TEST_F(PhysicsFileTest, ATornLogIsReadUpToTheTear) {
