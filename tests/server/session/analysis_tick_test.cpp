@@ -18,6 +18,7 @@
 
 #include "core/clock.h"
 #include "core/log.h"
+#include "scratch_folder.h"
 #include "server/analysis/fake_endpoint.h"
 #include "server/session/box_scene.h"
 #include "session/live_analysis.h"
@@ -34,10 +35,12 @@ constexpr double kRate_hz = 250;
 constexpr double kShortBar = 5;
 // What happens between steps shows in their number: ticks a second, of those of the idle turns.
 constexpr double kShortShare = 0.6;
-// Of a measurement on a machine that does nothing else (1.03 and 1.00 the worst of three): the bars of the issue.
+// Of a measurement on a machine that does nothing else. The figure itself is held against what was reached: 1.09, 1.06 and
+// 1.11 (hanging, failing, answering), each with an interval that ends at 1.22. goal: 1.10, p99 within 10 % of idle.
 constexpr int kMeasuredTurns = 48;
-constexpr double kMeasuredBar = 1.10, kMeasuredShare = 0.98;
-// How sure a failure has to be: the low end of a 98 % interval is above the bar.
+constexpr double kMeasuredBar = 1.22, kMeasuredShare = 0.98;
+// Sure to be worse than the goal, too, is a failure: the low end of a 98 % interval.
+constexpr double kGoal = 1.10;
 constexpr double kTail = 0.01;
 
 struct Turn {
@@ -70,8 +73,15 @@ class StepTimes final : public TickSink {
   Turn now_;
 };
 
-// Three soft cubes and three boxes that are kept awake: a tick that is work for both cores.
-Scene busy_scene() {
+// Three soft cubes and three boxes that are kept awake: a tick that is work for both cores. And a ball of points, whose
+// physics are kept in a file.
+Scene busy_scene(const ScratchFolder& folder) {
+  std::string points = "x,y,z\n";
+  for (int i = 0; i < 64; ++i) {
+    points += std::to_string(0.02 * (i % 4)) + "," + std::to_string(0.02 * (i / 4 % 4)) + "," +
+              std::to_string(0.02 * (i / 16)) + "\n";
+  }
+  folder.write("sponge.csv", points);
   std::string objects;
   for (int i = 0; i < 3; ++i) {
     const std::string x = std::to_string(0.5 * i);
@@ -87,13 +97,13 @@ Scene busy_scene() {
   v1::Scene file;
   const auto parsed = google::protobuf::util::JsonStringToMessage(
       R"({ "substeps": 4, "environment": { "colliders": [ { "plane": {} } ] }, "objects": [ )" + objects +
-          " ] }",
+          R"(, { "name": "sponge", "points": "sponge.csv", "pose": { "position_m": [2, 0.01, 0] } } ] })",
       &file);
   EXPECT_TRUE(parsed.ok()) << parsed.message();
   SceneOptions options;
   options.rate_hz = kRate_hz;
   options.sleep = false;
-  auto scene = Scene::build(file, ".", "busy", options);
+  auto scene = Scene::build(file, folder.path(), "busy", options);
   EXPECT_TRUE(scene) << scene.error().message;
   return std::move(*scene);
 }
@@ -147,7 +157,7 @@ int turn_count() {
 
 // Analyses one after the other for one turn; ends with the last one cancelled.
 Turn analysed_turn(const SceneAnalysis& scene, const FakeEndpoint::Say& say, milliseconds delay,
-                   SimulationLoop& loop, StepTimes& times) {
+                   SimulationLoop& loop, StepTimes& times, int& accepted) {
   auto endpoint = std::make_unique<FakeEndpoint>(say);
   endpoint->delay = [delay](const std::string&) { return delay; };
   std::atomic<int> waiting{0};
@@ -160,7 +170,12 @@ Turn analysed_turn(const SceneAnalysis& scene, const FakeEndpoint::Say& say, mil
       if (waiting == 0) {
         ++waiting;
         EXPECT_TRUE(analysis.analyze(
-            {"cube 0", "box 0", "cube 1", "box 1"}, [](const auto&) { return true; }, [&] { --waiting; }));
+            {"cube 0", "box 0", "sponge", "box 1"},
+            [&](const v1::AnalysisProgress& progress) {
+              accepted += progress.verdict() == v1::AnalysisProgress::ACCEPTED;
+              return true;
+            },
+            [&] { --waiting; }));
       }
       std::this_thread::sleep_for(milliseconds(5));
     }
@@ -168,10 +183,12 @@ Turn analysed_turn(const SceneAnalysis& scene, const FakeEndpoint::Say& say, mil
   return times.end();
 }
 
-void expect_same_ticks(const char* name, const FakeEndpoint::Say& say, milliseconds delay) {
+void expect_same_ticks(const char* name, const FakeEndpoint::Say& say, milliseconds delay, bool lands = false) {
   set_log_level(LogLevel::Error);
+  const ScratchFolder folder;
+  int accepted = 0;
   StepTimes times;
-  Scene scene = busy_scene();
+  Scene scene = busy_scene(folder);
   auto analysed = SceneAnalysis::of(scene);
   ASSERT_TRUE(analysed);
   SimulationLoop loop(std::move(scene), times);
@@ -181,7 +198,7 @@ void expect_same_ticks(const char* name, const FakeEndpoint::Say& say, milliseco
   // idle busy busy idle: what changes slowly falls on both alike.
   for (int turn = 0; turn < turn_count(); ++turn) {
     if (turn % 4 == 1 || turn % 4 == 2) {
-      busy.push_back(analysed_turn(*analysed, say, delay, loop, times));
+      busy.push_back(analysed_turn(*analysed, say, delay, loop, times, accepted));
     } else {
       times.begin();
       std::this_thread::sleep_for(kTurn);
@@ -189,6 +206,7 @@ void expect_same_ticks(const char* name, const FakeEndpoint::Say& say, milliseco
     }
   }
   loop.stop();
+  EXPECT_EQ(accepted > 0, lands);
   const Ratio control = ratio_of_p99(idle[1], idle[0]);
   std::vector<Turn> quiet = idle[0];
   quiet.insert(quiet.end(), idle[1].begin(), idle[1].end());
@@ -203,7 +221,8 @@ void expect_same_ticks(const char* name, const FakeEndpoint::Say& say, milliseco
       name, turn_count(), p99(all_quiet), ratio.value, ratio.low, ratio.high, control.value, control.low,
       control.high, share);
   const bool measured = turn_count() >= kMeasuredTurns;
-  EXPECT_LE(ratio.low, measured ? kMeasuredBar : kShortBar);
+  EXPECT_LE(ratio.value, measured ? kMeasuredBar : kShortBar);
+  EXPECT_LE(ratio.low, measured ? kGoal : kShortBar);
   EXPECT_GE(share, measured ? kMeasuredShare : kShortShare);
   set_log_level(LogLevel::Info);
 }
@@ -213,10 +232,35 @@ Result<std::string> failure(const AnalysisQuestion&, const ToolBox&, int) {
   return Error{ErrorCode::Unavailable, "cannot be reached"};
 }
 
+// Accepted as it is for a wooden box, told masses being left alone, and for a sponge of 20 g: lands in the loop, the sponge's
+// in its sidecar as well. Friction differs from time to time.
+Result<std::string> sense(const AnalysisQuestion& question, const ToolBox&, int) {
+  static std::atomic<int> asked{0};
+  const bool sponge = question.slots.at("name") == "sponge";
+  const double grams = sponge ? 20 : 1000;
+  return nlohmann::json{
+      {"name", sponge ? "sponge" : "box"},
+      {"evidence", "grain"},
+      {"fill", "solid"},
+      {"parts",
+       {{{"name", "all"}, {"material_id", sponge ? "kitchen sponge" : "softwood"}, {"share", 1}}}},
+      {"behaviour", sponge ? "elastic" : "rigid"},
+      {"mass_g", {{"low", grams * 0.9}, {"best", grams}, {"high", grams * 1.1}}},
+      {"young_mpa", nullptr},
+      {"structure_s", nullptr},
+      {"plasticity", nullptr},
+      {"fragile", false},
+      {"friction", 0.3 + 0.01 * (asked++ % 20)},
+      {"restitution", 0.3},
+      {"confidence", 0.9}}
+      .dump();
+}
+
 TEST(AnalysisTick, AHangDoesNotDelayTheTick) { expect_same_ticks("hanging", nonsense, milliseconds(600000)); }
 TEST(AnalysisTick, AFailureDoesNotDelayTheTick) { expect_same_ticks("failing", failure, milliseconds(0)); }
 // 4 s, forty times faster.
 TEST(AnalysisTick, AnswersDoNotDelayTheTick) { expect_same_ticks("answering", nonsense, milliseconds(100)); }
+TEST(AnalysisTick, WhatLandsDoesNotDelayTheTick) { expect_same_ticks("landing", sense, milliseconds(100), true); }
 
 }  // namespace
 }  // namespace livegs
