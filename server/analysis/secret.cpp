@@ -3,6 +3,7 @@
 
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <unistd.h>
 
 #include <set>
@@ -23,7 +24,8 @@ Secret::Secret(std::string_view text) {
   page_size_ = (text.size() + page - 1) / page * page;
   void* memory = ::mmap(nullptr, page_size_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   LIVEGS_ASSERT(memory != MAP_FAILED);
-  // Both are best effort: a kernel that refuses leaves an ordinary page.
+  // All are best effort: a kernel that refuses leaves an ordinary page.
+  (void)::prctl(PR_SET_DUMPABLE, 0);
   ::madvise(memory, page_size_, MADV_DONTDUMP);
   (void)::mlock(memory, page_size_);
   page_ = static_cast<char*>(memory);

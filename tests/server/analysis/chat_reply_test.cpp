@@ -2,7 +2,12 @@
 #include "analysis/chat_reply.h"
 
 #include <gtest/gtest.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <csignal>
 #include <fstream>
 #include <random>
 
@@ -175,6 +180,25 @@ TEST(Secret, IsTakenOutOfTextsWholeAndInPart) {
   std::string text = "secret";
   wipe(text);
   EXPECT_TRUE(text.empty());
+}
+
+// Copies of it lie in the heap of libcurl and in the environment: the process writes no core file at all.
+TEST(Secret, AProcessThatHoldsOneWritesNoCoreFile) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    rlimit most{};
+    ::getrlimit(RLIMIT_CORE, &most);
+    most.rlim_cur = most.rlim_max;
+    ::setrlimit(RLIMIT_CORE, &most);
+    ::prctl(PR_SET_DUMPABLE, 1);
+    const Secret key(kTestKey);
+    if (::prctl(PR_GET_DUMPABLE) != 0) ::_exit(1);
+    ::raise(SIGQUIT);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  EXPECT_FALSE(WCOREDUMP(status));
 }
 
 // /proc/self/smaps names a page that is left out of core files by the flag dd.
