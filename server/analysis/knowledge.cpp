@@ -70,7 +70,7 @@ std::vector<std::vector<std::string>> pieces_of(const std::string& cell, size_t 
 
 std::vector<ObjectRow> parse_objects() {
   std::vector<ObjectRow> table;
-  for (const auto& row : rows_of(kObjectsCsv, 21)) {
+  for (const auto& row : rows_of(kObjectsCsv, 22)) {
     ObjectRow object;
     object.label = row[0];
     object.names = {row[0]};
@@ -94,6 +94,7 @@ std::vector<ObjectRow> parse_objects() {
     for (const auto& piece : pieces_of(row[20], 3)) {
       object.parts.push_back({piece[0], piece[1], number(piece[2])});
     }
+    object.source = row[21];
     table.push_back(std::move(object));
   }
   return table;

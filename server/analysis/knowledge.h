@@ -51,6 +51,7 @@ struct ObjectRow {
   Span3 structure_coefficient;
   std::vector<ObjectAlternative> alternatives;  // the rest of the probability is the row's own
   std::vector<ObjectPart> parts;                // empty for things of one material
+  std::string source;                           // letters of README.md, never empty
 };
 
 // How mass grows with the edge of a thing of this kind: 3 for what is full (food, packages, blocks, stones),

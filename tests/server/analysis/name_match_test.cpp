@@ -103,6 +103,20 @@ TEST(Knowledge, UsualMassesFitUsualSizes) {
   }
 }
 
+// The table knows kinds of things. Files of one captured object or one benchmark, as they are named, say nothing but
+// what common words in them say.
+TEST(Knowledge, NoRowNamesOneCapturedObject) {
+  for (const char* file : {"fourth_st", "playbot_31k", "leica-sofort-top8192", "angel-kneeling", "narcissus", "massa",
+                           "trumpet"}) {
+    EXPECT_EQ(label(file), "") << file;
+  }
+  EXPECT_EQ(match_name("007_tuna_fish_can").alias, "fish can");
+  EXPECT_EQ(match_name("019_pitcher_base").alias, "pitcher");
+  EXPECT_EQ(match_name("010_potted_meat_can").alias, "potted meat");
+  EXPECT_EQ(label("angel_statue_only"), "statue");
+  for (const ObjectRow& row : object_table()) EXPECT_FALSE(row.source.empty()) << row.label;
+}
+
 TEST(Knowledge, APlasticityIsToldByWhatHasIt) {
   EXPECT_EQ(nearest_plasticity_level(0).plasticity, 0);
   EXPECT_NE(nearest_plasticity_level(0.5).references.find("felt"), std::string::npos);
