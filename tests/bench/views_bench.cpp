@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What it costs to look at each object of a scene.
 //   views_bench SCENE OUTPUT_FOLDER
-// prints a line for each object, one view and three at 768 px, and writes the pictures of the first view.
+// writes views.csv, a line for each object, one view and three at 768 px, and the pictures of the first view.
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 
 #include "analysis/fact_slots.h"
 #include "analysis/object_views.h"
@@ -32,8 +33,9 @@ int main(int argc, char** argv) {
   if (!drawn) return 1;
   size_t kernels = 0;
   for (const DrawnObject& object : *drawn) kernels += object.asset->size();
-  std::printf("%zu objects, %zu kernels\nobject,kernels,one_ms,one_cpu_ms,three_ms,three_cpu_ms,camera\n",
-              drawn->size(), kernels);
+  std::ofstream csv(folder / "views.csv");
+  csv << "object,kernels,scene_kernels,long_side_px,one_ms,one_cpu_ms,three_ms,three_cpu_ms,bar_one_ms\n";
+  std::printf("%zu objects, %zu kernels\n", drawn->size(), kernels);
   for (const SceneObject& object : scene->objects()) {
     if (object.environment) continue;
     Result<std::vector<ObjectView>> views = object_views(*drawn, object.id);
@@ -46,9 +48,12 @@ int main(int argc, char** argv) {
     const auto one_ms = bench::time_of(0, 3, [&] { views = object_views(*drawn, object.id); });
     const auto three_ms = bench::time_of(0, 1, [&] { views = object_views(*drawn, object.id, three); });
     const ObjectView& view = views->front();
-    std::printf("%s,%zu,%.0f,%.0f,%.0f,%.0f,%s\n", object.name.c_str(), object.asset->size(),
-                one_ms.median_ms, one_ms.cpu_ms, three_ms.median_ms, three_ms.cpu_ms,
-                describe_camera(view).c_str());
+    char line[200];
+    std::snprintf(line, sizeof line, "%s,%zu,%zu,%d,%.0f,%.0f,%.0f,%.0f,2000", object.name.c_str(),
+                  object.asset->size(), kernels, three.long_side_px, one_ms.median_ms, one_ms.cpu_ms,
+                  three_ms.median_ms, three_ms.cpu_ms);
+    csv << line << std::endl;
+    std::printf("%s; %s\n", line, describe_camera(view).c_str());
     const std::string name = object.name;
     for (const auto& [what, image] : {std::pair("outlined", &view.outlined), std::pair("mask", &view.mask),
                                       std::pair("cutout", &view.cutout)}) {

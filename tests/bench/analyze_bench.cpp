@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// How long a person waits for an analysis with a model that answers in four seconds: one object, and twenty.
+//   analyze_bench SCENE OUTPUT_FOLDER
+// loads the scene, draws its views, asks a made-up model and writes analyze.csv: wall time from the start of the load to the
+// first values, and from the first question to the end of the last object. The objects are the scene's, again and again.
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "core/clock.h"
+#include "core/log.h"
+#include "scene/scene_analysis.h"
+#include "server/analysis/fake_endpoint.h"
+
+using namespace livegs;
+
+namespace {
+
+constexpr std::chrono::milliseconds kAnswer{4000};
+
+// What the offline estimate says, in the form of an answer: it passes the gate at once.
+Result<std::string> agree(const AnalysisQuestion&, const ToolBox& tools, int) {
+  const v1::PhysicalParameters known = estimate_offline(tools.object());
+  const bool elastic = known.behavior() == v1::Physics::ELASTIC;
+  const auto span = [](const v1::EstimatedValue& value, double factor) {
+    return nlohmann::json{
+        {"low", factor * value.low()}, {"best", factor * value.best()}, {"high", factor * value.high()}};
+  };
+  return nlohmann::json{
+      {"name", known.label()},
+      {"evidence", "as estimated"},
+      {"fill", "solid"},
+      {"parts", {{{"name", "all"}, {"material_id", known.material()}, {"share", 1}}}},
+      {"behaviour", elastic ? "elastic" : "rigid"},
+      {"mass_g", span(known.mass_kg(), 1e3)},
+      {"young_mpa", elastic ? span(known.youngs_modulus_pa(), 1e-6) : nlohmann::json()},
+      {"structure_s", elastic ? nlohmann::json(known.structure_coefficient().best()) : nlohmann::json()},
+      {"plasticity", elastic ? nlohmann::json(known.plasticity().best()) : nlohmann::json()},
+      {"fragile", known.fragile()},
+      {"friction", known.friction().best()},
+      {"restitution", known.restitution().best()},
+      {"confidence", 0.9}}
+      .dump();
+}
+
+struct Waited {
+  double first_s = 0, all_s = 0, views_s = 0;
+  size_t answered = 0;
+};
+
+Result<Waited> wait_for(const std::filesystem::path& path, size_t count) {
+  auto file = read_scene_file(path);
+  if (!file) return file.error();
+  const int given = file->objects_size();
+  if (given == 0) return invalid_argument(path.string() + ": has no objects");
+  v1::Scene many = *file;
+  many.clear_objects();
+  many.clear_events();
+  many.clear_joints();
+  for (size_t i = 0; i < count; ++i) {
+    v1::Object& object = *many.add_objects();
+    object = file->objects(static_cast<int>(i) % given);
+    object.set_name(object.name() + " " + std::to_string(i));
+    object.mutable_physics()->clear_behavior();
+    object.clear_regions();
+  }
+  SceneOptions still;
+  still.cut_fragile = false;
+  const int64_t begun_ns = now_ns();
+  const auto scene = Scene::build(many, path.parent_path(), "many", still);
+  if (!scene) return scene.error();
+  const auto analysis = SceneAnalysis::of(*scene);
+  if (!analysis) return analysis.error();
+  const auto targets = analysis->targets();
+  if (!targets) return targets.error();
+  FakeEndpoint endpoint(agree);
+  endpoint.delay = [](const std::string&) { return kAnswer; };
+  AnalysisOptions options;
+  options.behind = false;
+  Waited waited;
+  const int64_t asked_ns = now_ns();
+  const AnalysisSummary summary = analyze_scene(*targets, &endpoint, analysis->views(), options, [&](const auto&) {
+    if (waited.first_s == 0) waited.first_s = seconds_from_ns(now_ns() - begun_ns);
+  });
+  waited.all_s = seconds_from_ns(now_ns() - asked_ns);
+  waited.views_s = summary.slowest_views_s;
+  waited.answered = summary.accepted + summary.review;
+  return waited;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 3) {
+    std::fprintf(stderr, "usage: analyze_bench SCENE OUTPUT_FOLDER\n");
+    return 2;
+  }
+  set_log_level(LogLevel::Error);
+  std::filesystem::create_directories(argv[2]);
+  std::ofstream csv(std::filesystem::path(argv[2]) / "analyze.csv");
+  csv << "objects,answered,answer_s,load_1min,load_and_first_values_s,all_s,all_bar_s,slowest_views_s\n";
+  for (const auto& [count, bar_s] : {std::pair(size_t{1}, 6), {size_t{20}, 30}}) {
+    double load = 0;
+    (void)::getloadavg(&load, 1);
+    const auto waited = wait_for(argv[1], count);
+    if (!waited) {
+      std::fprintf(stderr, "%s\n", waited.error().message.c_str());
+      return 1;
+    }
+    char line[160];
+    std::snprintf(line, sizeof line, "%zu,%zu,%.0f,%.1f,%.2f,%.2f,%d,%.2f", count, waited->answered,
+                  1e-3 * static_cast<double>(kAnswer.count()), load, waited->first_s, waited->all_s, bar_s,
+                  waited->views_s);
+    csv << line << std::endl;
+    std::printf("%s\n", line);
+  }
+  return 0;
+}
