@@ -120,18 +120,15 @@ int main(int argc, char** argv) {
   options.access = std::move(*chosen);
   for (int signal_number : {SIGINT, SIGTERM}) signal(signal_number, [](int) { interrupted = true; });
 
+  livegs::JoinOptions lasting = options;  // for displays that people watch
+  if (reconnect->count() == 0) lasting.reconnect_s = livegs::JoinOptions().reconnect_s;
   if (display == "openxr") {
     auto headset = livegs::HeadsetDisplay::open();
     if (headset) {
       livegs::HeadsetRunOptions run;
-      run.address = options.address;
-      run.access = options.access;
+      static_cast<livegs::JoinOptions&>(run) = lasting;
       run.seconds = app.count("--seconds") > 0 ? options.seconds : 0.0;
       run.camera_file = options.camera_file;
-      run.cache = options.cache;
-      run.connect_timeout_s = options.connect_timeout_s;
-      run.renderer = options.renderer;
-      if (reconnect->count() > 0) run.reconnect_s = options.reconnect_s;
       const auto done = livegs::run_headset(run, **headset, interrupted);
       if (!done) return report(done.error());
       std::fputs(livegs::summary_text(*done).c_str(), stdout);
@@ -142,8 +139,7 @@ int main(int argc, char** argv) {
   }
   if (display == "window") {
     livegs::WindowRunOptions window;
-    window.address = options.address;
-    window.access = options.access;
+    static_cast<livegs::JoinOptions&>(window) = lasting;
     window.seconds = app.count("--seconds") > 0 ? options.seconds : 0.0;
     window.size = options.size;
     window.camera_file = options.camera_file;
@@ -156,10 +152,6 @@ int main(int argc, char** argv) {
     }
     if (app.count("--output") > 0) window.screenshots = options.output;
     if (app.count("--every") > 0) window.screenshot_every = options.png_every;
-    window.cache = options.cache;
-    window.connect_timeout_s = options.connect_timeout_s;
-    window.renderer = options.renderer;
-    if (reconnect->count() > 0) window.reconnect_s = options.reconnect_s;
     if (const auto done = livegs::run_window(window, interrupted); !done) return report(done.error());
     return 0;
   }

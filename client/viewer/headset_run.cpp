@@ -217,31 +217,15 @@ HeadsetRunSummary HeadsetRun::summary() const {
 
 Result<HeadsetRunSummary> run_headset(const HeadsetRunOptions& options, HeadsetDisplay& display,
                                       const std::atomic<bool>& interrupted) {
-  ConnectOptions connect;
-  connect.access = options.access;
-  connect.timeout_s = options.connect_timeout_s;
-  connect.reconnect_s = options.reconnect_s;
-  connect.outlive_draining = true;  // it may be started again
-  auto joined = SessionClient::join(options.address, connect);
-  if (!joined) return joined.error();
-  auto renderer = options.renderer == RendererChoice::Cpu
-                      ? Result<std::unique_ptr<SplatRenderer>>(create_cpu_renderer())
-                      : create_vulkan_renderer(display.device());
-  if (!renderer) return renderer.error();
-  std::filesystem::path cache_folder = options.cache;
-  if (cache_folder.empty()) {
-    auto folder = AssetCache::default_folder();
-    if (!folder) return folder.error();
-    cache_folder = std::move(*folder);
-  }
-  const AssetCache cache(cache_folder);
-  AssetLibrary assets(**joined, cache);
-  SceneView view(*std::move(renderer));
-  if (auto loaded = load_scene((*joined)->scene(), assets, view); !loaded) return loaded.error();
-  HeadsetRun run(options, **joined, assets, view, display);
+  auto live = join_live(options, [&] {
+    return options.renderer == RendererChoice::Cpu ? Result<std::unique_ptr<SplatRenderer>>(create_cpu_renderer())
+                                                   : create_vulkan_renderer(display.device());
+  });
+  if (!live) return live.error();
+  HeadsetRun run(options, *(*live)->client, (*live)->assets, (*live)->view, display);
   const auto done = run.run(interrupted);
   const auto finished = display.finish();
-  const auto stopped = (*joined)->stop();  // before the run's stream goes, which its reader calls
+  const auto stopped = (*live)->client->stop();  // before the run's stream goes, which its reader calls
   if (!stopped) log_warn("%s", stopped.error().message.c_str());
   if (!done) return done.error();
   if (!finished) return finished.error();

@@ -4,27 +4,19 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "core/result.h"
-#include "render/choose_renderer.h"
 #include "render/scene_view.h"
-#include "trust/server_access.h"
+#include "viewer/live_view.h"
 #include "xr/headset_display.h"
 
 namespace livegs {
 
-struct HeadsetRunOptions {
-  std::string address;
-  std::shared_ptr<const ServerAccess> access;  // null: in the clear
+struct HeadsetRunOptions : JoinOptions {       // `renderer` Cpu: drawn there and uploaded
   double seconds = 0;                 // after the first frame; 0: until the runtime ends the session
   std::filesystem::path camera_file;  // where one stands at the start; empty: all objects from a little above
-  std::filesystem::path cache;        // empty: the user's
-  double connect_timeout_s = 5;
-  double reconnect_s = std::numeric_limits<double>::infinity();  // how long a server that went away is looked for
-  RendererChoice renderer = RendererChoice::Auto;                // Cpu: drawn there and uploaded
   bool scales = true;                                            // draws smaller when it takes too long
   bool marks = true;                                             // hands, rays and forces are seen
   // Called with each picture that was submitted, and what it shows.

@@ -26,7 +26,6 @@ constexpr double kWaitSlice_s = 0.05;
 struct Prepared {
   std::optional<Camera> camera;
   v1::InputScript script;
-  std::filesystem::path cache;
   PictureSize size;
 };
 
@@ -45,12 +44,6 @@ Result<Prepared> prepare(const OffscreenRunOptions& options) {
     prepared.script = std::move(*script);
   } else if (!options.poke.empty()) {
     prepared.script = poke_script(options.poke);
-  }
-  prepared.cache = options.cache;
-  if (prepared.cache.empty()) {
-    auto folder = AssetCache::default_folder();
-    if (!folder) return folder.error();
-    prepared.cache = std::move(*folder);
   }
   return prepared;
 }
@@ -100,11 +93,9 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
                                           const std::atomic<bool>& interrupted) {
   auto prepared = prepare(options);
   if (!prepared) return prepared.error();
-  ConnectOptions connect;
-  connect.access = options.access;
-  connect.timeout_s = options.connect_timeout_s;
-  connect.reconnect_s = options.reconnect_s;
-  auto joined = SessionClient::join(options.address, connect);
+  const auto cache = asset_cache(options);
+  if (!cache) return cache.error();
+  auto joined = SessionClient::join(options.address, connect_options(options));
   if (!joined) return joined.error();
   SessionClient& client = **joined;
   const JoinedScene& scene = client.scene();
@@ -112,8 +103,7 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
   auto renderer = choose_renderer(options.renderer);
   if (!renderer) return renderer.error();
 
-  const AssetCache cache(prepared->cache);
-  AssetLibrary assets(client, cache);
+  AssetLibrary assets(client, *cache);
   SceneView view(*std::move(renderer));
   if (auto loaded = load_scene(scene, assets, view); !loaded) return loaded.error();
   log_info("joined %s: %zu objects, %.0f Hz; %zu of %zu assets fetched, %.1f MB", options.address.c_str(),

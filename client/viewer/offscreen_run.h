@@ -8,18 +8,16 @@
 #include <vector>
 
 #include "core/result.h"
-#include "render/choose_renderer.h"
 #include "viewer/asset_library.h"
 #include "viewer/camera_file.h"
 #include "viewer/frame_log.h"
-#include "trust/server_access.h"
+#include "viewer/live_view.h"
 #include "viewer/recorder.h"
 
 namespace livegs {
 
-struct OffscreenRunOptions {
-  std::string address;
-  std::shared_ptr<const ServerAccess> access;  // null: in the clear
+struct OffscreenRunOptions : JoinOptions {
+  OffscreenRunOptions() { reconnect_s = 10; }  // a run that ends by itself does not look for ever
   double seconds = 10;  // of stream, after the first frame; 0: until the server ends or `interrupted`
   std::filesystem::path output = "out/client";
   std::optional<PictureSize> size;
@@ -28,10 +26,6 @@ struct OffscreenRunOptions {
   double video_rate_hz = 30;
   int png_every = 30;
   bool video = true;
-  std::filesystem::path cache;  // empty: the user's
-  double connect_timeout_s = 5;
-  double reconnect_s = 10;  // how long a server that went away is looked for
-  RendererChoice renderer = RendererChoice::Auto;
 };
 
 struct OffscreenRunSummary {

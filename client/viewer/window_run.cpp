@@ -454,29 +454,12 @@ Result<void> run_window(const WindowRunOptions& options, const std::atomic<bool>
   const PictureSize size = options.size.value_or(PictureSize{1280, 800});
   auto display = WindowDisplay::open("LiveGS " + options.address, size.width, size.height);
   if (!display) return display.error();
-  ConnectOptions connect;
-  connect.access = options.access;
-  connect.timeout_s = options.connect_timeout_s;
-  connect.reconnect_s = options.reconnect_s;
-  connect.outlive_draining = true;  // it may be started again
-  auto joined = SessionClient::join(options.address, connect);
-  if (!joined) return joined.error();
-  auto renderer = choose_renderer(options.renderer);
-  if (!renderer) return renderer.error();
-  std::filesystem::path cache_folder = options.cache;
-  if (cache_folder.empty()) {
-    auto folder = AssetCache::default_folder();
-    if (!folder) return folder.error();
-    cache_folder = std::move(*folder);
-  }
-  const AssetCache cache(cache_folder);
-  AssetLibrary assets(**joined, cache);
-  SceneView view(*std::move(renderer));
-  if (auto loaded = load_scene((*joined)->scene(), assets, view); !loaded) return loaded;
+  auto live = join_live(options, [&] { return choose_renderer(options.renderer); });
+  if (!live) return live.error();
   SceneControl control(options.address, options.access);
-  WindowRun run(options, **joined, control, assets, view, **display);
+  WindowRun run(options, *(*live)->client, control, (*live)->assets, (*live)->view, **display);
   const auto done = run.run(interrupted);
-  const auto stopped = (*joined)->stop();  // before the run's stream goes, which its reader calls
+  const auto stopped = (*live)->client->stop();  // before the run's stream goes, which its reader calls
   if (!stopped) log_warn("%s", stopped.error().message.c_str());
   return done;
 }

@@ -3,21 +3,17 @@
 
 #include <atomic>
 #include <filesystem>
-#include <limits>
 #include <optional>
 #include <string>
 
 #include "core/result.h"
 #include "livegs/v1/scene.pb.h"
-#include "render/choose_renderer.h"
-#include "trust/server_access.h"
 #include "viewer/camera_file.h"
+#include "viewer/live_view.h"
 
 namespace livegs {
 
-struct WindowRunOptions {
-  std::string address;
-  std::shared_ptr<const ServerAccess> access;  // null: in the clear
+struct WindowRunOptions : JoinOptions {
   double seconds = 0;  // 0: until the window is closed
   std::optional<PictureSize> size;
   std::filesystem::path camera_file;  // empty: all objects from a little above
@@ -27,10 +23,6 @@ struct WindowRunOptions {
   std::optional<v1::Event::Force> force;
   std::filesystem::path screenshots;  // a folder for window_NNN.png, one a second, and recordings; empty: none
   int screenshot_every = 0;           // so many pictures, in place of one a second; 0: one a second
-  std::filesystem::path cache;        // empty: the user's
-  double connect_timeout_s = 5;
-  RendererChoice renderer = RendererChoice::Auto;
-  double reconnect_s = std::numeric_limits<double>::infinity();  // how long a server that went away is looked for
 };
 
 // Joins and shows the scene in a window, in which the mouse turns the view, takes hold of things and shoots.

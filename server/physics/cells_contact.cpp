@@ -59,7 +59,9 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
   candidate_margin_m_ -= 1.5 * step_s * (motion_.velocity_m_s().norm() + reach_m_ * spin_rad_s_ + 4.0 * deviation_m_s_);
   if (candidate_margin_m_ <= 0.0 || candidate_colliders_ != context.colliders.size()) find_candidates(context);
 
-  if (sides_.empty() && !candidates_.empty()) sides_.assign(surface_.size(), Side{});
+  if (candidates_.empty()) return;
+  if (sides_.empty()) sides_.assign(surface_.size(), Side{});
+  const std::vector<ColliderProbe> probes(context.colliders.begin(), context.colliders.end());
   const auto resolve = [&](const ColliderProbe& collider, uint32_t collider_index, double friction, uint32_t i) {
     const NodeSample& sample = surface_[i];
     Side& side = sides_[i];
@@ -84,8 +86,6 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
     const double size = pull_kg_m.norm() / step_s;
     count_contact(origin_m_ + point, size);
   };
-  if (candidates_.empty()) return;
-  const std::vector<ColliderProbe> probes(context.colliders.begin(), context.colliders.end());
   for (size_t n = 0; n < candidates_.size(); ++n) {
     const Candidate& candidate = candidates_[backward_ ? candidates_.size() - 1 - n : n];
     const SurfaceCell& cell = surface_cells_[candidate.cell];

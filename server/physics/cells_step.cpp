@@ -124,6 +124,7 @@ void CellsBody::end_step(const SubstepPart& part, const SubstepContext& context)
   lead_followers(part.duration_s, context.gravity_m_s2);
   first_step_ = false;
   in_step_ = false;
+  boxes_known_ = false;  // it is looked at between steps too
 }
 
 // What the body carries makes its vibrations slower and their energy larger, and what damps them is in its own nodes.

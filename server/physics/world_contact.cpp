@@ -39,8 +39,8 @@ Eigen::AlignedBox3d wider(const Eigen::AlignedBox3d& box, double by_m) {
 }
 
 // Whether surfaces come within `room_m` of each other, as far as the boxes of their parts say.
-bool may_meet(const ElasticBody& a, const ElasticBody& b, double room_m) {
-  const Eigen::AlignedBox3d of_a = a.surface_bounds_m(wider(b.bounds_m(), room_m));
+bool may_meet(const ElasticBody& a, const ElasticBody& b, const Eigen::AlignedBox3d& bounds_of_b, double room_m) {
+  const Eigen::AlignedBox3d of_a = a.surface_bounds_m(wider(bounds_of_b, room_m));
   if (of_a.isEmpty()) return false;
   const Eigen::AlignedBox3d of_b = b.surface_bounds_m(wider(of_a, room_m));
   return !of_b.isEmpty() && !a.surface_bounds_m(wider(of_b, room_m)).isEmpty();
@@ -115,7 +115,8 @@ std::vector<std::vector<World::State::SteppedTogether>> World::State::meet(doubl
                            duration_s * (other.body->velocity_m_s().norm() + gain_m_s);
       if ((other.body->centre_m() - centre).squaredNorm() > reach * reach) continue;
       const double room = reach - body.reach_m() - other.body->reach_m();
-      if (distance_m(elastic_boxes[i], elastic_boxes[k]) > room || !may_meet(body, *other.body, room)) continue;
+      if (distance_m(elastic_boxes[i], elastic_boxes[k]) > room) continue;
+      if (!may_meet(body, *other.body, elastic_boxes[k], room)) continue;
       elastic.body->expect_contact();
       other.body->expect_contact();
       elastic.near_elastic.push_back({other.body.get(), elastic_contact_id(other.object_id)});
