@@ -15,10 +15,19 @@ ElasticBodyDescription thrown_box(double youngs_modulus_pa) {
   return box;
 }
 
-TEST(ElasticRest, FlyingBodyTurnsRigidAndFliesTheSameWay) {
+class ElasticRest : public testing::TestWithParam<double> {
+ protected:
+  double rate_hz() const { return GetParam(); }
+};
+
+INSTANTIATE_TEST_SUITE_P(Rates, ElasticRest, testing::Values(60.0, 90.0),
+                         [](const auto& one) { return std::to_string(std::lround(one.param)) + "Hz"; });
+
+TEST_P(ElasticRest, FlyingBodyTurnsRigidAndFliesTheSameWay) {
   ElasticBodyDescription box = thrown_box(1e5);
   box.angular_velocity_rad_s = {0.3, 2.0, 0.2};
   Stage full, less;
+  full.rate_hz = less.rate_hz = rate_hz();
   full.gravity_m_s2 = less.gravity_m_s2 = kGravity;
   full.make(box, ElasticSolver::Cells, false);
   less.make(box, ElasticSolver::Cells, true);
@@ -36,36 +45,45 @@ TEST(ElasticRest, FlyingBodyTurnsRigidAndFliesTheSameWay) {
   EXPECT_NEAR((full.body->angular_velocity_rad_s() - less.body->angular_velocity_rad_s()).norm(), 0.0, 0.01);
 }
 
-TEST(ElasticRest, LandedBodyRestsInTheSamePlace) {
-  Stage full, less;
-  for (Stage* stage : {&full, &less}) {
-    stage->gravity_m_s2 = kGravity;
-    stage->add_floor(0.6);
-    ElasticBodyDescription box = thrown_box(1e5);
-    box.world_from_object.position_m.y() = 2.0;
-    box.velocity_m_s.setZero();
-    stage->make(box, ElasticSolver::Cells, stage == &less);
+TEST_P(ElasticRest, LandedBodyRestsInTheSamePlace) {
+  // From 0.3 m it lands as it is. From 1 m it is squashed by a half and bounces; by then where it goes sideways is chance
+  // (64 substeps move it as far as 4), and from 2 m so is the face that it comes to rest on. Goal: 1 mm.
+  struct Case {
+    double height_m, sideways_m;
+    bool flies_rigid;
+  };
+  for (const Case& one : {Case{0.3, 1e-3, false}, Case{1.0, 0.01, true}}) {
+    SCOPED_TRACE(testing::Message() << "from " << one.height_m << " m, goal 1e-3");
+    Stage full, less;
+    for (Stage* stage : {&full, &less}) {
+      stage->rate_hz = rate_hz();
+      stage->gravity_m_s2 = kGravity;
+      stage->add_floor(0.6);
+      ElasticBodyDescription box = thrown_box(1e5);
+      box.world_from_object.position_m.y() = one.height_m;
+      box.velocity_m_s.setZero();
+      stage->make(box, ElasticSolver::Cells, stage == &less);
+    }
+    bool froze = false;
+    for (int frame = 0; frame < 4 * rate_hz(); ++frame) {
+      full.frame();
+      less.frame();
+      froze = froze || less.body->frozen();
+    }
+    EXPECT_EQ(froze, one.flies_rigid);
+    EXPECT_TRUE(less.body->asleep());
+    for (const Vector3d& point : {Vector3d(0.1, 0, 0), Vector3d(0, 0.05, 0), Vector3d(0, 0, 0.075)}) {
+      EXPECT_NEAR((full.body->world_point(point) - less.body->world_point(point)).y(), 0.0, 1e-3);
+    }
+    EXPECT_LT((full.body->centre_m() - less.body->centre_m()).norm(), one.sideways_m);
   }
-  bool froze = false;
-  for (int frame = 0; frame < 240; ++frame) {
-    full.frame();
-    less.frame();
-    froze = froze || less.body->frozen();
-  }
-  EXPECT_TRUE(froze);
-  EXPECT_TRUE(less.body->asleep());
-  for (const Vector3d& point : {Vector3d(0.1, 0, 0), Vector3d(0, 0.05, 0), Vector3d(0, 0, 0.075)}) {
-    EXPECT_NEAR((full.body->world_point(point) - less.body->world_point(point)).y(), 0.0, 1e-3);
-  }
-  // Sideways a box that bounces from 2 m goes its own way whatever the step (64 substeps move it as far as 4); each
-  // stays near.
-  EXPECT_LT((full.body->centre_m() - less.body->centre_m()).norm(), 0.1);
 }
 
-TEST(ElasticRest, PokeWakesWithinOneFrame) {
+TEST_P(ElasticRest, PokeWakesWithinOneFrame) {
   ElasticBodyDescription box = thrown_box(1e5);
   for (const bool flying : {true, false}) {
     Stage stage;
+    stage.rate_hz = rate_hz();
     stage.gravity_m_s2 = kGravity;
     if (!flying) {
       stage.add_floor();
@@ -88,10 +106,10 @@ TEST(ElasticRest, PokeWakesWithinOneFrame) {
   }
 }
 
-TEST(ElasticRest, DroppedCubeIsAsleepWithinThreeSeconds) {
+TEST_P(ElasticRest, DroppedCubeIsAsleepWithinThreeSeconds) {
   for (const double stiffness : {1e4, 5e4, 2e5}) {
     Stage stage;
-    stage.rate_hz = 90.0;
+    stage.rate_hz = rate_hz();
     stage.gravity_m_s2 = kGravity;
     stage.add_floor(0.5);
     ElasticBodyDescription cube = describe(particle_grid(Vector3d::Constant(0.1), 0.0125), stiffness, 0.3);
@@ -100,7 +118,7 @@ TEST(ElasticRest, DroppedCubeIsAsleepWithinThreeSeconds) {
     stage.make(cube, ElasticSolver::Cells, true);
     const double start = stage.total_energy_j();
     double peak = 0.0;
-    for (int frame = 0; frame < 270; ++frame) {
+    for (int frame = 0; frame < 3 * rate_hz(); ++frame) {
       stage.frame();
       peak = std::max(peak, stage.total_energy_j());
     }
@@ -108,7 +126,7 @@ TEST(ElasticRest, DroppedCubeIsAsleepWithinThreeSeconds) {
     // The first step, of first order, starts 3/2 g h²/2 on: 4e-4 of this fall.
     EXPECT_LT(peak, 1.0005 * start) << stiffness;
     // A quarter of its size: a stiff cube bounces on its edges, and goes as far at 64 substeps. Asleep it stays.
-    EXPECT_LT(std::hypot(stage.body->centre_m().x(), stage.body->centre_m().z()), 0.025) << stiffness;
+    EXPECT_LT(std::hypot(stage.body->centre_m().x(), stage.body->centre_m().z()), 0.025) << stiffness << ", goal 1e-3";
     const Vector3d asleep_at = stage.body->centre_m();
     stage.run(1.0);
     EXPECT_EQ(stage.body->centre_m(), asleep_at) << stiffness;
@@ -117,7 +135,7 @@ TEST(ElasticRest, DroppedCubeIsAsleepWithinThreeSeconds) {
 
 // Cubes as a scene samples them, from heights a few millimetres apart. The softest meets the floor at two fifths of its own
 // speed of sound: in that frame it reads up to 7 % more than it fell with, which it does not keep. Goal: never more at all.
-TEST(ElasticRest, SampledCubesKeepNoMoreThanTheyFellWith) {
+TEST(ElasticLanding, SampledCubesKeepNoMoreThanTheyFellWith) {
   constexpr double kWhileLanding = 1.08, kGoal = 1.0005;
   for (const double rate_hz : {60.0, 90.0}) {
     for (const double stiffness : {1e4, 5e4}) {
