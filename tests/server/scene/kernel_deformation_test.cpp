@@ -43,17 +43,18 @@ struct Ramp {
   Matrix3d matrix;
 };
 
-class AffineRamp : public testing::TestWithParam<Ramp> {};
+class AffineRamp : public testing::TestWithParam<std::tuple<Ramp, int>> {};
 
-// A bar whose outer nodes follow the ramp. Co is 0.26 (E 1e4, 8 substeps, 60 Hz), where the study finds 0.8 % for the
+// A bar whose outer nodes follow the ramp. Co is at most 0.26 (E 1e4, 8 substeps, 60 and 90 Hz), where the study finds 0.8 % for the
 // worst cell; the issue's bar is 2 %. The covariance is made with F itself: single precision, bar 1e-3.
 TEST_P(AffineRamp, TakesKernelsAlong) {
-  Scene scene = scene_of(std::string(R"({ "gravity_m_s2": [0, 0, 0], "rate_hz": 60, "substeps": 8, "objects": [
+  const auto& [ramp, rate_hz] = GetParam();
+  Scene scene = scene_of(R"({ "gravity_m_s2": [0, 0, 0], "rate_hz": )" + std::to_string(rate_hz) + R"(, "substeps": 8, "objects": [
       { "name": "bar", "shape": { "box": { "size_m": [0.4, 0.1, 0.1] } }, "spacing_m": 0.0125,
         "physics": { "behavior": "ELASTIC", "density_kg_m3": 1000, "youngs_modulus_pa": 1e4, "poisson_ratio": 0.3,
                      "damping": 0.5 },
-        "regions": [ { "name": "skin", "boundary": true, "motion": { "affine_ramp": { "matrix": )") +
-                         GetParam().text + R"(, "start_s": 0, "end_s": 2 } } } ] } ] })");
+        "regions": [ { "name": "skin", "boundary": true, "motion": { "affine_ramp": { "matrix": )" +
+                         ramp.text + R"(, "start_s": 0, "end_s": 2 } } } ] } ] })");
   SceneDrawing drawing;
   drawing.keep_deformation_gradients(true);
   ASSERT_TRUE(drawing.pose(scene));
@@ -63,7 +64,7 @@ TEST_P(AffineRamp, TakesKernelsAlong) {
 
   double worst = 0.0;
   for (const ParticleState& p : scene.world().elastic_body(bar)->particles()) {
-    worst = std::max(worst, (p.deformation_gradient - GetParam().matrix).norm() / GetParam().matrix.norm());
+    worst = std::max(worst, (p.deformation_gradient - ramp.matrix).norm() / ramp.matrix.norm());
   }
   EXPECT_LT(worst, 0.02);
 
@@ -80,15 +81,20 @@ TEST_P(AffineRamp, TakesKernelsAlong) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Kernels, AffineRamp,
-                         testing::Values(Ramp{"Stretch", "[1.5,0,0, 0,1,0, 0,0,0.8]",
-                                              (Matrix3d() << 1.5, 0, 0, 0, 1, 0, 0, 0, 0.8).finished()},
-                                         Ramp{"Shear", "[1,1,0, 0,1,0, 0,0,1]",
-                                              (Matrix3d() << 1, 1, 0, 0, 1, 0, 0, 0, 1).finished()}),
-                         [](const auto& one) { return one.param.name; });
+                         testing::Combine(testing::Values(Ramp{"Stretch", "[1.5,0,0, 0,1,0, 0,0,0.8]",
+                                                               (Matrix3d() << 1.5, 0, 0, 0, 1, 0, 0, 0, 0.8).finished()},
+                                                          Ramp{"Shear", "[1,1,0, 0,1,0, 0,0,1]",
+                                                               (Matrix3d() << 1, 1, 0, 0, 1, 0, 0, 0, 1).finished()}),
+                                          testing::Values(60, 90)),
+                         [](const auto& one) {
+                           return std::get<0>(one.param).name + std::to_string(std::get<1>(one.param)) + "Hz";
+                         });
 
 // Squashed to 80 % and let go, a cube looks as it did: 40 dB against the picture before.
-TEST(KernelDeformation, SquashedAndReleasedLooksAsBefore) {
-  Scene scene = scene_of(R"({ "gravity_m_s2": [0, 0, 0], "rate_hz": 90, "substeps": 4, "objects": [
+class KernelDeformation : public testing::TestWithParam<int> {};
+
+TEST_P(KernelDeformation, SquashedAndReleasedLooksAsBefore) {
+  Scene scene = scene_of(R"({ "gravity_m_s2": [0, 0, 0], "rate_hz": )" + std::to_string(GetParam()) + R"(, "substeps": 4, "objects": [
       { "name": "cube", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } },
         "physics": { "behavior": "ELASTIC", "density_kg_m3": 300, "youngs_modulus_pa": 5e4, "damping": 0.2 },
         "regions": [ { "name": "press", "boundary": true, "motion": { "affine_ramp": {
@@ -111,6 +117,8 @@ TEST(KernelDeformation, SquashedAndReleasedLooksAsBefore) {
   EXPECT_LT(psnr_db(before, squashed), 30.0);  // it was squashed
   EXPECT_GT(psnr_db(before, picture()), 40.0);
 }
+
+INSTANTIATE_TEST_SUITE_P(Hz, KernelDeformation, testing::Values(60, 90), testing::PrintToStringParamName());
 
 }  // namespace
 }  // namespace livegs
