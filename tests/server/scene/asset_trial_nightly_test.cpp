@@ -20,7 +20,9 @@ std::vector<std::string> captures() {
   return {"camera_leica/leica-sofort-top8192.ply", "garden_points/garden_init.compressed.ply", "guitar/guitar.ply",
           "lego_house/lego_house_50k.ply",         "lego_house/fourth_st.spz",                 "playbot/playbot_31k.ply",
           "ponytail_palm/ponytail_palm.ply",       "statues/angel_statue_only.ply",            "statues/angel-kneeling.sog",
-          "statues/massa.sog",                     "statues/narcissus.sog",                    "statues/trumpet_statue_only.ply"};
+          "statues/massa.sog",                     "statues/narcissus.sog",                    "statues/trumpet_statue_only.ply",
+          "statues/angel.ply",                     "statues/trumpet.sog",                      "playbot/sog_lod2",
+          "fur_block"};
 }
 
 class EveryCapture : public ::testing::TestWithParam<std::string> {};
