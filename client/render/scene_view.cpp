@@ -142,6 +142,7 @@ Result<void> SceneView::draw(std::span<const Camera> eyes, const DeviceImage* im
   const std::vector<RenderedObject> drawn = rendered();
   RenderOptions options;
   options.background = kBackground;
+  options.min_contribution_px = min_contribution_px_;
   auto done = image ? renderer_->draw_into(drawn, eyes, options, *image) : renderer_->draw(drawn, eyes, options, images);
   if (image && !done && done.error().code == ErrorCode::Unsupported) done = renderer_->draw(drawn, eyes, options, images);
   if (!done && !draws_on_cpu_) {

@@ -43,6 +43,9 @@ class SceneView {
   Result<void> draw_into(const DriverFrame& frame, std::span<const Camera> eyes, const DeviceImage& image,
                          std::vector<Image>& images);
 
+  // Kernels that add less to a picture are left out from now on (RenderOptions); 0, as at first: none.
+  void set_min_contribution(float min_contribution_px) { min_contribution_px_ = min_contribution_px; }
+
   // The last picture's moment by another renderer: the CPU's, to hold the picture against.
   Result<void> draw_again(SplatRenderer& renderer, std::span<const Camera> eyes, std::vector<Image>& images) const;
 
@@ -98,6 +101,7 @@ class SceneView {
   std::vector<uint32_t> visible_;                           // ids of the last pose, ascending
   std::unique_ptr<SplatRenderer> renderer_;
   bool draws_on_cpu_ = false;  // because the renderer could not
+  float min_contribution_px_ = 0;
   uint64_t last_version_ = 0;
   Times times_;
 };

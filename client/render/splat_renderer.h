@@ -30,6 +30,7 @@ struct RenderOptions {
   DepthOrder order = DepthOrder::ViewZ;
   int max_sh_degree = 3;
   float max_radius_px = 0;  // as eye_view has it; the CPU has none
+  float min_contribution_px = 0;  // as eye_view has it; 0: all are drawn
 };
 
 struct RenderTimes {

@@ -116,7 +116,7 @@ Result<void> VulkanSplatRenderer::draw(std::span<const RenderedObject> objects, 
   std::vector<const DeviceKernels*> kernels;
   for (const RenderedObject& object : objects)
     kernels.push_back(&held_.find(object.drawn.object_id)->second.kernels);
-  const FrameSplats::Options splats{options.order, options.max_sh_degree, options.max_radius_px};
+  const FrameSplats::Options splats{options.order, options.max_sh_degree, options.max_radius_px, options.min_contribution_px};
   if (auto done = timed(frame_.project(kernels, eyes, splats), times_.project_ms); !done) return done;
   if (auto done = timed(frame_.sort(), times_.sort_ms); !done) return done;
   const auto paint = [&]() -> Result<void> {

@@ -181,6 +181,7 @@ Result<void> HeadsetRun::draw(PlannedFrame& planned) {
   if (!scale_ || std::abs(budget_ms - scale_budget_ms_) > 0.01) scale_.emplace(scale_budget_ms_ = budget_ms);
   scale_->drew(milliseconds_from_ns(drawn_ns - begun_ns));
   display_.set_scale(scale_->value());
+  view_.set_min_contribution(scale_->min_contribution_px());
   return {};
 }
 

@@ -315,7 +315,8 @@ WindowPanels WindowRun::panels() const {
   run.paused = frame_ && frame_->run.paused();
   run.loading = frame_ && frame_->run.loading();
   run.notice = !notice_.empty() ? notice_ : !refusal_.empty() ? refusal_ : frame_ ? frame_->run.message() : "";
-  run.lines.push_back(view_.renderer_name() + format_text(", drawn at %.0f %%", 100.0 * scale_.value()));
+  run.lines.push_back(view_.renderer_name() + format_text(", drawn at %.0f %%", 100.0 * scale_.value()) +
+                      (scale_.min_contribution_px() > 0 ? format_text(", without what adds under %.1f px", scale_.min_contribution_px()) : ""));
   run.lines.push_back(format_text("%.0f pictures a second of %.0f ticks", meter_.pictures_a_second(), meter_.ticks_a_second()));
   if (frame_) {
     run.lines.push_back(format_text("tick %llu, %.1f s simulated%s", static_cast<unsigned long long>(frame_->tick),
@@ -362,6 +363,7 @@ Result<void> WindowRun::picture(const PlannedFrame& planned) {
   move_camera(input);
   script_ ? send_script() : send_hands(input);
   const int64_t now = now_ns();
+  view_.set_min_contribution(scale_.min_contribution_px());
   if (auto drawn = view_.draw(*playout_.at(now, now), planned.views, pictures_); !drawn) return drawn;
   scale_.drew(view_.last_times().raster_ms);
   const Camera window = camera_->camera(size.x(), size.y());
@@ -374,6 +376,7 @@ Result<void> WindowRun::picture(const PlannedFrame& planned) {
 // The next picture of the recording's video, without panels.
 Result<void> WindowRun::recorded_picture(const PlannedFrame& planned) {
   const Eigen::Vector2i size = display_.size_px();
+  view_.set_min_contribution(0);
   if (auto drawn = view_.draw(*recording_->next(), planned.views, pictures_); !drawn) return drawn;
   WindowOverlay overlay;
   overlay.panels.shown = false;

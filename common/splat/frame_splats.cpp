@@ -16,7 +16,7 @@ FrameViews frame_views(std::span<const Camera> eyes, const FrameSplats::Options&
   FrameViews views{};
   Eigen::Vector3d origin = Eigen::Vector3d::Zero(), axis = Eigen::Vector3d::Zero();
   for (size_t e = 0; e < eyes.size(); ++e) {
-    views.eye[e] = eye_view(eyes[e], options.max_radius_px);
+    views.eye[e] = eye_view(eyes[e], options.max_radius_px, options.min_contribution_px);
     const Pose& pose = eyes[e].world_from_camera;
     origin += pose.position_m / static_cast<double>(eyes.size());
     axis -= pose.orientation.normalized() * Eigen::Vector3d::UnitZ();

@@ -18,7 +18,7 @@ class FrameSplats {
   struct Options {
     DepthOrder order = DepthOrder::Distance;  // from between the eyes
     int max_sh_degree = 3;
-    float max_radius_px = 0;  // as eye_view has it
+    float max_radius_px = 0, min_contribution_px = 0;  // as eye_view has them
   };
 
   explicit FrameSplats(Backend& backend) : backend_(&backend) {}

@@ -90,6 +90,7 @@ bool project_kernel(const Projection& projection, const DrawnObject& object, siz
   double opacity = sigmoid(asset.opacity_logits[kernel]) * near_fade(z, projection.near_m);
   if (asset.antialiased) opacity *= std::sqrt(sharp_det / det);
   if (!(opacity >= kMinAlpha)) return false;
+  if (opacity * 2.0 * M_PI * std::sqrt(det) < options.min_contribution_px) return false;
   const double log2_opacity = std::log2(opacity);
 
   const double rim = (log2_opacity + kLog2Of255) / kHalfLog2E;  // dᵀ S⁻¹ d where alpha is kMinAlpha

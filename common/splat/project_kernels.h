@@ -50,8 +50,8 @@ struct Projection {
 };
 
 // The ellipse of one kernel and the depth that orders it. False where nothing of it can be seen: centre not
-// beyond near_m, the ellipse off the screen, opacity under 1/255, or a value that is not finite. A centre off
-// the screen does not matter as long as the ellipse reaches in.
+// beyond near_m, the ellipse off the screen, opacity under 1/255, less than the contribution asked for, or a
+// value that is not finite. A centre off the screen does not matter as long as the ellipse reaches in.
 bool project_kernel(const Projection& projection, const DrawnObject& object, size_t kernel,
                     uint32_t object_slot, const RasteriseOptions& options, ProjectedKernel& projected,
                     float& order_depth_m);

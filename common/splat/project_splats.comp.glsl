@@ -100,6 +100,10 @@ bool project(EyeView eye, PosedKernelRow k, Cofactors c, float kernel_log2_opaci
       det *= shrink * shrink;
     }
   }
+  if (eye.min_log2_contribution > kUnseen_log2 &&
+      log2_opacity + 0.5 * log2_of(det) + kLog2OfTwoPi < eye.min_log2_contribution) {
+    return false;
+  }
   const float centre_x = eye.focal_x_px * slope_x + eye.centre_x_px;
   const float centre_y = eye.focal_y_px * slope_y + eye.centre_y_px;
   const float reach_x = sqrt(rim * xx);

@@ -116,6 +116,10 @@ bool project(const EyeView& eye, const PosedKernelRow& k, const Cofactors& c, fl
       det *= shrink * shrink;
     }
   }
+  if (eye.min_log2_contribution > kUnseen_log2 &&
+      log2_opacity + 0.5f * log2_of(det) + kLog2OfTwoPi < eye.min_log2_contribution) {
+    return false;
+  }
   const float centre_x = eye.focal_x_px * slope_x + eye.centre_x_px;
   const float centre_y = eye.focal_y_px * slope_y + eye.centre_y_px;
   const float reach_x = std::sqrt(rim * xx);
@@ -201,7 +205,7 @@ const Pass& project_splats_pass() {
   return pass;
 }
 
-EyeView eye_view(const Camera& camera, float max_radius_px) {
+EyeView eye_view(const Camera& camera, float max_radius_px, float min_contribution_px) {
   const Projection p(camera);
   const auto f = [](double value) { return static_cast<float>(value); };
   const auto& m = p.image_from_world;
@@ -228,7 +232,8 @@ EyeView eye_view(const Camera& camera, float max_radius_px) {
           .near_m = f(p.near_m),
           .width_px = f(p.width),
           .height_px = f(p.height),
-          .max_radius_px = max_radius_px};
+          .max_radius_px = max_radius_px,
+          .min_log2_contribution = min_contribution_px > 0 ? std::log2(min_contribution_px) : kUnseen_log2};
 }
 
 }  // namespace livegs

@@ -62,6 +62,7 @@ struct EyeView {
   float width_px;
   float height_px;
   float max_radius_px;  // 0: none
+  float min_log2_contribution;  // of opacity * 2 pi sqrt(det), in px; kUnseen_log2: none
 };
 
 // The eyes, and what orders kernels for all of them: depth along `axis` from `origin`, or the distance from it.
@@ -102,10 +103,11 @@ const uint kProjectGroup = 128;
 const float kUnseen_log2 = -1000.0;
 const float kSplatLowPass_px2 = 0.3;
 const float kSplatLog2Of255 = 7.99435344;
+const float kLog2OfTwoPi = 2.65149613;
 
 #ifdef __cplusplus
 static_assert(sizeof(PosedKernelRow) == 52 && sizeof(KernelLookRow) == 16);
-static_assert(sizeof(EyeView) == 96 && sizeof(FrameViews) == 224 && sizeof(SplatRow) == 36);
+static_assert(sizeof(EyeView) == 100 && sizeof(FrameViews) == 232 && sizeof(SplatRow) == 36);
 static_assert(sizeof(ProjectSplatsConstants) == 20);
 }  // namespace livegs
 #endif

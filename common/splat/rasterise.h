@@ -26,6 +26,7 @@ struct RasteriseOptions {
   Eigen::Vector3f background{0, 0, 0};
   DepthOrder order = DepthOrder::ViewZ;
   int max_sh_degree = 3;
+  float min_contribution_px = 0;  // as eye_view (project_splats.h) has it
 };
 
 struct RasterisedView {

@@ -158,6 +158,39 @@ TEST_P(ProjectSplatsTest, DrawsNothingOfNothing) {
   }
 }
 
+// What a kernel contributes is decided alike, but for those on the very threshold.
+TEST_P(ProjectSplatsTest, IsItsTwinWhereLittleContributionsAreLeftOut) {
+  const Object object = cloud(1, 25);
+  for (const float threshold_px : {20.0f, 60.0f}) {
+    const auto eyes = headset(0.9);
+    ASSERT_NO_FATAL_FAILURE(expect_the_twin({&object}, eyes, {.min_contribution_px = threshold_px}));
+    const Camera eye = ahead();
+    const size_t all = twin({&object}, {&eye, 1}, {}).order.size();
+    const auto some = project_on(*backend_, {&object}, {&eye, 1}, {.min_contribution_px = threshold_px});
+    ASSERT_TRUE(some) << some.error().message;
+    EXPECT_LT(some->order.size(), all - 100);
+    EXPECT_GT(some->order.size(), 100u);
+  }
+}
+
+// A threshold below the least there is (opacity 1/255 on the low-pass alone, 0.0074 px) computes it and leaves out
+// nothing: the same bits as without one.
+TEST_P(ProjectSplatsTest, AtThresholdZeroNothingIsLeftOut) {
+  const Object object = cloud(2, 26);
+  const auto eyes = headset(0.9);
+  const auto none = project_on(*backend_, {&object}, eyes, {.min_contribution_px = 0});
+  const auto tiny = project_on(*backend_, {&object}, eyes, {.min_contribution_px = 0.007f});
+  const auto plain = project_on(*backend_, {&object}, eyes, {});
+  ASSERT_TRUE(none && tiny && plain);
+  for (const auto* other : {&*tiny, &*plain}) {
+    EXPECT_EQ(none->order, other->order);
+    for (int e = 0; e < 2; ++e) {
+      ASSERT_EQ(none->eye[e].size(), other->eye[e].size());
+      EXPECT_EQ(std::memcmp(none->eye[e].data(), other->eye[e].data(), none->eye[e].size() * sizeof(SplatRow)), 0);
+    }
+  }
+}
+
 // The order is the one a stable sort by the depth of each kernel gives, of all objects in one set.
 TEST_P(ProjectSplatsTest, AllObjectsAreOrderedInOneSet) {
   const Object first = cloud(0, 30);
@@ -230,6 +263,21 @@ TEST(ProjectSplats, ANeedleKeepsItsWidth) {
   const double f = eye.focal_x_px;
   const double area = std::sqrt((f * f * 1.0 + 0.3) * (f * f * 1e-6 + 0.3)) / 0.72134752;
   EXPECT_NEAR(oracle_area, area, 0.02 * area);
+}
+
+// Opacity times 2 pi sqrt(det), the integral of a Gaussian: of a ball of 0.02 m at 1 m, with the low-pass.
+TEST(ProjectSplats, AKernelIsLeftOutBelowItsIntegral) {
+  Object object;
+  synthetic::add_ball(object, {0, 0, 0}, 0.02, 0.5, {1, 1, 1});
+  const Camera eye = look_at({0, 0, 1}, {0, 0, 0}, Eigen::Vector3d::UnitY(), 0.9, 640, 480);
+  const double variance_px2 = std::pow(0.02 * eye.focal_x_px, 2) + 0.3;
+  const auto contribution_px = static_cast<float>(0.5 * 2.0 * M_PI * variance_px2);
+  EXPECT_EQ(twin({&object}, {&eye, 1}, {.min_contribution_px = 0.999f * contribution_px}).order.size(), 1u);
+  EXPECT_EQ(twin({&object}, {&eye, 1}, {.min_contribution_px = 1.001f * contribution_px}).order.size(), 0u);
+  ProjectedKernel p;
+  float depth_m;
+  EXPECT_TRUE(project_kernel(Projection(eye), object.drawn(), 0, 0, {.min_contribution_px = 0.999f * contribution_px}, p, depth_m));
+  EXPECT_FALSE(project_kernel(Projection(eye), object.drawn(), 0, 0, {.min_contribution_px = 1.001f * contribution_px}, p, depth_m));
 }
 
 // Shrunk as a whole until the rim's longest half axis is the cap, and not touched below it.

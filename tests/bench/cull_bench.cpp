@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+// What leaving out kernels that contribute little costs and saves. Prints a CSV: a row an asset, a view and a
+// threshold, with the kernels drawn, what is lost against all of them (decibels), and the processor time of a frame
+// on the CPU, of all threads, best of three. Views: afar at three times the size, front, close and inside as
+// posed_assets.h has them. Run by hand; with "lean", the frames of a camera that moves into an asset, with neither,
+// one and both of resolution and contribution held to a budget, wall time:
+//   cull_bench > tests/bench/results/<processor>/cull.csv
+//   cull_bench lean [vulkan] > tests/bench/results/<processor>/lean.csv
+#include <time.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "client/render/posed_assets.h"
+#include "common/splat/synthetic_kernels.h"
+#include "gaussian/asset_file.h"
+#include "render/splat_renderer.h"
+#include "splat/rasterise.h"
+#include "viewer/render_scale.h"
+
+namespace livegs {
+namespace {
+
+constexpr int kWidth = 640, kHeight = 480;
+const Eigen::Vector3f kBackground{0.08f, 0.08f, 0.1f};
+
+double process_cpu_ms() {  // of all threads
+  timespec time;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
+}
+
+struct Drawn {
+  double cpu_ms = 0;
+  size_t kernels = 0;
+};
+
+Drawn draw(Rasteriser& rasteriser, const DrawnObject& object, const Camera& camera, float min_contribution_px,
+           RasterisedView& view) {
+  RasteriseOptions options;
+  options.background = kBackground;
+  options.order = DepthOrder::Distance;
+  options.min_contribution_px = min_contribution_px;
+  const double begun_ms = process_cpu_ms();
+  rasteriser.draw({&object, 1}, camera, options, view);
+  return {process_cpu_ms() - begun_ms, rasteriser.last_times().visible_kernels};
+}
+
+struct Thing {
+  std::string name;
+  GaussianAsset asset;
+  PosedKernels posed;
+  DrawnObject drawn() const { return {&asset, &posed, 0}; }
+};
+
+std::vector<Thing> things() {
+  std::vector<Thing> all;
+  const std::filesystem::path captured = std::filesystem::path(LIVEGS_SHARED_DATA_DIR) / "splats";
+  for (const char* file : {"ponytail_palm/ponytail_palm.ply", "lego_house/lego_house_50k.ply", "guitar/guitar.ply",
+                           "playbot/playbot_31k.ply", "statues/massa.sog"}) {
+    auto read = read_asset(captured / file);
+    if (!read) {
+      std::fprintf(stderr, "%s: left out\n", read.error().message.c_str());
+      continue;
+    }
+    Thing thing{std::filesystem::path(file).stem().string(), std::move(read->asset), {}};
+    thing.posed = pose_asset(thing.asset);
+    all.push_back(std::move(thing));
+  }
+  synthetic::Object shell = synthetic::shell(100'000, 3, 0.9 / std::sqrt(1e5), 1);
+  all.push_back({"shell", std::move(shell.asset), std::move(shell.posed)});
+  return all;
+}
+
+Camera seen_from(const CloudExtent& extent, double distance, int width, int height) {
+  const Eigen::Vector3d toward = Eigen::Vector3d(0.3, 0.25, 1.0).normalized();
+  return look_at(extent.centre_m + distance * extent.size_m * toward, extent.centre_m, Eigen::Vector3d::UnitY(), 0.8,
+                 width, height);
+}
+
+void measure_thresholds() {
+  std::printf("asset,kernels,view,width,height,threshold_px,drawn,left_out,psnr_db,cpu_ms,time_share\n");
+  for (const Thing& thing : things()) {
+    const CloudExtent extent = extent_of(thing.posed);
+    const std::pair<const char*, Camera> views[] = {{"afar", seen_from(extent, 3.0, kWidth, kHeight)},
+                                                    {"front", view_of(extent, View::Front, kWidth, kHeight)},
+                                                    {"close", view_of(extent, View::Close, kWidth, kHeight)},
+                                                    {"inside", view_of(extent, View::Inside, kWidth, kHeight)}};
+    for (const auto& [name, camera] : views) {
+      Rasteriser rasteriser;
+      RasterisedView all, some;
+      Drawn whole;
+      for (const float threshold_px : {0.0f, 0.5f, 1.0f, 2.0f, 4.0f, 8.0f, 16.0f, 32.0f}) {
+        Drawn best;
+        for (int i = 0; i < 3; ++i) {
+          const Drawn once = draw(rasteriser, thing.drawn(), camera, threshold_px, threshold_px == 0 ? all : some);
+          if (i == 0 || once.cpu_ms < best.cpu_ms) best = once;
+        }
+        if (threshold_px == 0) whole = best;
+        std::printf("%s,%zu,%s,%d,%d,%g,%zu,%.3f,%.1f,%.1f,%.2f\n", thing.name.c_str(), thing.asset.size(), name,
+                    kWidth, kHeight, threshold_px, best.kernels,
+                    1.0 - static_cast<double>(best.kernels) / static_cast<double>(std::max<size_t>(1, whole.kernels)),
+                    threshold_px == 0 ? 999.0 : psnr_db(some.image, all.image), best.cpu_ms,
+                    best.cpu_ms / whole.cpu_ms);
+      }
+      std::fflush(stdout);
+    }
+  }
+}
+
+// A camera that comes from three times the size away into the middle of a thing, and stays there a while, in the
+// window's size and with its budget.
+constexpr int kLeanWidth = 1280, kLeanHeight = 800, kLeanFrames = 60, kStayFrames = 15;
+constexpr double kBudget_ms = 30;
+
+struct Mode {
+  const char* name;
+  bool scales, leaves_out;
+};
+constexpr Mode kModes[] = {{"neither", false, false}, {"resolution", true, false}, {"both", true, true}};
+
+void lean_into(SplatRenderer& renderer, const Thing& thing, const Mode& mode) {
+  const CloudExtent extent = extent_of(thing.posed);
+  static uint64_t version = 0;
+  ++version;
+  const RenderedObject object{thing.drawn(), version, version};
+  RenderScale scale(kBudget_ms);
+  std::vector<Image> images;
+  RenderOptions options;
+  options.background = kBackground;
+  options.order = DepthOrder::Distance;
+  for (int frame = -2; frame < kLeanFrames + kStayFrames; ++frame) {
+    const double along = std::clamp(static_cast<double>(frame) / (kLeanFrames - 1), 0.0, 1.0);
+    const double distance = 3.0 * (1.0 - along) + 0.02 * along;
+    const int width = mode.scales ? scale.of(kLeanWidth) : kLeanWidth;
+    const int height = mode.scales ? scale.of(kLeanHeight) : kLeanHeight;
+    options.min_contribution_px = mode.leaves_out ? scale.min_contribution_px() : 0.0f;
+    const Camera camera = seen_from(extent, distance, width, height);
+    if (auto drawn = renderer.draw({&object, 1}, {&camera, 1}, options, images); !drawn) {
+      std::fprintf(stderr, "%s: %s\n", renderer.name().c_str(), drawn.error().message.c_str());
+      return;
+    }
+    const double ms = renderer.last_times().total_ms();
+    if (frame >= 0) {  // before: a warm-up
+      std::printf("%s,%s,%d,%.3f,%.3f,%.2f,%.1f,%.0f\n", thing.name.c_str(), mode.name, frame, distance,
+                  mode.scales ? scale.value() : 1.0, options.min_contribution_px, ms, kBudget_ms);
+      scale.drew(ms);
+    }
+  }
+  std::fflush(stdout);
+}
+
+int measure_lean(bool vulkan) {
+  auto renderer = create_cpu_renderer();
+  if (vulkan) {
+    auto device = VulkanDevice::create();
+    auto made = device ? create_vulkan_renderer(*device) : Result<std::unique_ptr<SplatRenderer>>(device.error());
+    if (!made) {
+      std::fprintf(stderr, "cull_bench: %s\n", made.error().message.c_str());
+      return 1;
+    }
+    renderer = *std::move(made);
+  }
+  std::printf("# %s, %d x %d\nasset,mode,frame,distance_of_size,scale,threshold_px,picture_ms,budget_ms\n",
+              renderer->name().c_str(), kLeanWidth, kLeanHeight);
+  for (const Thing& thing : things()) {
+    for (const Mode& mode : kModes) lean_into(*renderer, thing, mode);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace livegs
+
+int main(int argc, char** argv) {
+  const std::string what = argc > 1 ? argv[1] : "";
+  if (what == "lean") return livegs::measure_lean(argc > 2 && std::string(argv[2]) == "vulkan");
+  livegs::measure_thresholds();
+  return 0;
+}
