@@ -154,6 +154,7 @@ Result<void> SceneView::draw(std::span<const Camera> eyes, const DeviceImage* im
   }
   if (!done) return done;
   times_.raster_ms = milliseconds_from_ns(now_ns() - begun_ns);
+  times_.device = renderer_->last_times().device;
   return {};
 }
 

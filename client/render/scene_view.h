@@ -52,9 +52,11 @@ class SceneView {
   struct Times {
     double skin_ms = 0, raster_ms = 0;
     size_t objects_skinned = 0;
+    std::optional<DeviceTimes> device;
   };
   const Times& last_times() const { return times_; }
   const std::string& renderer_name() const { return renderer_->name(); }
+  std::string notice() const { return renderer_->notice(); }  // as SplatRenderer has it
 
   // World bounds of each object (never the environment) as it stands in the last picture, or after pose():
   // from the 1st to the 99th percentile of its kernels along each axis, so that haze and floaters do not

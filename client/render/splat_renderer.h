@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -33,8 +34,16 @@ struct RenderOptions {
   float min_contribution_px = 0;  // as eye_view has it; 0: all are drawn
 };
 
+// Of the passes alone, by the device's own clock.
+struct DeviceTimes {
+  double project_ms = 0, sort_ms = 0, draw_ms = 0, resolve_ms = 0;
+  double total_ms() const { return project_ms + sort_ms + draw_ms + resolve_ms; }
+};
+
+// By the caller's clock: what it waited for. Without separate_times a Vulkan device does all of it in draw_ms.
 struct RenderTimes {
   double upload_ms = 0, project_ms = 0, sort_ms = 0, draw_ms = 0;
+  std::optional<DeviceTimes> device;  // where it has a clock
   double total_ms() const { return upload_ms + project_ms + sort_ms + draw_ms; }
 };
 
@@ -54,6 +63,8 @@ class SplatRenderer {
     return unsupported(name() + ": draws into no device's image");
   }
   virtual const RenderTimes& last_times() const = 0;
+  // What is out of order with its pictures, for a person to read; empty when nothing is.
+  virtual std::string notice() const { return {}; }
 };
 
 // The oracle, on the threads of parallel_for; eyes one after the other.

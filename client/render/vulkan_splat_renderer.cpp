@@ -2,9 +2,14 @@
 #include <map>
 
 #include "compute/vulkan_backend.h"
+#include "compute/vulkan_commands.h"
 #include "compute/vulkan_handles.h"
 #include "core/assert.h"
 #include "core/clock.h"
+#include "core/format_text.h"
+#include "core/log.h"
+#include "render/device_timer.h"
+#include "render/most_visible_kernels.h"
 #include "render/splat_painter.h"
 #include "render/splat_renderer.h"
 #include "splat/frame_splats.h"
@@ -12,12 +17,16 @@
 namespace livegs {
 namespace {
 
+constexpr double kFewer = 0.7;             // of the kernels, where memory has ended
+constexpr double kLeastShare = 1.0 / 64;  // with fewer, the CPU draws better
+
 class VulkanSplatRenderer final : public SplatRenderer {
  public:
   VulkanSplatRenderer(std::shared_ptr<VulkanDevice> device, std::unique_ptr<Backend> backend,
                       std::unique_ptr<SplatPainter> painter, const VulkanRendererOptions& options)
       : device_(std::move(device)),
         backend_(std::move(backend)),
+        timer_(*vulkan_commands(*backend_), device_->handles()),
         painter_(std::move(painter)),
         frame_(*backend_),
         options_(options),
@@ -25,6 +34,7 @@ class VulkanSplatRenderer final : public SplatRenderer {
 
   const std::string& name() const override { return name_; }
   const RenderTimes& last_times() const override { return times_; }
+  std::string notice() const override;
   Result<void> draw(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
                     const RenderOptions& options, std::vector<Image>& images) override;
   Result<void> draw_into(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
@@ -34,6 +44,8 @@ class VulkanSplatRenderer final : public SplatRenderer {
   using TakeOut = std::function<Result<void>()>;  // of what was painted and resolved
   Result<void> draw(std::span<const RenderedObject> objects, std::span<const Camera> eyes, const RenderOptions& options,
                     const TakeOut& take_out);
+  Result<void> draw_once(std::span<const RenderedObject> objects, std::span<const Camera> eyes, const RenderOptions& options,
+                         const TakeOut& take_out);
   struct Held {
     DeviceKernels kernels;
     uint64_t asset_version = 0, posed_version = 0;
@@ -44,8 +56,13 @@ class VulkanSplatRenderer final : public SplatRenderer {
 
   std::shared_ptr<VulkanDevice> device_;
   std::unique_ptr<Backend> backend_;
-  std::unique_ptr<SplatPainter> painter_;
+  DeviceTimer timer_;
+  std::unique_ptr<SplatPainter> painter_;  // runs what is recorded before the timer goes
   std::map<uint32_t, Held> held_;  // by object id
+  // Of each object's kernels, those that are drawn because no more fit into the device's memory; and how many there
+  // were when that was found.
+  double share_ = 1;
+  uint64_t kernels_then_ = 0;
   FrameSplats frame_;
   VulkanRendererOptions options_;
   std::string name_;
@@ -67,7 +84,11 @@ Result<void> VulkanSplatRenderer::hold(std::span<const RenderedObject> objects) 
     const uint32_t id = object.drawn.object_id;
     auto held = held_.find(id);
     if (held == held_.end()) {
-      auto made = DeviceKernels::create(*backend_, *object.drawn.asset);
+      const GaussianAsset& asset = *object.drawn.asset;
+      std::vector<uint32_t> kept;
+      if (share_ < 1 && asset.size() > 0)
+        kept = most_visible_kernels(asset, 1 + static_cast<size_t>(share_ * static_cast<double>(asset.size() - 1)));
+      auto made = DeviceKernels::create(*backend_, asset, std::move(kept));
       if (!made)
         return Error{made.error().code, "object " + std::to_string(id) + ": " + made.error().message};
       held = held_.emplace(id, Held{*std::move(made), object.asset_version, 0}).first;
@@ -100,8 +121,37 @@ Result<void> VulkanSplatRenderer::draw_into(std::span<const RenderedObject> obje
   return draw(objects, eyes, options, [&] { return painter_->copy_into(image); });
 }
 
+std::string VulkanSplatRenderer::notice() const {
+  if (share_ == 1) return {};
+  return format_text("the memory of %s holds %.0f %% of the kernels; the rest is not drawn", device_->name().c_str(), 100 * share_);
+}
+
+// With fewer kernels where memory ends.
 Result<void> VulkanSplatRenderer::draw(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
                                        const RenderOptions& options, const TakeOut& take_out) {
+  uint64_t kernels = 0;
+  for (const RenderedObject& object : objects) kernels += object.drawn.asset->size();
+  if (share_ < 1 && static_cast<double>(kernels) <= share_ * static_cast<double>(kernels_then_)) {  // so many fit
+    share_ = 1;
+    held_.clear();
+    log_info("%s: all kernels are drawn again", name_.c_str());
+  }
+  std::optional<Error> ended;
+  auto done = draw_once(objects, eyes, options, take_out);
+  while (!done && done.error().code == ErrorCode::TooLarge && share_ >= kLeastShare) {
+    ended = done.error();
+    share_ *= kFewer;
+    kernels_then_ = kernels;
+    held_.clear();
+    frame_.forget();
+    done = draw_once(objects, eyes, options, take_out);
+  }
+  if (done && ended) log_warn("%s (%s)", notice().c_str(), ended->message.c_str());
+  return done;
+}
+
+Result<void> VulkanSplatRenderer::draw_once(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
+                                            const RenderOptions& options, const TakeOut& take_out) {
   LIVEGS_ASSERT(eyes.size() == 1 || eyes.size() == 2);
   LIVEGS_ASSERT(eyes.front().width == eyes.back().width && eyes.front().height == eyes.back().height);
   step_began_ns_ = now_ns();
@@ -117,16 +167,30 @@ Result<void> VulkanSplatRenderer::draw(std::span<const RenderedObject> objects, 
   for (const RenderedObject& object : objects)
     kernels.push_back(&held_.find(object.drawn.object_id)->second.kernels);
   const FrameSplats::Options splats{options.order, options.max_sh_degree, options.max_radius_px, options.min_contribution_px};
-  if (auto done = timed(frame_.project(kernels, eyes, splats), times_.project_ms); !done) return done;
-  if (auto done = timed(frame_.sort(), times_.sort_ms); !done) return done;
+  // A pass between two moments of the device's clock.
+  const auto between_moments = [&](auto&& pass) -> Result<void> {
+    if (auto done = timer_.mark(); !done) return done;
+    if (auto done = pass(); !done) return done;
+    return timer_.mark();
+  };
+  const auto project = [&]() -> Result<void> {
+    if (auto done = frame_.prepare(kernels, eyes, splats); !done) return done;
+    if (auto done = timer_.begin(); !done) return done;
+    return between_moments([&] { return frame_.project_prepared(kernels, splats); });
+  };
+  if (auto done = timed(project(), times_.project_ms); !done) return done;
+  if (auto done = timed(between_moments([&] { return frame_.sort(); }), times_.sort_ms); !done) return done;
   const auto paint = [&]() -> Result<void> {
-    if (auto done = painter_->paint(frame_, eyes[0].width, eyes[0].height, static_cast<int>(eyes.size()));
-        !done)
-      return done;
-    if (auto done = painter_->resolve(options.background); !done) return done;
+    const auto draws = [&] { return painter_->paint(frame_, eyes[0].width, eyes[0].height, static_cast<int>(eyes.size())); };
+    if (auto done = between_moments(draws); !done) return done;
+    if (auto done = between_moments([&] { return painter_->resolve(options.background); }); !done) return done;
     return take_out();
   };
-  return timed(paint(), times_.draw_ms);
+  if (auto done = timed(paint(), times_.draw_ms); !done) return done;
+  times_.device.reset();
+  if (const std::vector<double> spans = timer_.spans_ms(); spans.size() == 7)
+    times_.device = DeviceTimes{spans[0], spans[2], spans[4], spans[6]};
+  return {};
 }
 
 }  // namespace

@@ -88,16 +88,22 @@ ReceivedLog::Summary ReceivedLog::summary() const {
 
 Result<DrawnLog> DrawnLog::create(const std::filesystem::path& path) {
   auto file =
-      open(path, "picture,simulated_s,tick,received_ns,age_ms,lag_ms,skin_ms,raster_ms,bytes,server_step_ms");
+      open(path, "picture,simulated_s,tick,received_ns,age_ms,lag_ms,skin_ms,raster_ms,bytes,server_step_ms,"
+                 "device_project_ms,device_sort_ms,device_draw_ms,device_resolve_ms");
   if (!file) return cannot_write(path);
   return DrawnLog(std::move(file));
 }
 
 void DrawnLog::add(const Row& row) {
-  std::fprintf(file_.get(), "%llu,%.6f,%llu,%lld,%.3f,%.3f,%.3f,%.3f,%zu,%.3f\n",
+  std::fprintf(file_.get(), "%llu,%.6f,%llu,%lld,%.3f,%.3f,%.3f,%.3f,%zu,%.3f,",
                static_cast<unsigned long long>(row.index), row.simulated_s,
                static_cast<unsigned long long>(row.tick), static_cast<long long>(row.received_ns), row.age_ms,
                row.lag_ms, row.skin_ms, row.raster_ms, row.bytes, row.server_step_ms);
+  if (row.device)
+    std::fprintf(file_.get(), "%.3f,%.3f,%.3f,%.3f\n", row.device->project_ms, row.device->sort_ms, row.device->draw_ms,
+                 row.device->resolve_ms);
+  else
+    std::fputs(",,,\n", file_.get());
   skin_ms_.push_back(row.skin_ms);
   raster_ms_.push_back(row.raster_ms);
 }

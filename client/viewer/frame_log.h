@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "render/splat_renderer.h"
 #include "stream/received.h"
 
 namespace livegs {
@@ -54,7 +55,7 @@ class ReceivedLog {
   int64_t first_ns_ = 0, last_ns_ = 0;
 };
 
-// timings.csv, a row a drawn picture.
+// timings.csv, a row a drawn picture. The device's times are empty where it has no clock.
 class DrawnLog {
  public:
   static Result<DrawnLog> create(const std::filesystem::path& path);
@@ -69,6 +70,7 @@ class DrawnLog {
     double skin_ms = 0, raster_ms = 0;
     size_t bytes = 0;
     double server_step_ms = 0;
+    std::optional<DeviceTimes> device = {};
   };
   void add(const Row& row);
 

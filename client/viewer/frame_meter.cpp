@@ -21,11 +21,12 @@ void FrameMeter::sampled(uint64_t sequence, int64_t sampled_ns) {
   if (samples_.size() > kMostSamples) samples_.pop_front();
 }
 
-void FrameMeter::shown(const ReceivedFrame& frame, int64_t shown_ns, double picture_ms) {
+void FrameMeter::shown(const ReceivedFrame& frame, int64_t shown_ns, double picture_ms, const std::optional<DeviceTimes>& device) {
   second_.push_back({shown_ns, frame.tick});
   while (second_.size() > 2 && second_.front().shown_ns < shown_ns - kSecond_ns) second_.pop_front();
   add(graph_.picture_ms, picture_ms);
   add(graph_.tick_ms, frame.step_ms);
+  if (device) add(graph_.device_ms, device->total_ms());
   add(graph_.age_ms, milliseconds_from_ns(shown_ns - frame.received_ns));
   while (samples_.size() > 1 && samples_[1].sequence <= frame.input_sequence) samples_.pop_front();
   if (!samples_.empty() && samples_.front().sequence == frame.input_sequence) {

@@ -5,6 +5,7 @@
 #include <deque>
 #include <optional>
 
+#include "render/splat_renderer.h"
 #include "stream/received.h"
 #include "xr/window_panels.h"
 
@@ -15,8 +16,8 @@ class FrameMeter {
  public:
   // A sample of the hands was sent.
   void sampled(uint64_t sequence, int64_t sampled_ns);
-  // A picture of this frame was shown; it took `picture_ms` from the picture before.
-  void shown(const ReceivedFrame& frame, int64_t shown_ns, double picture_ms);
+  // A picture of this frame was shown; it took `picture_ms` from the picture before, and its passes so long.
+  void shown(const ReceivedFrame& frame, int64_t shown_ns, double picture_ms, const std::optional<DeviceTimes>& device = {});
 
   FrameGraph graph() const { return graph_; }
   // Of the last second of pictures: how many, and how many ticks passed on the server.

@@ -153,6 +153,7 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
   OffscreenRunSummary summary;
   summary.scene_address = options.address;
   summary.renderer = view.renderer_name();
+  summary.notice = view.notice();
   summary.server_rate_hz = scene.rate_hz;
   summary.objects = scene.objects.size();
   const std::map<uint32_t, StreamedObject> changed = recorder.changed_objects();
@@ -200,6 +201,7 @@ std::string summary_text(const OffscreenRunSummary& summary) {
   text += format_text("drawn: %llu pictures by %s; skinning p50 %.2f ms, p99 %.2f ms; render p50 %.2f ms, p99 %.2f ms\n",
          count(drawn.pictures), summary.renderer.c_str(), drawn.skin_ms_p50, drawn.skin_ms_p99,
          drawn.raster_ms_p50, drawn.raster_ms_p99);
+  if (!summary.notice.empty()) text += "  " + summary.notice + "\n";
   if (summary.dropped_frames > 0) {
     text += format_text("  %llu frames were dropped from a full backlog: the video skips\n",
            count(summary.dropped_frames));

@@ -31,6 +31,7 @@ struct OffscreenRunOptions : JoinOptions {
 struct OffscreenRunSummary {
   std::string scene_address;
   std::string renderer;  // "cpu", or the Vulkan device
+  std::string notice;    // what was out of order with the last picture; empty: nothing
   double server_rate_hz = 0;
   size_t objects = 0, kernels = 0;
   std::vector<std::string> object_lines;  // one an object: what it is, and how far its numbers hold

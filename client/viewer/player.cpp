@@ -104,7 +104,7 @@ Result<void> Player::draw(const DriverFrame& frame) {
   log_.add({planned_->index, seconds_from_ns(frame.simulated_ns), last_.tick, last_.received_ns,
             age_ms(last_).value_or(0),
             milliseconds_from_ns(now_ns() - last_.received_ns), view_.last_times().skin_ms,
-            view_.last_times().raster_ms, last_.bytes, last_.step_ms});
+            view_.last_times().raster_ms, last_.bytes, last_.step_ms, view_.last_times().device});
   planned_.reset();
   return {};
 }

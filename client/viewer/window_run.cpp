@@ -315,6 +315,7 @@ WindowPanels WindowRun::panels() const {
   run.paused = frame_ && frame_->run.paused();
   run.loading = frame_ && frame_->run.loading();
   run.notice = !notice_.empty() ? notice_ : !refusal_.empty() ? refusal_ : frame_ ? frame_->run.message() : "";
+  if (run.notice.empty()) run.notice = view_.notice();
   run.lines.push_back(view_.renderer_name() + format_text(", drawn at %.0f %%", 100.0 * scale_.value()) +
                       (scale_.min_contribution_px() > 0 ? format_text(", without what adds under %.1f px", scale_.min_contribution_px()) : ""));
   run.lines.push_back(format_text("%.0f pictures a second of %.0f ticks", meter_.pictures_a_second(), meter_.ticks_a_second()));
@@ -326,6 +327,10 @@ WindowPanels WindowRun::panels() const {
   if (const auto latency_ms = meter_.hand_to_picture_ms()) {
     run.latency = format_text("hand to picture %.0f ms\nskin %.1f ms, render %.1f ms", *latency_ms, view_.last_times().skin_ms,
                        view_.last_times().raster_ms);
+  }
+  if (const auto& device = view_.last_times().device) {
+    run.latency += format_text("%sdevice: project %.1f, sort %.1f, draw %.1f, resolve %.1f ms", run.latency.empty() ? "" : "\n",
+                               device->project_ms, device->sort_ms, device->draw_ms, device->resolve_ms);
   }
   run.help = kHelp;
   panels.force = study_.shown(recording_ ? recording_->progress() : std::string());
@@ -426,7 +431,8 @@ Result<void> WindowRun::run(const std::atomic<bool>& interrupted) {
     if (keeps) display_.keep_next(screenshot_);
     if (auto submitted = display_.submit(*planned, pictures_); !submitted) return submitted;
     const int64_t now = now_ns();
-    if (playout_.shown() && !records) meter_.shown(*playout_.shown(), now, milliseconds_from_ns(now - last_ns));
+    if (playout_.shown() && !records)
+      meter_.shown(*playout_.shown(), now, milliseconds_from_ns(now - last_ns), view_.last_times().device);
     last_ns = now;
     if (second_is_over) second_ns = now;
     if (keeps) {

@@ -28,7 +28,8 @@ void draw_frame_graph(const FrameGraph& graph) {
   };
   const Line lines[] = {{"picture", graph.picture_ms, kPictureInk},
                         {"tick", graph.tick_ms, kTickInk},
-                        {"age", graph.age_ms, kAgeInk}};
+                        {"age", graph.age_ms, kAgeInk},
+                        {"device", graph.device_ms, kDeviceInk}};
   float most = 10;
   for (const Line& line : lines) {
     for (float value : line.values_ms) most = std::max(most, value);
@@ -59,10 +60,11 @@ void draw_frame_graph(const FrameGraph& graph) {
   list.AddText({from.x + 5, from.y + 2}, kDimInk, scale);
   ImGui::Dummy({width, kHeight_px});
   for (const Line& line : lines) {
+    if (&line == &lines[3] && line.values_ms.empty()) continue;
     char text[48];
     const float newest_ms = line.values_ms.empty() ? 0.0f : line.values_ms.back();
     std::snprintf(text, sizeof text, newest_ms < 100 ? "%s %.1f ms" : "%s %.0f ms", line.name, newest_ms);
-    if (&line != lines) ImGui::SameLine(0, 14);
+    if (&line != lines && &line != &lines[3]) ImGui::SameLine(0, 14);
     ImGui::PushStyleColor(ImGuiCol_Text, line.colour);
     ImGui::TextUnformatted(text);
     ImGui::PopStyleColor();

@@ -40,6 +40,7 @@ struct ObjectsPanel {
 // Times of the last pictures, oldest first, milliseconds.
 struct FrameGraph {
   std::vector<float> picture_ms, tick_ms, age_ms;
+  std::vector<float> device_ms;  // of all passes of a picture; empty where the device has no clock
 };
 
 struct RunPanel {

@@ -15,6 +15,7 @@ inline constexpr ImU32 kForceInk = IM_COL32(255, 150, 30, 255);
 inline constexpr ImU32 kPictureInk = IM_COL32(110, 170, 230, 255);
 inline constexpr ImU32 kTickInk = IM_COL32(130, 205, 140, 255);
 inline constexpr ImU32 kAgeInk = IM_COL32(226, 160, 110, 255);
+inline constexpr ImU32 kDeviceInk = IM_COL32(190, 150, 225, 255);
 
 // DejaVu Sans where it is installed (package fonts-dejavu-core), else ImGui's own font, larger.
 void set_window_style();

@@ -51,6 +51,12 @@ bool wants_validation(const VulkanDeviceOptions& options) {
   return options.validation || (variable && std::string_view(variable) == "1");
 }
 
+VkDeviceSize memory_limit(const VulkanDeviceOptions& options) {
+  const char* variable = std::getenv("LIVEGS_VULKAN_MEMORY_MB");
+  const double megabytes = variable ? std::atof(variable) : 0;
+  return megabytes > 0 && megabytes < 1e9 ? static_cast<VkDeviceSize>(megabytes * 1e6) : options.memory_limit_bytes;
+}
+
 Result<void> check_validation_layer(PFN_vkGetInstanceProcAddr get) {
   const auto enumerate = reinterpret_cast<PFN_vkEnumerateInstanceLayerProperties>(
       get(VK_NULL_HANDLE, "vkEnumerateInstanceLayerProperties"));
@@ -166,7 +172,8 @@ bool has_limits(const VkPhysicalDeviceLimits& limits) {
 }
 
 // The first queue family that can compute and draw, else the first that can compute; either can copy.
-bool find_queue_family(const VulkanFunctions& vk, VkPhysicalDevice device, uint32_t& family, bool& draws) {
+bool find_queue_family(const VulkanFunctions& vk, VkPhysicalDevice device, uint32_t& family, bool& draws,
+                       uint32_t& timestamp_bits) {
   uint32_t count = 0;
   vk.GetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
@@ -175,6 +182,7 @@ bool find_queue_family(const VulkanFunctions& vk, VkPhysicalDevice device, uint3
        {VkQueueFlags{VK_QUEUE_COMPUTE_BIT | VK_QUEUE_GRAPHICS_BIT}, VkQueueFlags{VK_QUEUE_COMPUTE_BIT}}) {
     for (family = 0; family < count; ++family) {
       draws = (wanted & VK_QUEUE_GRAPHICS_BIT) != 0;
+      timestamp_bits = families[family].timestampValidBits;
       if ((families[family].queueFlags & wanted) == wanted) return true;
     }
   }
@@ -195,11 +203,11 @@ Result<void> choose_physical_device(VulkanHandles& handles, VulkanMaker* maker) 
   for (const VkPhysicalDevice device : devices) {
     VkPhysicalDeviceProperties properties;
     vk.GetPhysicalDeviceProperties(device, &properties);
-    uint32_t family = 0;
+    uint32_t family = 0, timestamp_bits = 0;
     bool draws = false;
     if (properties.apiVersion < VK_API_VERSION_1_3 || preference(properties.deviceType) <= best ||
         !has_features(vk, device) || !has_limits(properties.limits) ||
-        !find_queue_family(vk, device, family, draws)) {
+        !find_queue_family(vk, device, family, draws, timestamp_bits)) {
       continue;
     }
     best = preference(properties.deviceType);
@@ -207,6 +215,7 @@ Result<void> choose_physical_device(VulkanHandles& handles, VulkanMaker* maker) 
     handles.properties = properties;
     handles.queue_family = family;
     handles.draws = draws;
+    handles.timestamp_bits = timestamp_bits;
   }
   if (best == 0) {
     return Error{ErrorCode::Unavailable, "vulkan: none of " + std::to_string(devices.size()) +
@@ -271,6 +280,7 @@ Result<std::shared_ptr<VulkanDevice>> VulkanDevice::create(const VulkanDeviceOpt
   if (!handles->on_validation_message) {
     handles->on_validation_message = [](const std::string& message) { log_warn("%s", message.c_str()); };
   }
+  handles->memory_limit = memory_limit(options);
   if (auto made = create_instance(*handles, options); !made) return made.error();
   if (auto chosen = choose_physical_device(*handles, options.maker); !chosen) return chosen.error();
   if (auto made = create_device(*handles, options.maker); !made) return made.error();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <string>
@@ -19,6 +20,9 @@ struct VulkanDeviceOptions {
   // Receives each warning and error of the layer, on any thread, until the device is destroyed. Default:
   // log_warn.
   std::function<void(const std::string& message)> on_validation_message;
+  // Of device memory for kernels and pictures, as if the device had no more; 0: what it has. LIVEGS_VULKAN_MEMORY_MB in
+  // the environment does the same.
+  size_t memory_limit_bytes = 0;
   // Makes the device in Vulkan's place and says which, during create(); null: Vulkan does.
   VulkanMaker* maker = nullptr;
 };

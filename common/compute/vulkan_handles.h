@@ -6,6 +6,7 @@
 #define VK_NO_PROTOTYPES
 #include <vulkan/vulkan.h>
 
+#include <atomic>
 #include <functional>
 #include <string>
 
@@ -31,7 +32,8 @@ namespace livegs {
   X(GetImageMemoryRequirements) X(BindImageMemory) X(CreateImageView) X(DestroyImageView)                  \
   X(CreateGraphicsPipelines) X(CmdBeginRendering) X(CmdEndRendering) X(CmdSetViewport) X(CmdSetScissor)    \
   X(CmdDraw) X(CmdDrawIndirect) X(CmdCopyImageToBuffer) X(GetPhysicalDeviceFormatProperties)      \
-  X(CmdBlitImage) X(CmdCopyBufferToImage)
+  X(CmdBlitImage) X(CmdCopyBufferToImage) X(CreateQueryPool) X(DestroyQueryPool) X(CmdResetQueryPool)     \
+  X(CmdWriteTimestamp2) X(GetQueryPoolResults)
 // clang-format on
 
 struct VulkanFunctions {
@@ -64,6 +66,9 @@ struct VulkanHandles {
   VkQueue queue = VK_NULL_HANDLE;
   uint32_t queue_family = 0;
   bool draws = false;  // the queue draws as well, and multiview and dynamic rendering are on
+  uint32_t timestamp_bits = 0;  // that count, of the queue's clock; 0: it has none
+  VkDeviceSize memory_limit = 0;  // bytes of device memory that VulkanMemory takes at most; 0: what the device grants
+  mutable std::atomic<VkDeviceSize> memory_used{0};
   std::string name;
 };
 

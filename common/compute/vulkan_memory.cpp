@@ -44,7 +44,44 @@ bool find_memory_type(const VulkanHandles& handles, uint32_t allowed, VkMemoryPr
 }  // namespace
 
 VulkanMemory::~VulkanMemory() {
-  for (const Block& block : blocks_) handles_.vk.FreeMemory(handles_.device, block.memory, nullptr);
+  for (Block& block : blocks_) give_back(block);
+}
+
+void VulkanMemory::give_back(Block& block) {
+  handles_.vk.FreeMemory(handles_.device, block.memory, nullptr);
+  handles_.memory_used -= block.bytes;
+  block = {};
+}
+
+bool VulkanMemory::empty(const Block& block) {
+  const auto whole = block.free.find(0);
+  return block.bytes > 0 && whole != block.free.end() && whole->second == block.bytes;
+}
+
+void VulkanMemory::give_back_empty(size_t usual_kept) {
+  for (Block& block : blocks_) {
+    if (!empty(block)) continue;
+    if (block.bytes == kBlockBytes && usual_kept > 0)
+      --usual_kept;
+    else
+      give_back(block);
+  }
+}
+
+Result<void> VulkanMemory::add_block(uint32_t type, VkDeviceSize bytes) {
+  if (handles_.memory_limit > 0 && handles_.memory_used + bytes > handles_.memory_limit)
+    return vulkan_error("vkAllocateMemory", VK_ERROR_OUT_OF_DEVICE_MEMORY);
+  auto info = vulkan_info<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
+  info.allocationSize = bytes;
+  info.memoryTypeIndex = type;
+  Block block{VK_NULL_HANDLE, type, bytes, {{0, bytes}}};
+  if (const VkResult made = handles_.vk.AllocateMemory(handles_.device, &info, nullptr, &block.memory);
+      made != VK_SUCCESS) {
+    return vulkan_error("vkAllocateMemory", made);
+  }
+  handles_.memory_used += bytes;
+  blocks_.push_back(std::move(block));
+  return {};
 }
 
 Result<VulkanMemory::Range> VulkanMemory::allocate(const VkMemoryRequirements& needs) {
@@ -58,16 +95,14 @@ Result<VulkanMemory::Range> VulkanMemory::allocate(const VkMemoryRequirements& n
     Block& block = blocks_[range.block];
     if (block.type == type && take(block.free, needs, range.offset)) return range;
   }
-  auto info = vulkan_info<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
-  info.allocationSize = std::max(kBlockBytes, needs.size);
-  info.memoryTypeIndex = type;
-  Block block{VK_NULL_HANDLE, type, {{0, info.allocationSize}}};
-  if (const VkResult made = handles_.vk.AllocateMemory(handles_.device, &info, nullptr, &block.memory);
-      made != VK_SUCCESS) {
-    return vulkan_error("vkAllocateMemory", made);
+  auto added = add_block(type, std::max(kBlockBytes, needs.size));
+  if (!added && added.error().code == ErrorCode::TooLarge) {
+    give_back_empty(0);
+    added = add_block(type, needs.size);
   }
-  take(block.free, needs, range.offset);
-  blocks_.push_back(std::move(block));
+  if (!added) return added.error();
+  range.block = static_cast<uint32_t>(blocks_.size() - 1);
+  take(blocks_.back().free, needs, range.offset);
   return range;
 }
 
@@ -86,6 +121,7 @@ void VulkanMemory::free(const Range& range) {
       free.erase(placed);
     }
   }
+  if (empty(blocks_[range.block])) give_back_empty(1);
 }
 
 HostBuffer::~HostBuffer() {

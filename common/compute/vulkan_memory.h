@@ -10,7 +10,8 @@
 namespace livegs {
 
 // Device memory in a few large blocks, since a driver may grant as few as 4096 allocations and each costs it
-// a system call. First fit within a block; neighbours that are free merge. Blocks are kept until the end.
+// a system call. First fit within a block; neighbours that are free merge. Of
+// blocks with nothing in them one of the usual size is kept, until there is no memory for another.
 class VulkanMemory {
  public:
   struct Range {
@@ -24,7 +25,7 @@ class VulkanMemory {
   VulkanMemory(const VulkanMemory&) = delete;
   VulkanMemory& operator=(const VulkanMemory&) = delete;
 
-  // Device-local memory for `needs`.
+  // Device-local memory for `needs`. TooLarge when the device, or its limit, has no more.
   Result<Range> allocate(const VkMemoryRequirements& needs);
   void free(const Range& range);
   VkDeviceMemory memory_of(const Range& range) const { return blocks_[range.block].memory; }
@@ -33,8 +34,14 @@ class VulkanMemory {
   struct Block {
     VkDeviceMemory memory = VK_NULL_HANDLE;
     uint32_t type = 0;
+    VkDeviceSize bytes = 0;  // 0 when it was given back
     std::map<VkDeviceSize, VkDeviceSize> free;  // offset to bytes; no two touch
   };
+
+  Result<void> add_block(uint32_t type, VkDeviceSize bytes);
+  static bool empty(const Block& block);
+  void give_back_empty(size_t usual_kept);  // but so many of the usual size
+  void give_back(Block& block);
 
   const VulkanHandles& handles_;
   std::vector<Block> blocks_;

@@ -23,12 +23,15 @@ float log2_opacity(float logit) {
 
 }  // namespace
 
-Result<DeviceKernels> DeviceKernels::create(Backend& backend, const GaussianAsset& asset) {
+Result<DeviceKernels> DeviceKernels::create(Backend& backend, const GaussianAsset& asset, std::vector<uint32_t> kept) {
   if (asset.size() > UINT32_MAX) {
     return Error{ErrorCode::TooLarge, std::to_string(asset.size()) + " kernels; a device draws 2^32 at most"};
   }
   DeviceKernels kernels(backend);
-  kernels.size_ = static_cast<uint32_t>(asset.size());
+  LIVEGS_ASSERT(kept.empty() || kept.back() < asset.size());
+  kernels.asset_size_ = asset.size();
+  kernels.size_ = static_cast<uint32_t>(kept.empty() ? asset.size() : kept.size());
+  kernels.kept_ = std::move(kept);
   kernels.sh_degree_ = asset.sh_degree;
   kernels.sh_row_words_ = static_cast<uint32_t>((3 * asset.sh_rest_count() + 1) / 2);
   kernels.antialiased_ = asset.antialiased;
@@ -46,6 +49,8 @@ DeviceKernels::DeviceKernels(DeviceKernels&& other) noexcept : backend_(other.ba
 DeviceKernels& DeviceKernels::operator=(DeviceKernels&& other) noexcept {
   std::swap(backend_, other.backend_);
   std::swap(parts_, other.parts_);
+  std::swap(kept_, other.kept_);
+  std::swap(asset_size_, other.asset_size_);
   std::swap(size_, other.size_);
   std::swap(sh_degree_, other.sh_degree_);
   std::swap(sh_row_words_, other.sh_row_words_);
@@ -86,7 +91,7 @@ Result<void> DeviceKernels::make_part(const GaussianAsset& asset, uint32_t first
   const size_t coefficients = asset.sh_rest_count();
   parallel_for(count, kBlock, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      const size_t kernel = first + i;
+      const size_t kernel = kernel_of(first + i);
       const Eigen::Vector3f& dc = asset.sh_dc[kernel];
       look_rows[i] = {log2_opacity(asset.opacity_logits[kernel]), dc.x(), dc.y(), dc.z()};
       for (size_t c = 0; c < 3 * coefficients; ++c) {
@@ -100,13 +105,13 @@ Result<void> DeviceKernels::make_part(const GaussianAsset& asset, uint32_t first
 }
 
 Result<void> DeviceKernels::pose(const PosedKernels& kernels) {
-  LIVEGS_ASSERT(kernels.positions_m.size() == size_);
+  LIVEGS_ASSERT(kernels.positions_m.size() == asset_size_);
   std::vector<PosedKernelRow> rows;
   for (const Part& part : parts_) {
     rows.resize(part.count);
     parallel_for(part.count, kBlock, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
-        const size_t kernel = part.first + i;
+        const size_t kernel = kernel_of(part.first + i);
         const Eigen::Vector3f& x = kernels.positions_m[kernel];
         const Symmetric3f& s = kernels.covariances_m2[kernel];
         const Eigen::Quaternionf& q = kernels.world_from_asset[kernel];

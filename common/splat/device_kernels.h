@@ -13,13 +13,13 @@ namespace livegs {
 // for its bands.
 class DeviceKernels {
  public:
-  // `backend` outlives the kernels.
-  static Result<DeviceKernels> create(Backend& backend, const GaussianAsset& asset);
+  // `backend` outlives the kernels. `kept`: which of the asset's kernels, ascending; empty: all.
+  static Result<DeviceKernels> create(Backend& backend, const GaussianAsset& asset, std::vector<uint32_t> kept = {});
   ~DeviceKernels();
   DeviceKernels(DeviceKernels&& other) noexcept;
   DeviceKernels& operator=(DeviceKernels&& other) noexcept;
 
-  // Where the kernels are now. Of the asset's size.
+  // Where the asset's kernels are now, those that are not kept as well.
   Result<void> pose(const PosedKernels& kernels);
 
   // What project_splats reads, for kernels [first, first + count).
@@ -29,7 +29,7 @@ class DeviceKernels {
   };
   const std::vector<Part>& parts() const { return parts_; }
 
-  uint32_t size() const { return size_; }
+  uint32_t size() const { return size_; }  // kernels kept
   int sh_degree() const { return sh_degree_; }
   uint32_t sh_row_words() const { return sh_row_words_; }
   bool antialiased() const { return antialiased_; }
@@ -44,6 +44,10 @@ class DeviceKernels {
 
   Backend* backend_;
   std::vector<Part> parts_;
+  size_t kernel_of(size_t place) const { return kept_.empty() ? place : kept_[place]; }
+
+  std::vector<uint32_t> kept_;
+  size_t asset_size_ = 0;
   uint32_t size_ = 0;
   int sh_degree_ = 0;
   uint32_t sh_row_words_ = 0;

@@ -82,6 +82,12 @@ Result<void> FrameSplats::make_room(uint32_t kernels, size_t eyes) {
 
 Result<void> FrameSplats::project(std::span<const DeviceKernels* const> objects, std::span<const Camera> eyes,
                                   const Options& options) {
+  if (auto done = prepare(objects, eyes, options); !done) return done;
+  return project_prepared(objects, options);
+}
+
+Result<void> FrameSplats::prepare(std::span<const DeviceKernels* const> objects, std::span<const Camera> eyes,
+                                  const Options& options) {
   LIVEGS_ASSERT(eyes.size() == 1 || eyes.size() == 2);
   uint64_t total = 0;
   for (const DeviceKernels* object : objects) total += object->size();
@@ -92,7 +98,10 @@ Result<void> FrameSplats::project(std::span<const DeviceKernels* const> objects,
   kernel_count_ = static_cast<uint32_t>(total);
   if (auto made = make_room(std::max(1u, kernel_count_), eyes.size()); !made) return made;
   const FrameViews views = frame_views(eyes, options);
-  if (auto done = backend_->upload(views_, std::as_bytes(std::span(&views, 1))); !done) return done;
+  return backend_->upload(views_, std::as_bytes(std::span(&views, 1)));
+}
+
+Result<void> FrameSplats::project_prepared(std::span<const DeviceKernels* const> objects, const Options& options) {
   uint32_t first_row = 0;
   for (const DeviceKernels* object : objects) {
     const int degree = std::clamp(options.max_sh_degree, 0, std::min(object->sh_degree(), kMaxShDegree));

@@ -26,11 +26,19 @@ class FrameSplats {
   FrameSplats(const FrameSplats&) = delete;
   FrameSplats& operator=(const FrameSplats&) = delete;
 
-  // Culls, projects and shades all kernels for one eye or two. TooLarge when the device cannot hold them all.
+  // Makes room for these objects and sets the eyes, for the passes of project. TooLarge when the device cannot hold
+  // them all.
+  Result<void> prepare(std::span<const DeviceKernels* const> objects, std::span<const Camera> eyes, const Options& options);
+  // Culls, projects and shades all kernels for one eye or two, those that were prepared.
+  Result<void> project_prepared(std::span<const DeviceKernels* const> objects, const Options& options);
+  // Both.
   Result<void> project(std::span<const DeviceKernels* const> objects, std::span<const Camera> eyes,
                        const Options& options);
   // Nearest first. Call after project.
   Result<void> sort();
+
+  // Gives all buffers back until the next frame.
+  void forget() { release(); }
 
   // After sort: places in rows(), and how many of them are drawn.
   BufferId order() const { return sorter_->values(); }

@@ -3,7 +3,7 @@
 // them. Prints a CSV: medians and the slowest of a few frames in which the camera walks around a shell of
 // kernels with three bands, after a warm-up. skin: the pass that poses rigid kernels, of a thousand bodies;
 // upload: what skinning on the CPU costs on top, 52 bytes a kernel; project, sort and draw as RenderTimes has
-// them, draw with resolve and reading back. Bytes are those of a kernel on the device, pictures left out. Run
+// them, draw with resolve and reading back; device_...: the passes alone, by the device's clock. Bytes are those of a kernel on the device, pictures left out. Run
 // by hand:
 //   vulkan_bench > tests/bench/results/<processor>/vulkan.csv
 #include <algorithm>
@@ -97,7 +97,7 @@ void measure(const std::shared_ptr<VulkanDevice>& device, const synthetic::Objec
              BlendPrecision precision) {
   const auto renderer =
       take(create_vulkan_renderer(device, {.precision = precision, .separate_times = true}));
-  Samples upload, project, sort, draw;
+  Samples upload, project, sort, draw, device_project, device_sort, device_draw, device_resolve;
   std::vector<Image> images;
   for (int frame = -kWarmUpFrames; frame < kFrames; ++frame) {
     // A new place each frame, as of what moves; the asset is uploaded once.
@@ -112,12 +112,18 @@ void measure(const std::shared_ptr<VulkanDevice>& device, const synthetic::Objec
     project.ms.push_back(times.project_ms);
     sort.ms.push_back(times.sort_ms);
     draw.ms.push_back(times.draw_ms);
+    const DeviceTimes device_times = times.device.value_or(DeviceTimes{});
+    device_project.ms.push_back(device_times.project_ms);
+    device_sort.ms.push_back(device_times.sort_ms);
+    device_draw.ms.push_back(device_times.draw_ms);
+    device_resolve.ms.push_back(device_times.resolve_ms);
   }
   Samples skin = skin_times(device, static_cast<uint32_t>(object.size()));
-  std::printf("%zu,%d,%d,%d,%s,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.1f\n", object.size(),
+  std::printf("%zu,%d,%d,%d,%s,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.1f\n", object.size(),
               eye_count, kWidth, kHeight, precision == BlendPrecision::Half ? "16" : "32", skin.median(),
               skin.slowest(), upload.median(), upload.slowest(), project.median(), project.slowest(),
-              sort.median(), sort.slowest(), draw.median(), draw.slowest(),
+              sort.median(), sort.slowest(), draw.median(), draw.slowest(), device_project.median(), device_sort.median(),
+              device_draw.median(), device_resolve.median(),
               bytes_a_kernel(device, object.asset, eye_count));
   std::fflush(stdout);
 }
@@ -128,7 +134,8 @@ void measure_all() {
   std::printf(
       "kernels,eyes,width,height,blend_bits,skin_ms,skin_max_ms,upload_ms,upload_max_ms,project_ms,project_"
       "max_ms,"
-      "sort_ms,sort_max_ms,draw_ms,draw_max_ms,bytes_a_kernel\n");
+      "sort_ms,sort_max_ms,draw_ms,draw_max_ms,device_project_ms,device_sort_ms,device_draw_ms,device_resolve_ms,"
+      "bytes_a_kernel\n");
   for (const size_t count : {50'000u, 200'000u, 1'000'000u}) {
     // Kernels shrink as they grow in number, so that the shell stays as opaque.
     const synthetic::Object object =

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// A device whose memory ends, and its clock.
+#include <algorithm>
+
+#include "client/render/renderer_fixture.h"
+#include "render/most_visible_kernels.h"
+
+namespace livegs {
+namespace {
+
+using synthetic::Object;
+
+TEST(MostVisibleKernels, AreTheLargeAndOpaque) {
+  Object object;
+  const Eigen::Quaterniond upright = Eigen::Quaterniond::Identity();
+  synthetic::add_kernel(object, {0, 0, 0}, upright, {0.1, 0.1, 0.001}, 0.9, {1, 1, 1});   // 9e-3
+  synthetic::add_kernel(object, {0, 0, 0}, upright, {0.1, 0.1, 0.1}, 0.05, {1, 1, 1});    // 5e-4
+  synthetic::add_kernel(object, {0, 0, 0}, upright, {0.01, 0.01, 0.01}, 0.99, {1, 1, 1}); // 1e-4
+  synthetic::add_kernel(object, {0, 0, 0}, upright, {0.5, 0.002, 0.002}, 0.9, {1, 1, 1}); // 9e-4
+  EXPECT_EQ(most_visible_kernels(object.asset, 1), (std::vector<uint32_t>{0}));
+  EXPECT_EQ(most_visible_kernels(object.asset, 2), (std::vector<uint32_t>{0, 3}));
+  EXPECT_EQ(most_visible_kernels(object.asset, 3), (std::vector<uint32_t>{0, 1, 3}));
+  EXPECT_EQ(most_visible_kernels(object.asset, 9), (std::vector<uint32_t>{0, 1, 2, 3}));
+}
+
+class DeviceLimits : public VulkanPictures {
+ protected:
+  // As the fixture's, with so much memory.
+  void limit_memory(size_t bytes) {
+    renderer_.reset();
+    VulkanDeviceOptions options;
+    options.validation = true;
+    options.on_validation_message = [this](const std::string& message) { messages_.add(message); };
+    options.memory_limit_bytes = bytes;
+    auto device = VulkanDevice::create(options);
+    ASSERT_TRUE(device) << device.error().message;
+    device_ = *std::move(device);
+    make_renderer({});
+  }
+};
+
+// 40 000 kernels want 212 bytes each and three pictures: 9 MB. With half of that the largest are drawn, it is said, and
+// once fewer are there, all of them.
+TEST_F(DeviceLimits, WhereMemoryEndsFewerKernelsAreDrawnAndItIsSaid) {
+  const Object many = synthetic::shell(40'000, 3, 0.006, 3);
+  Object few = synthetic::shell(2'000, 1, 0.02, 4);
+  few.id = 2;
+  const Camera eye = look_at({0.2, 0.3, 1.4}, {0, 0, 0}, Eigen::Vector3d::UnitY(), 0.8, 160, 120);
+  const RenderedObject both[] = {rendered(many.drawn(), 1), rendered(few.drawn(), 2)};
+  const Image whole = draw(both, {&eye, 1})[0];
+  EXPECT_EQ(renderer_->notice(), "");
+  limit_memory(5'000'000);
+  const Image thinned = draw(both, {&eye, 1})[0];
+  EXPECT_NE(renderer_->notice().find("% of the kernels; the rest is not drawn"), std::string::npos) << renderer_->notice();
+  EXPECT_GT(psnr_db(thinned, whole), 20.0);  // nothing would be 11 dB
+  EXPECT_LT(psnr_db(thinned, whole), 60.0);  // it is not the same
+  EXPECT_EQ(draw(both, {&eye, 1})[0].pixels, thinned.pixels);
+  // What moves is drawn where it is.
+  const Object moved = synthetic::moved(many, {{0.1, 0, 0}, Eigen::Quaterniond::Identity()});
+  const RenderedObject after[] = {{moved.drawn(), 3, 1}, both[1]};
+  EXPECT_GT(psnr_db(draw(after, {&eye, 1})[0], oracle(after, {&eye, 1})[0]), 20.0);
+  const Image alone = draw({&both[1], 1}, {&eye, 1})[0];
+  EXPECT_EQ(renderer_->notice(), "");
+  EXPECT_GT(psnr_db(alone, oracle({&both[1], 1}, {&eye, 1})[0]), kBar_db);
+}
+
+TEST_F(DeviceLimits, WithNoMemoryAtAllItIsAnError) {
+  limit_memory(100'000);
+  const Object many = synthetic::shell(4'000, 3, 0.02, 3);
+  const Camera eye = look_at({0.2, 0.3, 1.4}, {0, 0, 0}, Eigen::Vector3d::UnitY(), 0.8, 160, 120);
+  const RenderedObject one = rendered(many.drawn());
+  std::vector<Image> images;
+  const auto done = renderer_->draw({&one, 1}, {&eye, 1}, {}, images);
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, ErrorCode::TooLarge);
+}
+
+// Each pass by the device's clock lies within what the host waited for it; lavapipe has a clock.
+TEST_F(DeviceLimits, ItsClockTellsEachPassAlone) {
+  make_renderer({.separate_times = true});
+  const Object object = synthetic::shell(20'000, 3, 0.01, 5);
+  const Camera eye = look_at({0.2, 0.3, 1.4}, {0, 0, 0}, Eigen::Vector3d::UnitY(), 0.8, 160, 120);
+  for (int picture = 0; picture < 3; ++picture) {
+    draw(object, eye);
+    const RenderTimes& times = renderer_->last_times();
+    ASSERT_TRUE(times.device.has_value());
+    for (const double ms : {times.device->project_ms, times.device->sort_ms, times.device->draw_ms, times.device->resolve_ms})
+      EXPECT_GT(ms, 0.0);
+    EXPECT_LE(times.device->project_ms, times.project_ms);
+    EXPECT_LE(times.device->sort_ms, times.sort_ms);
+    EXPECT_LE(times.device->draw_ms + times.device->resolve_ms, times.draw_ms);
+    EXPECT_GT(times.device->total_ms(), 0.1 * times.total_ms());
+  }
+}
+
+}  // namespace
+}  // namespace livegs
