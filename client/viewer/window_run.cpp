@@ -428,7 +428,8 @@ Result<void> WindowRun::run(const std::atomic<bool>& interrupted) {
     const bool second_is_over = now_ns() - second_ns >= 1'000'000'000;
     const bool due = options_.screenshot_every > 0 ? planned->index % options_.screenshot_every == 0 : second_is_over;
     const bool keeps = due && !options_.screenshots.empty() && camera_ && !records;
-    if (keeps) display_.keep_next(screenshot_);
+    const bool looked_at = options_.on_picture && camera_ && !records;
+    if (keeps || looked_at) display_.keep_next(screenshot_);
     if (auto submitted = display_.submit(*planned, pictures_); !submitted) return submitted;
     const int64_t now = now_ns();
     if (playout_.shown() && !records)
@@ -438,6 +439,7 @@ Result<void> WindowRun::run(const std::atomic<bool>& interrupted) {
     if (keeps) {
       if (auto kept = keep_screenshot(); !kept) return kept;
     }
+    if (looked_at) options_.on_picture(screenshot_);
     if (records) {
       if (auto kept = recording_->keep(recorded_picture_); !kept) return kept;
       if (!recording_->next()) {

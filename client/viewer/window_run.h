@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -23,6 +24,8 @@ struct WindowRunOptions : JoinOptions {
   std::optional<v1::Event::Force> force;
   std::filesystem::path screenshots;  // a folder for window_NNN.png, one a second, and recordings; empty: none
   int screenshot_every = 0;           // so many pictures, in place of one a second; 0: one a second
+  // Called with each picture of the scene as it was shown, panels included.
+  std::function<void(const Image& shown)> on_picture;
 };
 
 // Joins and shows the scene in a window, in which the mouse turns the view, takes hold of things and shoots.
