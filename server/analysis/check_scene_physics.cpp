@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -61,6 +62,11 @@ Result<void> check_scene_physics(const Physics& written) {
                     field.value, field.low, field.high);
       return invalid_argument(message);
     }
+  }
+  const bool in_range = std::all_of(written.interior_rgb().begin(), written.interior_rgb().end(),
+                                    [](double part) { return part >= 0.0 && part <= 1.0; });
+  if (const int parts = written.interior_rgb_size(); (parts != 0 && parts != 3) || !in_range) {
+    return invalid_argument("interior_rgb: must be three numbers between 0 and 1: red, green and blue");
   }
   // JSON may hold an enumerator as a number, and any number passes.
   if (!Physics::Behavior_IsValid(written.behavior())) {

@@ -55,6 +55,7 @@ Result<v1::PhysicalParameters> merge_scene_physics(const v1::PhysicalParameters&
   }
   if (written.has_fragile()) merged.set_fragile(written.fragile());
   if (written.has_fracture_pieces()) merged.set_fracture_pieces(written.fracture_pieces());
+  if (written.interior_rgb_size() > 0) *merged.mutable_interior_rgb() = written.interior_rgb();
 
   // What was told about stiffness alone means the body as a whole: no structure coefficient is guessed on top
   // of it.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <Eigen/Core>
 #include <algorithm>
 
 #include "analysis/estimate.h"
@@ -42,6 +43,9 @@ Material to_material(const v1::PhysicalParameters& parameters) {
   material.fragile = parameters.fragile();
   material.break_impulse_n_s = parameters.break_impulse_n_s().best();
   if (parameters.fracture_pieces() > 0) material.fracture_pieces = parameters.fracture_pieces();
+  if (parameters.interior_rgb_size() == 3) {
+    material.interior_rgb = Eigen::Vector3d(parameters.interior_rgb().data()).cast<float>();
+  }
   material.friction = parameters.friction().best();
   material.restitution = parameters.restitution().best();
   return material;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <Eigen/Core>
+#include <optional>
+
 namespace livegs {
 
 enum class Behavior { Auto, Static, Rigid, Elastic };
@@ -27,6 +30,7 @@ struct Material {
   bool fragile = false;
   double break_impulse_n_s = 0.0;
   unsigned fracture_pieces = 32;        // a fragile body is cut into, 2 … 64
+  std::optional<Eigen::Vector3f> interior_rgb;  // of cut faces, 0 … 1 as displayed; none: as the surface near by
   double friction = 0.5;                // 0 … 2
   double restitution = 0.2;             // 0 … 1
 

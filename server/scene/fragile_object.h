@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <future>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -43,6 +44,7 @@ struct FragileOptions {
   Similarity object_from_asset;
   // Where a coarser surface is cut, the fine one that the kernels lie on: those of cut faces outside it are left out.
   std::shared_ptr<const TriangleMesh> fine_mesh;
+  std::optional<Eigen::Vector3f> interior_rgb;  // as Material has it
 };
 // `mesh` is closed, in the object frame.
 Result<FragileObject> prepare_fragile(const TriangleMesh& mesh, Fill fill, const GaussianAsset& asset,

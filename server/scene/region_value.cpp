@@ -51,6 +51,7 @@ Result<RegionMaterial> material_value(const v1::Physics& written, const std::str
       {"fragile", written.has_fragile()},
       {"break_impulse_n_s", written.has_break_impulse_n_s()},
       {"fracture_pieces", written.has_fracture_pieces()},
+      {"interior_rgb", written.interior_rgb_size() > 0},
       {"friction", written.has_friction()},
       {"restitution", written.has_restitution()},
   };

@@ -226,7 +226,9 @@ void Scene::begin_cut(const SceneObject& object) {
   options.pieces.seed = seed_ + object.id;
   Cuttable& cuttable = cuttable_.at(object.id);
   cuttable.pieces = material.fracture_pieces;
+  cuttable.interior_rgb = material.interior_rgb;
   options.pieces.piece_count = material.fracture_pieces;
+  options.interior_rgb = material.interior_rgb;
   if (cuttable.fine != cuttable.mesh) options.fine_mesh = cuttable.fine;
   std::erase_if(cutting_, [&](const FragileTask& task) { return task.object_id() == object.id; });
   cutting_.emplace_back(object.id, *cuttable.mesh, material.fill, object.asset, options);
@@ -236,7 +238,8 @@ void Scene::cut_anew(const SceneObject& object) {
   const Material& material = *world_->material(object.id);
   const auto cuttable = cuttable_.find(object.id);
   if (cuttable == cuttable_.end() || !material.fragile || world_->revision(object.id) > 0) return;
-  if (cuttable->second.pieces == material.fracture_pieces) return;
+  const bool same_inside = cuttable->second.interior_rgb == material.interior_rgb;
+  if (cuttable->second.pieces == material.fracture_pieces && same_inside) return;
   begin_cut(object);
   if (!wait_for_pieces_) return;
   take_cut(cutting_.back());

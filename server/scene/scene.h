@@ -154,6 +154,7 @@ class Scene {
   struct Cuttable {
     std::shared_ptr<const TriangleMesh> mesh, fine;
     unsigned pieces = 0;
+    std::optional<Eigen::Vector3f> interior_rgb;
   };
   std::map<uint32_t, Cuttable> cuttable_;
 };

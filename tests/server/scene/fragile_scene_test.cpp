@@ -4,6 +4,7 @@
 
 #include <chrono>
 
+#include "geometry/piece_kernels.h"
 #include "scene/fragile_object.h"
 #include "scene/scene.h"
 
@@ -84,6 +85,42 @@ TEST(FragileScene, WhatBecomesFragileInTheFallBreaksWhenItLands) {
   EXPECT_GT(thing.fragility->bodies, 1u);
   ASSERT_TRUE(thing.broken);
   EXPECT_EQ(thing.asset, thing.broken->asset);
+}
+
+TEST(FragileScene, CutFacesHaveTheColourThatIsToldOfTheInside) {
+  const Eigen::Vector3f told(0.8f, 0.3f, 0.1f);
+  const auto off = [&](const SceneObject& thing) {
+    float most = 0;
+    size_t inside = 0;
+    for (size_t k = 0; k < thing.broken->source.size(); ++k) {
+      if (thing.broken->source[k] != kInteriorKernel) continue;
+      ++inside;
+      const Eigen::Vector3f rgb = (0.5f + 0.28209479f * thing.broken->asset->sh_dc[k].array()).matrix();
+      most = std::max(most, (rgb - told).cwiseAbs().maxCoeff());
+    }
+    EXPECT_GT(inside, 100u);
+    return most;
+  };
+  v1::Physics physics = fragile(8);
+  v1::Event recoloured;
+  recoloured.mutable_set_physics()->set_object("thing");
+  for (const float part : told) recoloured.mutable_set_physics()->mutable_physics()->add_interior_rgb(part);
+  v1::Scene file = one_object(physics, false);
+  recoloured.set_time_s(0.05);
+  *file.add_events() = recoloured;
+  auto scene = Scene::build(file, "", "colour", {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_GT(off(*scene->find("thing")), 0.05f);  // as the surface near by
+  for (int tick = 0; tick < 6; ++tick) scene->step();
+  EXPECT_LT(off(*scene->find("thing")), 1e-6f);
+
+  physics.add_interior_rgb(0.5);
+  EXPECT_FALSE(Scene::build(one_object(physics, false), "", "colour", {}));
+  physics.add_interior_rgb(0.5);
+  physics.add_interior_rgb(1.5);
+  const auto refused = Scene::build(one_object(physics, false), "", "colour", {});
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("interior_rgb"), std::string::npos) << refused.error().message;
 }
 
 TEST(FragileScene, ALiveSceneCutsItBesideTheTicks) {
