@@ -131,6 +131,12 @@ std::vector<RenderedObject> SceneView::rendered() const {
   return drawn;
 }
 
+std::vector<DrawnObject> SceneView::drawn() const {
+  std::vector<DrawnObject> objects;
+  for (const RenderedObject& object : rendered()) objects.push_back(object.drawn);
+  return objects;
+}
+
 Result<void> SceneView::draw_again(SplatRenderer& renderer, std::span<const Camera> eyes, std::vector<Image>& images) const {
   RenderOptions options;
   options.background = kBackground;

@@ -58,6 +58,9 @@ class SceneView {
   const std::string& renderer_name() const { return renderer_->name(); }
   std::string notice() const { return renderer_->notice(); }  // as SplatRenderer has it
 
+  // What the last picture shows, or pose() posed.
+  std::vector<DrawnObject> drawn() const;
+
   // World bounds of each object (never the environment) as it stands in the last picture, or after pose():
   // from the 1st to the 99th percentile of its kernels along each axis, so that haze and floaters do not
   // count.

@@ -53,6 +53,8 @@ Result<void> HandMarks::add_to(SceneView& view) {
   return {};
 }
 
+bool HandMarks::is_mark(uint32_t object_id) { return object_id >= kFirstId; }
+
 void HandMarks::append(const std::array<HandSample, 2>& hands, std::span<const Force> forces, DriverFrame& drivers) {
   for (uint32_t hand = 0; hand < 2; ++hand) {
     if (!hands[hand].active) continue;

@@ -17,6 +17,7 @@ class HandMarks {
  public:
   // Once. Their ids are the last two there are; a server counts from 1.
   static Result<void> add_to(SceneView& view);
+  static bool is_mark(uint32_t object_id);
 
   // A force that a hand exerts.
   struct Force {

@@ -19,15 +19,13 @@
 #include "viewer/load_scene.h"
 #include "viewer/playout.h"
 #include "viewer/render_scale.h"
+#include "viewer/touch_feel.h"
+#include "viewer/touch_prediction.h"
 
 namespace livegs {
 namespace {
 
 constexpr double kBudgetOfPeriod = 0.8;      // for drawing
-constexpr float kFeltImpulse_n_s = 0.02f;    // less is not felt
-constexpr float kFullImpulse_n_s = 1.0f;     // as strong as the controller can
-constexpr double kContact_s = 0.02, kTake_s = 0.015;
-constexpr float kTakeAmplitude = 0.3f;
 constexpr size_t kMostLatencies = 1 << 20;
 
 class HeadsetRun {
@@ -44,7 +42,9 @@ class HeadsetRun {
   Result<void> take_news();
   Result<void> place();
   void send_hands();
+  void vibrate(size_t hand, const std::optional<TouchFeel::Pulse>& pulse);
   void feel(const ReceivedFrame& frame);
+  void foresee(int64_t displayed_ns);
   void add_marks(DriverFrame& drivers) const;
   Result<void> draw(PlannedFrame& planned);
 
@@ -59,7 +59,8 @@ class HeadsetRun {
   bool placed_ = false;
   int64_t placed_ns_ = 0;
   InputSample sample_;
-  std::array<uint32_t, 2> held_{};  // object ids; 0: none
+  TouchFeel feel_;
+  TouchPrediction touch_;
   FrameMeter meter_;
   uint64_t measured_sequence_ = 0;
   std::vector<double> latencies_ms_, draws_ms_;
@@ -119,25 +120,39 @@ void HeadsetRun::send_hands() {
   client_.send(sample_);
 }
 
-// What contacts gave the object that a hand holds, and that it was taken.
+void HeadsetRun::vibrate(size_t hand, const std::optional<TouchFeel::Pulse>& pulse) {
+  if (!pulse) return;
+  display_.vibrate(hand, pulse->amplitude, pulse->seconds);
+  ++vibrations_;
+}
+
+// What the server says: what a hand holds, and what contacts gave that.
 void HeadsetRun::feel(const ReceivedFrame& frame) {
   std::array<uint32_t, 2> held{};
   for (const HeldByHand& one : frame.hands) {
-    if (one.hand > 1) continue;
-    held[one.hand] = one.object_id;
-    float amplitude = 0;
-    double seconds = kContact_s;
-    if (held_[one.hand] != one.object_id) {
-      amplitude = kTakeAmplitude;
-      seconds = kTake_s;
-    } else if (one.contact_impulse_n_s > kFeltImpulse_n_s) {
-      amplitude = std::min(1.0f, std::sqrt(one.contact_impulse_n_s / kFullImpulse_n_s));
-    }
-    if (amplitude == 0) continue;
-    display_.vibrate(one.hand, amplitude, seconds);
-    ++vibrations_;
+    if (one.hand < held.size()) held[one.hand] = one.object_id;
   }
-  held_ = held;
+  for (size_t hand = 0; hand < held.size(); ++hand) vibrate(hand, feel_.holds(hand, held[hand]));
+  for (const HeldByHand& one : frame.hands) {
+    if (one.hand < held.size()) vibrate(one.hand, feel_.told(one.hand, one.contact_impulse_n_s, now_ns()));
+  }
+}
+
+// What is about to touch, as it is drawn. An object that hangs on a ray does not go where the hand goes.
+void HeadsetRun::foresee(int64_t displayed_ns) {
+  const auto& hands = display_.input().hands;
+  for (size_t hand = 0; hand < hands.size(); ++hand) {
+    uint32_t in_grip = 0;
+    bool on_ray = false;
+    for (const HeldByHand& one : playout_.shown()->hands) {
+      if (one.hand == hand) (one.grabbed ? in_grip = one.object_id : on_ray = true);
+    }
+    const auto touch = on_ray ? std::nullopt : touch_.at(hand, hands[hand], in_grip, view_, displayed_ns);
+    if (touch)
+      vibrate(hand, feel_.foreseen(hand, touch->touches, touch->speed_m_s, now_ns()));
+    else
+      feel_.not_foreseen(hand);
+  }
 }
 
 void HeadsetRun::add_marks(DriverFrame& drivers) const {
@@ -158,6 +173,7 @@ Result<void> HeadsetRun::draw(PlannedFrame& planned) {
   if (!drivers) return display_.submit(planned, {});
   if (options_.marks) add_marks(*drivers);
   if (auto posed = view_.pose(*drivers); !posed) return posed;
+  foresee(planned.display_time_ns);
   display_.update_views(planned);  // skinning took its time, and the head moves on
   const auto image = display_.acquire();
   if (!image) return display_.submit(planned, {});

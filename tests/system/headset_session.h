@@ -32,14 +32,14 @@ class HeadsetSession : public ::testing::Test {
     std::function<void()> on_kept = {};   // with each picture that is kept
   };
 
-  // Boxes that float, each named; nothing else is there.
-  static Scene floating(const std::map<std::string, Eigen::Vector3d>& boxes) {
+  // Boxes that float, each named; nothing else is there. Those named `fixed` stay where they are.
+  static Scene floating(const std::map<std::string, Eigen::Vector3d>& boxes, const std::string& fixed = {}) {
     std::string objects;
     for (const auto& [name, at] : boxes) {
       char text[400];
       std::snprintf(text, sizeof text, R"(%s{ "name": "%s", "shape": { "box": { "size_m": [0.12, 0.12, 0.12] } },
-        "pose": { "position_m": [%g, %g, %g] }, "physics": { "behavior": "RIGID", "mass_kg": 1 } })",
-                    objects.empty() ? "" : ", ", name.c_str(), at.x(), at.y(), at.z());
+        "pose": { "position_m": [%g, %g, %g] }, "physics": { "behavior": "%s" } })",
+                    objects.empty() ? "" : ", ", name.c_str(), at.x(), at.y(), at.z(), name == fixed ? "STATIC" : R"(RIGID", "mass_kg": 1, "fill": "SOLID)");
       objects += text;
     }
     v1::Scene file;
