@@ -28,6 +28,7 @@
 #include "session/metrics.h"
 #include "session/run_summary.h"
 #include "session/server_security.h"
+#include "session/session_recorder.h"
 #include "session/simulation_loop.h"
 #include "trust/fingerprint.h"
 #include "trust/state_folder.h"
@@ -45,6 +46,8 @@ struct Options {
   std::optional<int> substeps;
   int threads = 0;
   double seconds = 0;
+  std::string record;
+  livegs::RecordingOptions recording;
   bool print_port = false;
   bool wait_for_client = false;
   bool verbose = false;
@@ -89,6 +92,7 @@ sigset_t block_ending_signals() {
   sigaddset(&signals, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   signal(SIGPIPE, SIG_IGN);
+  signal(SIGXFSZ, SIG_IGN);  // a file over its limit is an error of its write, as a full disk is
   return signals;
 }
 
@@ -154,6 +158,10 @@ int run(const Options& options) {
         (*server)->encode_ahead(loaded);
         analysis.take_reloaded(loaded);
       });
+  loop.record_with((*server)->recorder());
+  if (!options.record.empty()) {
+    if (auto begun = (*server)->recorder().start(options.record, options.recording); !begun) return report(begun.error());
+  }
   (*server)->open(loop.scene(), loop);
   (*server)->open_analysis(analysis);
   (*server)->open_run(run);
@@ -203,6 +211,8 @@ int run(const Options& options) {
   notice.say("STOPPING=1");
   (*server)->shut_down(reason);
   loop.stop();
+  if (const auto recorded = (*server)->recorder().stop(); !recorded && recorded.error().code != ErrorCode::NotFound)
+    log_warn("%s", recorded.error().message.c_str());
   std::fputs(run_summary(loop.scene(), loop.summary(), (*server)->published(), (*server)->sessions()).c_str(),
              stdout);
   return 0;
@@ -234,6 +244,11 @@ int main(int argc, char** argv) {
   app.add_option("--metrics", options.metrics_port,
                  "Serve metrics for Prometheus on 127.0.0.1:PORT; 0 lets the system choose; none when left out")
       ->check(CLI::Range(0, 65535));
+  app.add_option("--record", options.record,
+                 "Record the session into this new file, *.lvgrec, from the first tick on; livegs ctl record does it later");
+  app.add_flag("--record-inputs-only", options.recording.inputs_only,
+               "Without frames: it can be simulated again, not watched");
+  app.add_flag("--record-assets", options.recording.assets, "With assets, so that it can be watched anywhere");
   app.add_option("--log-format", options.log_format, "text, or json: an object a line")
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();
@@ -246,7 +261,7 @@ int main(int argc, char** argv) {
   app.add_option("--model", options.endpoint.model, "The model to ask for, instead of LIVEGS_MODEL");
   app.add_option("--recorded", options.endpoint.recorded, "Replay the answers of this folder instead of asking")
       ->check(CLI::ExistingDirectory);
-  app.add_option("--record", options.endpoint.record, "Keep the answers in this folder, for --recorded");
+  app.add_option("--record-answers", options.endpoint.record, "Keep the answers in this folder, for --recorded");
   app.add_option("--prompts", options.endpoint.prompts,
                  "A folder of prompts: its files take the place of those of the same names that are built in")
       ->check(CLI::ExistingDirectory);

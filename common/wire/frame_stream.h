@@ -47,6 +47,9 @@ EncodedStreamFrame encode_stream_frame(const DriverFrame& frame, const StreamBas
 DriverFrame frame_of(const StreamBaseline& baseline);
 uint64_t tick_of(const StreamBaseline& baseline);
 
+// Simulated time of the frame, by its head alone.
+Result<int64_t> stream_frame_time_ns(std::span<const std::byte> bytes);
+
 class StreamReader {
  public:
   // Accepts any bytes. An error leaves the reader as it was; unless the next frame is the one that belongs

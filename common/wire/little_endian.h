@@ -61,6 +61,12 @@ class ByteReader {
     return std::bit_cast<double>(read<uint64_t>());
   }
 
+  // Past `count` bytes, as reading them does.
+  void skip(size_t count) {
+    failed_ = failed_ || count > remaining();
+    offset_ = count > remaining() ? bytes_.size() : offset_ + count;
+  }
+
   bool failed() const { return failed_; }
   size_t offset() const { return offset_; }
   size_t remaining() const { return bytes_.size() - offset_; }

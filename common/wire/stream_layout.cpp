@@ -1,26 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "wire/stream_layout.h"
 
+#include "wire/word_hash.h"
+
 namespace livegs::stream_layout {
-namespace {
-
-// A mixing of words in order (constants of splitmix64).
-class Hash {
- public:
-  void add(uint64_t word) {
-    state_ = (state_ ^ word) * 0xBF58476D1CE4E5B9u;
-    state_ ^= state_ >> 29;
-  }
-  uint32_t value() const { return static_cast<uint32_t>(state_ >> 16); }
-
- private:
-  uint64_t state_ = 0x9E3779B97F4A7C15u;
-};
-
-}  // namespace
 
 uint32_t hash_of(const StreamBaseline& baseline) {
-  Hash hash;
+  WordHash hash;
   hash.add(baseline.tick);
   for (const auto& object : baseline.objects) {
     const DriverGrid& grid = object->now;
@@ -34,22 +20,6 @@ uint32_t hash_of(const StreamBaseline& baseline) {
     if (i < v.size()) hash.add(static_cast<uint32_t>(v[i]));
   }
   return hash.value();
-}
-
-void write_varint(ByteWriter& out, uint64_t value) {
-  for (; value >= 0x80; value >>= 7) out.write(static_cast<uint8_t>(value | 0x80));
-  out.write(static_cast<uint8_t>(value));
-}
-
-std::optional<uint64_t> read_varint(ByteReader& in) {
-  uint64_t value = 0;
-  for (int shift = 0; shift < 64; shift += 7) {
-    const uint8_t byte = in.read<uint8_t>();
-    if (in.failed() || (shift == 63 && byte > 1)) return std::nullopt;
-    value |= static_cast<uint64_t>(byte & 0x7F) << shift;
-    if (byte < 0x80) return value;
-  }
-  return std::nullopt;
 }
 
 bool same_form(const DriverGrid& a, const DriverGrid& b) {

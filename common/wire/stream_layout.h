@@ -5,13 +5,13 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "wire/driver_grid.h"
 #include "wire/frame_stream.h"
 #include "wire/little_endian.h"
 #include "wire/residual_planes.h"
+#include "wire/varint.h"
 
 // What writing and reading a frame of a stream have in common; proto/frame_format.md, "Streams". For these
 // two alone.
@@ -57,9 +57,6 @@ class StreamBaseline {
 namespace stream_layout {
 
 uint32_t hash_of(const StreamBaseline& baseline);
-void write_varint(ByteWriter& out, uint64_t value);
-// Nothing where it is cut short or longer than 64 bits.
-std::optional<uint64_t> read_varint(ByteReader& in);
 
 // Of one object of a frame: how its integers are written.
 struct Entry {

@@ -235,6 +235,13 @@ Result<StreamBaselinePtr> read_frame(std::span<const std::byte> bytes, const Str
 
 }  // namespace
 
+Result<int64_t> stream_frame_time_ns(std::span<const std::byte> bytes) {
+  ByteReader in(bytes);
+  const auto header = read_header(in);
+  if (!header) return header.error();
+  return header->simulated_ns;
+}
+
 Result<DriverFrame> StreamReader::read(std::span<const std::byte> bytes) {
   auto next = read_frame(bytes, baseline_.get());
   failed_ = !next;

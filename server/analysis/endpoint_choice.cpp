@@ -38,10 +38,10 @@ Result<std::unique_ptr<ModelEndpoint>> choose_endpoint(const EndpointChoice& cho
   const bool told = !choice.url.empty() || !choice.model.empty() || !choice.record.empty();
   if (choice.offline && (told || !choice.recorded.empty())) {
     return invalid_argument(
-        "--offline: asks nobody; leave it out, or leave out --endpoint, --model, --record and --recorded");
+        "--offline: asks nobody; leave it out, or leave out --endpoint, --model, --record-answers and --recorded");
   }
   if (!choice.recorded.empty() && told) {
-    return invalid_argument("--recorded: replays a folder; leave out --endpoint, --model and --record");
+    return invalid_argument("--recorded: replays a folder; leave out --endpoint, --model and --record-answers");
   }
   std::unique_ptr<ModelEndpoint> none;
   if (choice.offline) return none;
@@ -59,7 +59,7 @@ Result<std::unique_ptr<ModelEndpoint>> choose_endpoint(const EndpointChoice& cho
   if (!choice.model.empty()) settings->model = choice.model;
   if (settings->base_url.empty()) {
     return invalid_argument(
-        "--record, --model: no endpoint is set; give --endpoint URL or set OPENAI_BASE_URL");
+        "--record-answers, --model: no endpoint is set; give --endpoint URL or set OPENAI_BASE_URL");
   }
   settings->prompt_folder = choice.prompts;
   settings->web_search = choice.web_search;

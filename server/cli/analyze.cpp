@@ -306,7 +306,7 @@ void add_analyze(CLI::App& app, int& exit_code) {
       ->add_option("--recorded", options->endpoint.recorded,
                    "Replay the answers of this folder instead of asking")
       ->check(CLI::ExistingDirectory);
-  command->add_option("--record", options->endpoint.record,
+  command->add_option("--record-answers", options->endpoint.record,
                       "Keep the answers in this folder, for --recorded");
   command
       ->add_option(

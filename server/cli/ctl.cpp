@@ -8,10 +8,12 @@
 #include <chrono>
 #include <cstdio>
 #include <ctime>
+#include <filesystem>
 #include <memory>
 #include <string>
 
 #include "cli/commands.h"
+#include "cli/replay.h"
 #include "livegs/v1/admin.grpc.pb.h"
 #include "session/grant.h"
 #include "session/server_security.h"
@@ -28,6 +30,9 @@ struct Options {
   std::string server = "127.0.0.1:9780";
   AccessOptions access;
   bool json = false;
+  std::string file;
+  bool inputs_only = false, with_assets = false;
+  ReplayOptions replaying;
   std::string session, reason, token_id, token_name, scope = "interact";
   double days = kTokenDays;
 };
@@ -168,6 +173,13 @@ void print_status(const v1::ServerStatus& status) {
   } else {
     std::printf("certificate   none: in the clear, for this machine only\n");
   }
+  if (status.has_recording()) {
+    const v1::RecordingStatus& recording = status.recording();
+    std::printf("recording     %s: %s, %llu ticks, %.1f MB%s%s\n", recording.path().c_str(),
+                recording.recording() ? "is being written" : "has ended",
+                static_cast<unsigned long long>(recording.ticks()), static_cast<double>(recording.bytes()) * 1e-6,
+                recording.message().empty() ? "" : "; ", recording.message().c_str());
+  }
   std::printf("clients       %d here, %llu sessions so far\n", status.clients_size(),
               static_cast<unsigned long long>(status.sessions()));
 }
@@ -202,6 +214,31 @@ int add_token(const Options& options) {
                  day(reply.token().expires_unix_s()).c_str());
     std::printf("%s\n", reply.secret().c_str());
   });
+}
+
+// A path that the caller's shell completed, for a server on the same machine, which stands elsewhere.
+std::string recording_path(const Options& options) {
+  const auto address = parse_host_port(options.server);
+  return address && address->loopback ? std::filesystem::absolute(options.file).string() : options.file;
+}
+
+int start_recording(const Options& options) {
+  v1::StartRecordingRequest request;
+  request.set_path(recording_path(options));
+  request.set_inputs_only(options.inputs_only);
+  request.set_assets(options.with_assets);
+  return ask_and_print(options, &v1::Admin::Stub::StartRecording, request, [](const v1::RecordingStatus& status) {
+    std::printf("recording %s\n", status.path().c_str());
+  });
+}
+
+int stop_recording(const Options& options) {
+  return ask_and_print(
+      options, &v1::Admin::Stub::StopRecording, v1::StopRecordingRequest(), [](const v1::RecordingStatus& status) {
+        std::printf("recorded %s: %llu ticks, %.1f MB%s%s\n", status.path().c_str(),
+                    static_cast<unsigned long long>(status.ticks()), static_cast<double>(status.bytes()) * 1e-6,
+                    status.message().empty() ? "" : "; ", status.message().c_str());
+      });
 }
 
 int health(const Options& options) {
@@ -259,6 +296,27 @@ void add_ctl(CLI::App& app, int& exit_code) {
                          [](const v1::DrainReply&) { std::printf("the server says goodbye and ends\n"); });
   });
   drain->add_option("--reason", options->reason, "What clients are told");
+
+  auto* record = ctl->add_subcommand("record", "Record the session into a file, to watch it or simulate it again");
+  record->require_subcommand(1);
+  record->fallthrough();
+  auto* begun = add(record, "start", "From the next tick on", start_recording);
+  begun->add_option("FILE", options->file, "A new file on the server's machine, *.lvgrec")->required();
+  begun->add_flag("--inputs-only", options->inputs_only, "Without frames: it can be simulated again, not watched");
+  begun->add_flag("--assets", options->with_assets, "With assets, so that it can be watched anywhere");
+  add(record, "stop", "End it in order", stop_recording);
+
+  auto* replayed = add(ctl, "replay", "What a recording holds; no server is needed", [](const Options& given) {
+    ReplayOptions replaying = given.replaying;
+    replaying.json = given.json;
+    return replay(replaying);
+  });
+  replayed->add_option("FILE", options->replaying.file, "A recording, *.lvgrec")->required();
+  replayed->add_flag("--verify", options->replaying.verify,
+                     "Simulate it again, and tell whether every frame is equal to the bit; exit code 0 if so");
+  replayed->add_option("--scene", options->replaying.folder,
+                       "The folder of the scene's assets, if it is not where it was")
+      ->check(CLI::ExistingDirectory);
 
   auto* tokens = ctl->add_subcommand("tokens", "Who may do what");
   tokens->require_subcommand(1);

@@ -204,7 +204,8 @@ std::shared_ptr<const DistanceField> collision_field(const TriangleMesh& mesh) {
 }
 
 Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem::path& folder, int index,
-                                 const std::string& field, const WorldSettings& settings) {
+                                 const std::string& field, const WorldSettings& settings,
+                                 const v1::PhysicsFile* sidecar) {
   const int64_t started_ns = now_ns();
   const auto fail = [&](const Error& error) {
     return Error{error.code, error.message.starts_with(field) ? error.message : field + ": " + error.message};
@@ -216,7 +217,9 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   ObjectFacts facts = facts_of(*form, name, object.form_case() == v1::Object::kAsset);
   const std::filesystem::path kept_in = physics_file_of(object, folder);
   v1::PhysicsFile kept;
-  if (!kept_in.empty()) {
+  if (sidecar && !kept_in.empty()) {
+    kept = *sidecar;
+  } else if (!kept_in.empty()) {
     auto file = read_physics_file(kept_in);
     if (!file) return fail(file.error());
     kept = std::move(*file);
@@ -315,6 +318,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   built.drawn.physics = std::move(*parameters);
   built.drawn.written = object.physics();
   built.drawn.physics_file = kept_in;
+  if (kept.ByteSizeLong() > 0) built.drawn.sidecar = std::make_shared<const v1::PhysicsFile>(kept);
   built.drawn.mass_kg = material.behavior == Behavior::Static ? 0.0 : material.mass_kg;
   built.drawn.surface_note = std::move(form->surface_note);
   built.drawn.facts = std::make_shared<const ObjectFacts>(std::move(facts));

@@ -33,9 +33,10 @@ struct BuiltObject {
 
 // Asset, shape or points to surface, facts, parameters and body. Pure but for reading files: objects of a
 // scene are built in parallel. `index` picks a colour for what has none; `field` is what errors call the
-// object; `settings` are the world's it will live in.
+// object; `settings` are the world's it will live in; `sidecar` takes the place of the one on disk, null leaves that.
 Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem::path& folder, int index,
-                                 const std::string& field, const WorldSettings& settings);
+                                 const std::string& field, const WorldSettings& settings,
+                                 const v1::PhysicsFile* sidecar = nullptr);
 
 // Cells of a collision field along the longest side of what it covers.
 inline constexpr int kFieldCells = 64;

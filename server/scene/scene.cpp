@@ -48,6 +48,14 @@ Result<WorldSettings> world_settings(const v1::Scene& file, const SceneOptions& 
   return settings;
 }
 
+// What takes the place of an object's sidecar; null: the one on disk.
+const v1::PhysicsFile* sidecar_of(const SceneOptions& options, const v1::Object& object, int index) {
+  static const v1::PhysicsFile kNone;
+  if (!options.sidecars) return nullptr;
+  const auto found = options.sidecars->find(object_name(object, index));
+  return found == options.sidecars->end() ? &kNone : &found->second;
+}
+
 // A folder with one scene file means that scene.
 std::optional<std::filesystem::path> only_scene_file(const std::filesystem::path& folder) {
   std::optional<std::filesystem::path> found;
@@ -112,9 +120,9 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
   Scene scene;
   scene.next_id_ = options.first_object_id;
   scene.name_ = std::move(name);
+  scene.folder_ = folder;
+  scene.options_ = options;
   scene.file_ = file;
-  scene.seed_ = options.seed;
-  scene.wait_for_pieces_ = options.wait_for_pieces;
   std::stable_sort(scene.file_.mutable_events()->begin(), scene.file_.mutable_events()->end(),
                    [](const v1::Event& a, const v1::Event& b) { return a.time_s() < b.time_s(); });
   scene.world_ = std::make_unique<World>(*settings);
@@ -126,7 +134,8 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
     for (size_t i = begin; i < end; ++i) {
       const int index = static_cast<int>(i);
       built[i] =
-          build_object(file.objects(index), folder, index, "objects[" + std::to_string(i) + "]", *settings);
+          build_object(file.objects(index), folder, index, "objects[" + std::to_string(i) + "]", *settings,
+                       sidecar_of(options, file.objects(index), index));
       if (*built[i]) log_built(**built[i]);
     }
   });
@@ -223,7 +232,7 @@ void Scene::begin_cut(const SceneObject& object) {
   drawn(object.id).fragility = fragility;
   FragileOptions options;
   options.object_from_asset = object.rest.object_from_asset;
-  options.pieces.seed = seed_ + object.id;
+  options.pieces.seed = options_.seed + object.id;
   Cuttable& cuttable = cuttable_.at(object.id);
   cuttable.pieces = material.fracture_pieces;
   cuttable.interior_rgb = material.interior_rgb;
@@ -241,7 +250,7 @@ void Scene::cut_anew(const SceneObject& object) {
   const bool same_inside = cuttable->second.interior_rgb == material.interior_rgb;
   if (cuttable->second.pieces == material.fracture_pieces && same_inside) return;
   begin_cut(object);
-  if (!wait_for_pieces_) return;
+  if (!options_.wait_for_pieces) return;
   take_cut(cutting_.back());
   cutting_.pop_back();
 }
@@ -277,11 +286,22 @@ void Scene::follow_breaks() {
   }
 }
 
-void Scene::step() {
-  for (FragileTask& task : cutting_) {
-    if (task.ready()) take_cut(task);
+void Scene::take_cuts(std::span<const uint32_t> object_ids) {
+  for (const uint32_t id : object_ids) {
+    for (FragileTask& task : cutting_) {
+      if (task.object_id() == id && !task.taken()) take_cut(task);
+    }
   }
   std::erase_if(cutting_, [](const FragileTask& task) { return task.taken(); });
+}
+
+void Scene::step() {
+  std::vector<uint32_t> done;
+  for (const FragileTask& task : cutting_) {
+    if (!options_.cuts_told && task.ready()) done.push_back(task.object_id());
+  }
+  take_cuts(done);
+  changes_.cut.insert(changes_.cut.end(), done.begin(), done.end());
   const uint64_t tick = world_->tick();
   std::erase_if(running_forces_, [&](const auto& running) {
     if (running.first > tick) return false;

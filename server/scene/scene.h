@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,9 @@
 
 namespace livegs {
 
+namespace v1 {
+class SceneSource;  // livegs/v1/recording.proto
+}
 struct ObjectFacts;  // analysis/estimate.h
 struct BrokenAsset;  // scene/fragile_object.h
 class FragileTask;
@@ -50,6 +54,7 @@ struct SceneObject {
   v1::PhysicalParameters physics;      // with the source of each value
   v1::Physics written;                 // the author's words in the scene file
   std::filesystem::path physics_file;  // its sidecar, whether it exists or not; empty for what no file stands for
+  std::shared_ptr<const v1::PhysicsFile> sidecar;  // as it was read when the object was built; null without one
   double mass_kg = 0;
   std::vector<Eigen::Vector3d> rest_particles_m;  // of an elastic body, object frame; empty otherwise
   std::optional<ElasticAccuracy> elastic;         // of an elastic body, as it was built or last changed
@@ -71,6 +76,9 @@ struct SceneOptions {
   bool wait_for_pieces = true;  // before load() returns; else they break only once their pieces are made
   uint32_t first_object_id = 1;  // of objects and balls: a scene that takes another's place has none of its ids
   bool cut_fragile = true;      // false: nothing breaks, for those who only look
+  // By object, in place of the sidecars on disk; an object that is not in it has none. Null: those on disk.
+  std::shared_ptr<const std::map<std::string, v1::PhysicsFile>> sidecars;
+  bool cuts_told = false;  // pieces that load() did not wait for come by take_cuts() alone, to simulate a run again
 };
 
 // A scene that runs. One thread owns it. `objects` grows when a ball is shot and shrinks when one is taken
@@ -85,6 +93,10 @@ class Scene {
   // The same from a parsed file; `folder` is what its paths are relative to.
   static Result<Scene> build(const v1::Scene& file, const std::filesystem::path& folder, std::string name,
                              const SceneOptions& options);
+  // The same from what source() said of a scene, with the assets in `folder`; its cuts are told.
+  static Result<Scene> build_again(const v1::SceneSource& source, const std::filesystem::path& folder);
+  // What this was built from.
+  v1::SceneSource source() const;
 
   // Applies the file's events that are due, then steps the world by one tick.
   void step();
@@ -113,10 +125,14 @@ class Scene {
   Result<std::vector<std::string>> set_physics(uint32_t object_id, v1::PhysicalParameters physics);
   BuiltAs built_as(const SceneObject& object) const;
 
+  // Pieces of these objects, in this order, before the next step; waits for those that are still being made.
+  void take_cuts(std::span<const uint32_t> object_ids);
+
   // Ids of objects that came, went or changed (broke, were cut, had their physics set) since the last call, for clients
   // that are connected.
   struct Changes {
     std::vector<uint32_t> added, removed, changed;
+    std::vector<uint32_t> cut;  // those whose pieces were done, in the order in which a step took them
   };
   Changes take_changes();
 
@@ -134,6 +150,8 @@ class Scene {
   const SceneObject& add_drawn(SceneObject drawn, const Similarity& object_from_asset);
 
   std::string name_;
+  std::filesystem::path folder_;
+  SceneOptions options_;
   v1::Scene file_;
   std::unique_ptr<World> world_;
   std::deque<SceneObject> objects_;
@@ -147,8 +165,6 @@ class Scene {
   ScriptedGrabs grabs_;
   std::deque<uint32_t> balls_;                                 // oldest first
   Changes changes_;
-  uint64_t seed_ = 1;
-  bool wait_for_pieces_ = true;
   std::vector<FragileTask> cutting_;
   // Of rigid objects: the surface that is cut and the one that kernels lie on, and what they were last cut into.
   struct Cuttable {

@@ -45,8 +45,8 @@ const char* state_name(ClientSession::State state) {
 
 }  // namespace
 
-AdminService::AdminService(SessionTable& table, ServerSecurity* security)
-    : table_(table), security_(security), started_ns_(now_ns()) {}
+AdminService::AdminService(SessionTable& table, ServerSecurity* security, SessionRecorder& recorder)
+    : table_(table), security_(security), recorder_(recorder), started_ns_(now_ns()) {}
 
 void AdminService::set_drain(Drainer drain) {
   std::lock_guard lock(mutex_);
@@ -71,6 +71,8 @@ grpc::ServerUnaryReactor* AdminService::GetStatus(grpc::CallbackServerContext* c
   }
   reply->set_up_s(seconds_from_ns(now - started_ns_));
   reply->set_sessions(table_.totals().sessions);
+  if (v1::RecordingStatus recording = recorder_.status(); !recording.path().empty())
+    *reply->mutable_recording() = std::move(recording);
   for (const auto& session : table_.sessions_now()) {
     v1::ClientStatus& client = *reply->add_clients();
     client.set_session(session->id.substr(0, 8));
@@ -142,6 +144,24 @@ grpc::ServerUnaryReactor* AdminService::Drain(grpc::CallbackServerContext* conte
   }
   if (!drain) return finish(context, {grpc::StatusCode::UNAVAILABLE, "this server is still building its scene"});
   drain(request->reason().empty() ? "the server is being drained" : "the server is being drained: " + request->reason());
+  return finish(context, grpc::Status::OK);
+}
+
+grpc::ServerUnaryReactor* AdminService::StartRecording(grpc::CallbackServerContext* context,
+                                                       const v1::StartRecordingRequest* request,
+                                                       v1::RecordingStatus* reply) {
+  auto started = recorder_.start(request->path(), {request->inputs_only(), request->assets()});
+  if (!started) return finish(context, to_status(started.error()));
+  log_info("recording %s", request->path().c_str());
+  *reply = recorder_.status();
+  return finish(context, grpc::Status::OK);
+}
+
+grpc::ServerUnaryReactor* AdminService::StopRecording(grpc::CallbackServerContext* context,
+                                                      const v1::StopRecordingRequest*, v1::RecordingStatus* reply) {
+  auto stopped = recorder_.stop();
+  if (!stopped) return finish(context, to_status(stopped.error()));
+  *reply = std::move(*stopped);
   return finish(context, grpc::Status::OK);
 }
 

@@ -7,6 +7,7 @@
 
 #include "livegs/v1/admin.grpc.pb.h"
 #include "session/server_security.h"
+#include "session/session_recorder.h"
 #include "session/session_table.h"
 
 namespace livegs {
@@ -16,11 +17,13 @@ namespace livegs {
 class AdminService final
     : public v1::Admin::WithCallbackMethod_GetStatus<v1::Admin::WithCallbackMethod_KickClient<
           v1::Admin::WithCallbackMethod_AddToken<v1::Admin::WithCallbackMethod_ListTokens<
-              v1::Admin::WithCallbackMethod_RevokeToken<v1::Admin::WithCallbackMethod_Drain<v1::Admin::Service>>>>>> {
+              v1::Admin::WithCallbackMethod_RevokeToken<v1::Admin::WithCallbackMethod_Drain<
+                  v1::Admin::WithCallbackMethod_StartRecording<
+                      v1::Admin::WithCallbackMethod_StopRecording<v1::Admin::Service>>>>>>>> {
  public:
   using Drainer = std::function<void(const std::string& reason)>;
   // `security` null: in the clear.
-  AdminService(SessionTable& table, ServerSecurity* security);
+  AdminService(SessionTable& table, ServerSecurity* security, SessionRecorder& recorder);
 
   void set_drain(Drainer drain);
 
@@ -36,10 +39,17 @@ class AdminService final
                                         v1::Token* reply) override;
   grpc::ServerUnaryReactor* Drain(grpc::CallbackServerContext* context, const v1::DrainRequest* request,
                                   v1::DrainReply* reply) override;
+  grpc::ServerUnaryReactor* StartRecording(grpc::CallbackServerContext* context,
+                                           const v1::StartRecordingRequest* request,
+                                           v1::RecordingStatus* reply) override;
+  grpc::ServerUnaryReactor* StopRecording(grpc::CallbackServerContext* context,
+                                          const v1::StopRecordingRequest* request,
+                                          v1::RecordingStatus* reply) override;
 
  private:
   SessionTable& table_;
   ServerSecurity* const security_;
+  SessionRecorder& recorder_;
   const int64_t started_ns_;
   std::mutex mutex_;  // guards drain_
   Drainer drain_;

@@ -23,6 +23,8 @@ Result<Pose> checked_pose(const Floats& position, const Floats& orientation, con
     return invalid_argument(field + "_orientation: is no unit quaternion");
   }
   pose.orientation.normalize();
+  // To floats, as it came: a recording holds them to the bit in half the bytes.
+  for (double& component : pose.orientation.coeffs()) component = static_cast<double>(static_cast<float>(component));
   return pose;
 }
 

@@ -216,13 +216,10 @@ Result<v1::PhysicsReply> LiveAnalysis::apply(const Known& known, const v1::Physi
   }
   for (const std::string& later : hold_as_built(built, *layered)) reply.add_warnings(later);
   *reply.mutable_parameters() = *layered;
-  loop_.post(
-      [name = known.object->name, physics = *layered](Scene& scene) {
-        const SceneObject* object = scene.find(name);  // by name: a reset gives new ids
-        if (!object) return;
-        const auto set = scene.set_physics(object->id, physics);
-        if (!set) log_warn("%s: %s", name.c_str(), set.error().message.c_str());
-      });
+  v1::SceneChange change;
+  change.mutable_set_physics()->set_object(known.object->name);
+  *change.mutable_set_physics()->mutable_physics() = *layered;
+  loop_.post(std::move(change));
   for (const std::string& later : reply.warnings()) {
     log_warn("%s: %s", known.object->name.c_str(), later.c_str());
   }

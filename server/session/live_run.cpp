@@ -62,7 +62,9 @@ Result<void> LiveRun::reset() {
 
 Result<void> LiveRun::apply_force(const v1::Event::Force& force) {
   if (auto checked = check_force(force); !checked) return checked;
-  loop_.post([force](Scene& scene) { scene.apply_force(force); });
+  v1::SceneChange change;
+  *change.mutable_force() = force;
+  loop_.post(std::move(change));
   return {};
 }
 

@@ -84,12 +84,13 @@ Result<void> check_listen_address(const std::string& address, bool secure) {
 }
 
 struct LiveServer::Parts {
-  explicit Parts(ServerSecurity* security) : service(table, assets, security ? &security->tokens() : nullptr), admin(table, security) {
+  explicit Parts(ServerSecurity* security) : service(table, assets, security ? &security->tokens() : nullptr), admin(table, security, recorder) {
     if (!security) return;
     table.check_grants_with([security](const Grant& grant) { return security->tokens().check_still(grant); });
   }
   SessionTable table;
   AssetStore assets;
+  SessionRecorder recorder{assets};
   LiveService service;
   AdminService admin;
   std::unique_ptr<grpc::Server> server;
@@ -146,6 +147,8 @@ void LiveServer::open(const Scene& scene, InputSink& inputs) {
   for (const SceneObject& object : scene.objects()) objects.push_back(&object);
   open(scene.name(), scene.world().settings().rate_hz, objects, inputs);
 }
+
+SessionRecorder& LiveServer::recorder() { return parts_->recorder; }
 
 void LiveServer::open_drain(std::function<void(const std::string&)> drain) { parts_->admin.set_drain(std::move(drain)); }
 

@@ -16,6 +16,7 @@
 namespace livegs {
 
 class ServerSecurity;
+class SessionRecorder;
 
 // HOST:PORT, checked: a port, and, unless `secure`, an address of this very machine: any other is listened on with TLS
 // and tokens only.
@@ -37,6 +38,8 @@ class LiveServer {
 
   int port() const;
   TickSink& ticks();
+  // For SimulationLoop::record_with(); livegs ctl starts and stops it.
+  SessionRecorder& recorder();
 
   // Encodes every asset on the calling thread, then lets clients in. `inputs` outlives shut_down().
   void open(const std::string& scene_name, double rate_hz, std::span<const SceneObject* const> objects,

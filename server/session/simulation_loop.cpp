@@ -19,7 +19,7 @@ constexpr int64_t kLongestSleep_ns = 50'000'000;
 }  // namespace
 
 SimulationLoop::SimulationLoop(Scene scene, TickSink& sink, std::function<void(const Scene&)> observe)
-    : scene_(std::move(scene)), sink_(sink), observe_(std::move(observe)), tick_(scene_.world().tick()) {}
+    : scene_run_(std::move(scene)), sink_(sink), observe_(std::move(observe)) {}
 
 SimulationLoop::~SimulationLoop() { stop(); }
 
@@ -57,7 +57,7 @@ void SimulationLoop::forget(SessionNumber session) {
 }
 
 void SimulationLoop::run() {
-  const auto period_ns = static_cast<int64_t>(std::llround(1e9 / scene_.world().settings().rate_hz));
+  const auto period_ns = static_cast<int64_t>(std::llround(1e9 / scene().world().settings().rate_hz));
   int64_t due_ns = now_ns();
   {
     std::lock_guard lock(summary_mutex_);
@@ -81,7 +81,7 @@ void SimulationLoop::run() {
   }
 }
 
-void SimulationLoop::post(std::function<void(Scene&)> change) {
+void SimulationLoop::post(v1::SceneChange change) {
   std::lock_guard lock(mutex_);
   posted_.push_back(std::move(change));
 }
@@ -114,14 +114,6 @@ RunStatus SimulationLoop::run_status() const {
   return run_;
 }
 
-bool SimulationLoop::takes_step() {
-  std::lock_guard lock(mutex_);
-  if (!run_.paused) return true;
-  if (steps_left_ == 0) return false;
-  --steps_left_;
-  return true;
-}
-
 void SimulationLoop::take_next_scene() {
   std::optional<Scene> next;
   {
@@ -131,43 +123,26 @@ void SimulationLoop::take_next_scene() {
     run_.loading = false;
     ++run_.resets;
   }
-  simulated_before_ns_ += scene_.world().drivers().simulated_ns;
-  for (const SceneObject& object : scene_.objects()) {
-    controls_.drop_object(scene_, object.id);
-    replaced_.push_back(object.id);
-  }
-  (void)next->take_changes();  // all of it is new
-  scene_ = *std::move(next);
-  scene_is_new_ = true;
-  log_info("reset: %zu objects are as they were loaded", scene_.objects().size());
-}
-
-void SimulationLoop::apply_changes() {
-  take_next_scene();
-  std::vector<std::function<void(Scene&)>> changes;
-  {
-    std::lock_guard lock(mutex_);
-    changes.swap(posted_);
-  }
-  for (const auto& change : changes) change(scene_);
+  scene_run_.replace(*std::move(next));
+  log_info("reset: %zu objects are as they were loaded", scene().objects().size());
 }
 
 void SimulationLoop::tick() {
-  apply_changes();
-  apply_inputs();
-  const int64_t begun_ns = now_ns();
-  const bool steps = takes_step();
-  if (steps) scene_.step();
-  ++tick_;
-  const int64_t stepped_ns = now_ns();
-  const double step_ms = milliseconds_from_ns(stepped_ns - begun_ns);
+  take_next_scene();
+  TickActions actions = take_actions();
+  SteppedTick tick = scene_run_.advance(actions);
+  const double simulated_s = tick.run.simulated_s;
+  tick.run = run_status();
+  tick.run.simulated_s = simulated_s;
   {
     std::lock_guard lock(summary_mutex_);
-    if (steps) step_ms_.add(step_ms);
-    shots_ = controls_.shots();
+    if (actions.stepped) step_ms_.add(tick.step_ms);
+    shots_ = scene_run_.shots();
   }
-  if (observe_) observe_(scene_);
-  sink_.publish(stepped_tick(stepped_ns, step_ms));
+  if (observe_) observe_(scene());
+  if (recorder_) recorder_->record(actions, tick, scene());
+  const int64_t stepped_ns = tick.stepped_ns;
+  sink_.publish(std::move(tick));
   log_every_second(stepped_ns);
 }
 
@@ -182,66 +157,27 @@ std::vector<InputSample> SimulationLoop::due(std::deque<InputSample>& samples, u
   return taken;
 }
 
-void SimulationLoop::apply_inputs() {
-  const double now_s = static_cast<double>(tick_) / scene_.world().settings().rate_hz;
-  const uint64_t next_tick = tick_ + 1;
-  std::map<SessionNumber, std::vector<InputSample>> arrived;
-  std::vector<SessionNumber> gone, stalled;
-  {
-    std::lock_guard lock(mutex_);
-    gone.swap(gone_);
-    for (auto& [session, mailbox] : mailboxes_) {
-      arrived[session] = due(mailbox.samples, next_tick);
-      if (now_ns() - mailbox.heard_ns > kStalledAfter_ns) stalled.push_back(session);
-    }
+TickActions SimulationLoop::take_actions() {
+  const uint64_t next_tick = scene_run_.tick() + 1;
+  TickActions actions;
+  std::lock_guard lock(mutex_);
+  actions.changes.swap(posted_);
+  actions.over.swap(gone_);
+  for (auto& [session, mailbox] : mailboxes_) {
+    auto samples = due(mailbox.samples, next_tick);
+    if (!samples.empty()) actions.samples.push_back({session, std::move(samples)});
+    if (now_ns() - mailbox.heard_ns > kStalledAfter_ns && scene_run_.holding(session)) actions.released.push_back(session);
   }
-  for (SessionNumber session : gone) {
-    controls_.forget(scene_, session);
-    applied_.erase(session);
-  }
-  for (const auto& [session, samples] : arrived) {
-    for (const InputSample& sample : samples) controls_.apply(scene_, session, sample, now_s);
-    uint64_t& applied = applied_[session];
-    if (!samples.empty()) applied = samples.back().sequence;
-  }
-  for (SessionNumber session : stalled) controls_.release(scene_, session);
-}
-
-SteppedTick SimulationLoop::stepped_tick(int64_t stepped_ns, double step_ms) {
-  SteppedTick tick;
-  tick.drivers = scene_.world().drivers();
-  tick.run = run_status();
-  tick.run.simulated_s = seconds_from_ns(tick.drivers.simulated_ns);
-  tick.drivers.tick = tick_;
-  tick.drivers.simulated_ns += simulated_before_ns_;
-  tick.stepped_ns = stepped_ns;
-  tick.step_ms = step_ms;
-  const Scene::Changes changes = scene_.take_changes();
-  if (std::exchange(scene_is_new_, false)) {
-    tick.added.assign(scene_.objects().begin(), scene_.objects().end());
-    tick.removed = std::exchange(replaced_, {});
-    for (const auto& [session, sequence] : applied_) tick.hands.push_back({session, sequence, {}});
-    return tick;
-  }
-  for (uint32_t id : changes.added) {
-    if (const SceneObject* object = scene_.find(id)) tick.added.push_back(*object);
-  }
-  for (uint32_t id : changes.changed) {
-    if (const SceneObject* object = scene_.find(id)) tick.changed.push_back(*object);
-  }
-  tick.removed = changes.removed;
-  for (uint32_t id : changes.removed) controls_.drop_object(scene_, id);
-  for (const auto& [session, sequence] : applied_) {
-    tick.hands.push_back({session, sequence, controls_.held_points(scene_, session)});
-  }
-  return tick;
+  actions.stepped = !run_.paused || steps_left_ > 0;
+  if (run_.paused && steps_left_ > 0) --steps_left_;
+  return actions;
 }
 
 void SimulationLoop::log_every_second(int64_t stepped_ns) {
   if (stepped_ns - logged_ns_ < 1'000'000'000) return;
   const SimulationSummary now = summary();
   log_debug("simulation: tick %llu, %.1f a second, step p50 %.2f ms p99 %.2f ms, %llu late, %llu slips",
-            static_cast<unsigned long long>(scene_.world().tick()),
+            static_cast<unsigned long long>(scene().world().tick()),
             static_cast<double>(now.ticks - logged_ticks_) / seconds_from_ns(stepped_ns - logged_ns_),
             now.step_ms_p50, now.step_ms_p99, static_cast<unsigned long long>(now.late_ticks),
             static_cast<unsigned long long>(now.slips));

@@ -12,7 +12,7 @@
 
 #include "scene/scene.h"
 #include "session/duration_histogram.h"
-#include "session/hand_controls.h"
+#include "session/scene_run.h"
 #include "session/stepped_tick.h"
 
 namespace livegs {
@@ -54,9 +54,12 @@ class SimulationLoop : public InputSink {
   void hear(SessionNumber session, std::span<const InputSample> samples) override;
   void forget(SessionNumber session) override;
 
+  // From the first tick on; it outlives the loop. Before start().
+  void record_with(TickRecorder& recorder) { recorder_ = &recorder; }
+
   // Changes the scene at the beginning of the next tick, on the loop's thread, in the order of the calls. Any thread;
   // returns at once. What is posted after the last tick is dropped.
-  void post(std::function<void(Scene&)> change);
+  void post(v1::SceneChange change);
 
   // Halted, ticks go on with the same drivers, inputs and changes are taken, and nothing moves.
   void pause(bool paused);
@@ -69,7 +72,7 @@ class SimulationLoop : public InputSink {
   RunStatus run_status() const;
 
   // Precondition: not running.
-  const Scene& scene() const { return scene_; }
+  const Scene& scene() const { return scene_run_.scene(); }
   SimulationSummary summary() const;  // any thread
 
  private:
@@ -81,31 +84,22 @@ class SimulationLoop : public InputSink {
 
   void run();
   void tick();
-  void apply_changes();
   void take_next_scene();
-  bool takes_step();
-  void apply_inputs();
+  TickActions take_actions();
   // Of a session's samples those whose tick has come, and all before them.
   static std::vector<InputSample> due(std::deque<InputSample>& samples, uint64_t tick);
-  SteppedTick stepped_tick(int64_t stepped_ns, double step_ms);
   void log_every_second(int64_t now_ns);
 
-  Scene scene_;
+  SceneRun scene_run_;  // the loop's thread only
   TickSink& sink_;
   std::function<void(const Scene&)> observe_;
-  HandControls controls_;                      // the loop's thread only
-  std::map<SessionNumber, uint64_t> applied_;  // newest sequence applied; the loop's thread only
-
-  uint64_t tick_ = 0;          // as clients know it: those of scenes before, and halted ones, count; the loop's thread only
-  int64_t simulated_before_ns_ = 0;         // in scenes before
-  std::vector<uint32_t> replaced_;          // ids of the scene whose place was taken in this tick
-  bool scene_is_new_ = false;
+  TickRecorder* recorder_ = nullptr;
 
   mutable std::mutex mutex_;  // guards mailboxes_, gone_, posted_ and the next three
   RunStatus run_;
   uint32_t steps_left_ = 0;  // while halted
   std::optional<Scene> next_scene_;
-  std::vector<std::function<void(Scene&)>> posted_;
+  std::vector<v1::SceneChange> posted_;
   std::map<SessionNumber, Mailbox> mailboxes_;
   std::vector<SessionNumber> gone_;
 

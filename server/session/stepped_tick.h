@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/input_sample.h"
+#include "recording/tick_record.h"
 #include "scene/scene.h"
 #include "skin/driver_frame.h"
 
@@ -51,10 +52,12 @@ struct SteppedTick {
   int64_t stepped_ns = 0;  // when the step was done
   double step_ms = 0;
   RunStatus run;
+  bool scene_is_new = false;       // it took the place of another: all of it is added, all of that removed
   std::vector<SceneObject> added;  // since the tick before
   std::vector<uint32_t> removed;
   std::vector<SceneObject> changed;  // broke, were cut, or had their physics set; as they are now
   std::vector<SessionHands> hands;  // ascending session
+  std::vector<uint32_t> cuts;  // fragile objects whose pieces were done, in the order in which the step took them
 };
 
 // Takes ticks, on the simulation's thread, and returns at once.
@@ -62,6 +65,13 @@ class TickSink {
  public:
   virtual ~TickSink() = default;
   virtual void publish(SteppedTick tick) = 0;
+};
+
+// Takes what each tick took from outside and what it left behind, on the simulation's thread, and returns at once.
+class TickRecorder {
+ public:
+  virtual ~TickRecorder() = default;
+  virtual void record(const TickActions& actions, const SteppedTick& tick, const Scene& scene) = 0;
 };
 
 // Takes what clients do. Any thread; returns at once.

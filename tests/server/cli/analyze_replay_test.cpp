@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `livegs analyze --record` and `--recorded` as whole programs, against a server that the test makes up: what
+// `livegs analyze --record-answers` and `--recorded` as whole programs, against a server that the test makes up: what
 // is kept beside the assets is the same to the byte, whenever and wherever the answers are replayed.
 #include <gtest/gtest.h>
 
@@ -84,7 +84,7 @@ TEST(AnalyzeReplay, GivesTheSameBytesEveryTimeAndAsksNobody) {
   {
     TestModelServer server(made_up_answer);
     live = analyze(scratch / "live",
-                   {"--endpoint", server.base_url(), "--model", "made-up", "--record", answers});
+                   {"--endpoint", server.base_url(), "--model", "made-up", "--record-answers", answers});
     EXPECT_EQ(server.posts().size(), 3u);  // and one repair
   }
   ASSERT_EQ(live.code, 0) << live.err;

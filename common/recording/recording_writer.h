@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "livegs/v1/session.pb.h"
+#include "recording/driver_hash.h"
+#include "recording/recording_file.h"
+#include "recording/recording_totals.h"
+#include "recording/tick_record.h"
+#include "wire/frame_stream.h"
+
+namespace livegs {
+
+// One key tick, as the index has it.
+struct KeyTick {
+  uint64_t tick = 0;
+  int64_t simulated_ns = 0;
+  uint64_t offset = 0;  // of its objects chunk
+};
+
+// Writes a recording, proto/recording_format.md, chunk by chunk. After the first that the disk does not take, every call
+// answers with the same error, and the file is whole up to there. One thread.
+class RecordingWriter {
+ public:
+  static Result<RecordingWriter> create(const std::filesystem::path& path, const v1::RecordingStart& start);
+
+  // Before the tick in which it came, changed or went.
+  Result<void> add_event(uint64_t tick, const v1::SessionEvent& event);
+  // The bytes that the hash, 64 hexadecimal digits, is of.
+  Result<void> add_asset(const std::string& hash, std::span<const std::byte> bytes);
+
+  struct Tick {
+    uint64_t tick = 0;
+    TickActions actions;
+    std::optional<v1::SceneSource> scene;  // that took the place of the one before
+    const DriverFrame* drivers = nullptr;  // that it left behind; never null. Its tick is this one
+  };
+  // What encode_tick() made of a tick before the recording began; before add_tick().
+  Result<void> add_past(std::span<const std::byte> encoded);
+  // Ticks rise.
+  Result<void> add_tick(Tick tick);
+  // Writes the index; afterwards nothing may be added.
+  Result<void> finish();
+
+  const v1::RecordingTotals& totals() const { return count_.totals(); }
+  uint64_t bytes() const { return file_.size(); }
+  const std::filesystem::path& path() const { return file_.path(); }
+
+ private:
+  RecordingWriter(RecordingFile file, const v1::RecordingStart& start);
+  Result<void> append(uint8_t kind, std::span<const std::byte> payload);
+  Result<void> add_objects(uint64_t tick);
+
+  RecordingFile file_;
+  std::optional<Error> failed_;
+  const bool inputs_only_;
+  const double rate_hz_;
+  RecordingCount count_;
+  std::map<uint32_t, uint64_t> described_at_;  // by object id, the offset of its newest description
+  std::vector<KeyTick> keys_;
+  SamplesBefore samples_;
+  DriverHashes hashes_;
+  StreamBaselinePtr written_;
+};
+
+}  // namespace livegs

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "livegs/v1/recording.pb.h"
+#include "scene/scene.h"
+
+namespace livegs {
+namespace {
+
+const std::map<std::string, ElasticSolver> kSolvers{{"cells", ElasticSolver::Cells},
+                                                    {"livegs-v1", ElasticSolver::LivegsV1},
+                                                    {"livegs-v1-steady", ElasticSolver::LivegsV1Steady}};
+
+}  // namespace
+
+v1::SceneSource Scene::source() const {
+  v1::SceneSource source;
+  source.set_name(name_);
+  source.set_folder(std::filesystem::absolute(folder_).lexically_normal().string());
+  *source.mutable_file() = file_;
+  if (options_.rate_hz) source.set_rate_hz(*options_.rate_hz);
+  if (options_.substeps) source.set_substeps(*options_.substeps);
+  source.set_seed(options_.seed);
+  source.set_sleep(options_.sleep);
+  for (const auto& [name, solver] : kSolvers) {
+    if (solver == options_.elastic_solver) source.set_elastic_solver(name);
+  }
+  source.set_cut_fragile(options_.cut_fragile);
+  source.set_waited_for_pieces(options_.wait_for_pieces);
+  source.set_first_object_id(options_.first_object_id);
+  for (const SceneObject& object : objects_) {
+    if (object.sidecar) (*source.mutable_sidecars())[object.name] = *object.sidecar;
+  }
+  return source;
+}
+
+Result<Scene> Scene::build_again(const v1::SceneSource& source, const std::filesystem::path& folder) {
+  SceneOptions options;
+  if (source.has_rate_hz()) options.rate_hz = source.rate_hz();
+  if (source.has_substeps()) options.substeps = source.substeps();
+  const auto solver = kSolvers.find(source.elastic_solver());
+  if (solver == kSolvers.end()) return unsupported("elastic solver \"" + source.elastic_solver() + "\": is not known here");
+  options.elastic_solver = solver->second;
+  options.seed = source.seed();
+  options.sleep = source.sleep();
+  options.cut_fragile = source.cut_fragile();
+  options.wait_for_pieces = source.waited_for_pieces();
+  options.first_object_id = source.first_object_id();
+  options.cuts_told = true;
+  options.sidecars = std::make_shared<const std::map<std::string, v1::PhysicsFile>>(source.sidecars().begin(),
+                                                                                  source.sidecars().end());
+  return build(source.file(), folder, source.name(), options);
+}
+
+}  // namespace livegs
