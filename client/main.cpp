@@ -4,6 +4,7 @@
 #include <signal.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <string>
 
@@ -12,6 +13,7 @@
 #include "viewer/force_study.h"
 #include "viewer/headset_run.h"
 #include "viewer/offscreen_run.h"
+#include "viewer/replay_run.h"
 #include "viewer/window_run.h"
 
 namespace {
@@ -35,16 +37,36 @@ bool parse_size(const std::string& text, livegs::PictureSize& size) {
          size.height >= 1 && size.height <= 16384;
 }
 
+int run_replayed(const livegs::ReplayOptions& options, bool window) {
+  if (window) {
+    const auto done = livegs::run_replay_window(options, interrupted);
+    return done ? 0 : report(done.error());
+  }
+  const auto summary = livegs::run_replay(options, interrupted);
+  if (!summary) return report(summary.error());
+  std::fputs(livegs::summary_text(*summary).c_str(), stdout);
+  std::printf("outputs in %s\n", options.output.c_str());
+  return summary->error ? report(*summary->error) : 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   livegs::OffscreenRunOptions options;
   std::string display = "offscreen", renderer = "auto", size, select, force;
+  std::string replay_file;
+  double from_s = 0;
   int threads = 0;
   bool verbose = false, no_video = false, unpair = false;
   livegs::AccessOptions access;
   CLI::App app("Sees and touches a scene that livegs-server streams", "livegs-client");
-  app.add_option("HOST:PORT", options.address, "Where the server listens")->required();
+  auto* address = app.add_option("HOST:PORT", options.address, "Where the server listens");
+  auto* replay = app.add_option("--replay", replay_file, "A recording (*.lvgrec) to see in place of a server")
+                     ->check(CLI::ExistingFile)
+                     ->excludes(address);
+  app.add_option("--from", from_s, "With --replay: seconds after its beginning to start at")
+      ->check(CLI::NonNegativeNumber)
+      ->needs(replay);
   app.add_option("--display", display, "offscreen: pictures become files; window: a desktop window; openxr: a headset, or a window where there is none")
       ->check(CLI::IsMember({"offscreen", "window", "openxr"}))
       ->capture_default_str();
@@ -100,6 +122,9 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
+  if (!std::isfinite(from_s)) return report(livegs::invalid_argument("--from: is not a number"));
+  if (options.address.empty() && replay_file.empty())
+    return report(livegs::invalid_argument("HOST:PORT: is required; where does the server listen? Or give --replay FILE"));
   livegs::PictureSize parsed;
   if (!size.empty()) {
     if (!parse_size(size, parsed))
@@ -111,6 +136,22 @@ int main(int argc, char** argv) {
     options.renderer = renderer == "cpu" ? livegs::RendererChoice::Cpu : livegs::RendererChoice::Vulkan;
   livegs::set_log_level(verbose ? livegs::LogLevel::Debug : livegs::LogLevel::Info);
   livegs::set_thread_count(threads);
+  for (int signal_number : {SIGINT, SIGTERM}) signal(signal_number, [](int) { interrupted = true; });
+  if (!replay_file.empty()) {
+    livegs::ReplayOptions replayed;
+    replayed.file = replay_file;
+    replayed.from_s = from_s;
+    if (app.count("--seconds") > 0) replayed.seconds = options.seconds;
+    replayed.cache = options.cache;
+    if (app.count("--output") > 0) replayed.output = options.output;
+    replayed.size = options.size;
+    replayed.camera_file = options.camera_file;
+    replayed.video_rate_hz = options.video_rate_hz;
+    replayed.png_every = options.png_every;
+    replayed.video = options.video;
+    replayed.renderer = options.renderer;
+    return run_replayed(replayed, display == "window");
+  }
   if (unpair) {
     const auto forgotten = livegs::forget_server(options.address, access.state_dir);
     return forgotten ? 0 : report(forgotten.error());
@@ -118,7 +159,6 @@ int main(int argc, char** argv) {
   auto chosen = livegs::choose_access(options.address, access);
   if (!chosen) return report(chosen.error());
   options.access = std::move(*chosen);
-  for (int signal_number : {SIGINT, SIGTERM}) signal(signal_number, [](int) { interrupted = true; });
 
   livegs::JoinOptions lasting = options;  // for displays that people watch
   if (reconnect->count() == 0) lasting.reconnect_s = livegs::JoinOptions().reconnect_s;

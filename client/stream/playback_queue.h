@@ -6,26 +6,14 @@
 #include <deque>
 #include <mutex>
 #include <optional>
-#include <variant>
 
-#include "stream/received.h"
+#include "stream/stream_item.h"
 
 namespace livegs {
 
-struct ObjectAdded {
-  StreamedObject object;
-};
-struct ObjectChanged {
-  StreamedObject object;
-};
-struct ObjectRemoved {
-  uint32_t object_id = 0;
-};
-using StreamItem = std::variant<ReceivedFrame, ObjectAdded, ObjectChanged, ObjectRemoved, ResumedSession>;
-
 // Between the stream's reader and a drawer that may be slower: everything in the order it came. Bounded: when more than `most_bytes` of frames wait, the oldest are dropped and counted, events
 // never. Any thread.
-class PlaybackQueue {
+class PlaybackQueue final : public ItemSource {
  public:
   explicit PlaybackQueue(size_t most_bytes) : most_bytes_(most_bytes) {}
 
@@ -33,7 +21,7 @@ class PlaybackQueue {
   // No more will come; take() gives what waits and then nothing.
   void close();
   // The oldest item, waiting for one. Nothing when closed and empty.
-  std::optional<StreamItem> take();
+  std::optional<StreamItem> take() override;
 
   uint64_t dropped_frames() const;
 

@@ -28,7 +28,7 @@ void AssetLibrary::ask_for(const std::string& hash, uint64_t bytes) {
 
 Result<AssetLibrary::Loaded> AssetLibrary::load(const std::string& hash, uint64_t bytes) {
   auto obtained = cache_.obtain(hash, bytes, [&](uint64_t offset, const TakeChunk& take) {
-    return client_.fetch_asset(hash, bytes, offset, take);
+    return fetch_(hash, bytes, offset, take);
   });
   if (!obtained) return obtained.error();
   auto file = decode_asset(obtained->bytes, hash.substr(0, 12) + ".ply");

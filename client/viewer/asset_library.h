@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <future>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 
 #include "gaussian/gaussian_asset.h"
 #include "stream/asset_cache.h"
@@ -13,12 +15,19 @@
 
 namespace livegs {
 
-// The assets of a session, decoded, each once however many objects share it. Asking for one starts its fetch
+// The assets of a session or a recording, decoded, each once however many objects share it. Asking for one starts its fetch
 // on a thread of its own, so that a stream's reader never waits for a file. Any thread.
 class AssetLibrary {
  public:
-  // Both outlive the library.
-  AssetLibrary(SessionClient& client, const AssetCache& cache) : client_(client), cache_(cache) {}
+  // The bytes of an asset that the cache has not, from `offset` on; several at a time, on any thread.
+  using FetchAsset =
+      std::function<Result<void>(const std::string& hash, uint64_t bytes, uint64_t offset, const TakeChunk& take)>;
+  // The cache outlives the library, and so does what `fetch` needs.
+  AssetLibrary(FetchAsset fetch, const AssetCache& cache) : fetch_(std::move(fetch)), cache_(cache) {}
+  AssetLibrary(SessionClient& client, const AssetCache& cache)
+      : AssetLibrary([&client](const std::string& hash, uint64_t bytes, uint64_t offset,
+                               const TakeChunk& take) { return client.fetch_asset(hash, bytes, offset, take); },
+                     cache) {}
 
   using Asset = std::shared_ptr<const GaussianAsset>;
   // The object's own asset and, if it has one, that of its fragments.
@@ -41,7 +50,7 @@ class AssetLibrary {
   void ask_for(const std::string& hash, uint64_t bytes);
   Result<Loaded> load(const std::string& hash, uint64_t bytes);
 
-  SessionClient& client_;
+  const FetchAsset fetch_;
   const AssetCache& cache_;
   mutable std::mutex mutex_;  // guards the two below
   std::map<std::string, std::shared_future<Result<Loaded>>> assets_;

@@ -5,7 +5,6 @@
 #include <thread>
 
 #include "core/clock.h"
-#include "core/file.h"
 #include "core/format_text.h"
 #include "core/log.h"
 #include "render/choose_camera.h"
@@ -14,7 +13,7 @@
 #include "viewer/object_line.h"
 #include "viewer/player.h"
 #include "viewer/recorder.h"
-#include "wire/frame_codec.h"
+#include "viewer/write_pictures.h"
 #include "xr/offscreen_display.h"
 
 namespace livegs {
@@ -74,17 +73,6 @@ std::map<std::string, Recorder::Target> script_targets(const JoinedScene& scene,
     targets[object.name] = {object.id, bounds.sizes().maxCoeff()};
   }
   return targets;
-}
-
-Result<void> write_pictures(const Player& player, const std::filesystem::path& folder) {
-  if (player.first_picture()) {
-    if (auto written = write_png(folder / "first.png", *player.first_picture()); !written) return written;
-  }
-  if (player.last_picture()) {
-    if (auto written = write_png(folder / "last.png", *player.last_picture()); !written) return written;
-    return write_file_atomically(folder / "last_frame.bin", encode_frame(*player.last_frame()));
-  }
-  return {};
 }
 
 }  // namespace

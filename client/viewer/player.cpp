@@ -6,7 +6,7 @@
 namespace livegs {
 
 Result<void> Player::play() {
-  while (auto item = queue_.take()) {
+  while (auto item = items_.take()) {
     Result<void> taken;
     if (const auto* frame = std::get_if<ReceivedFrame>(&*item))
       taken = take(*frame);

@@ -7,30 +7,30 @@
 
 #include "render/scene_view.h"
 #include "stream/frame_history.h"
-#include "stream/playback_queue.h"
+#include "stream/stream_item.h"
 #include "viewer/asset_library.h"
 #include "viewer/frame_log.h"
 #include "xr/display.h"
 
 namespace livegs {
 
-// Takes what the recorder queued and draws it at the display's times, on one thread. A display time is shown
+// Takes what comes from a stream or a recording and draws it at the display's times, on one thread. A display time is shown
 // as the moment of the simulation that lies as long after the first frame; the video is even, whatever the
 // network and the drawing did, because simulated time is. While the stream is gone, the last picture stays.
 class Player {
  public:
   // Called with the view posed by the first frame, before the first picture.
   using OnFirstFrame = std::function<Result<void>(const SceneView& view)>;
-  Player(SceneView& view, AssetLibrary& assets, PlaybackQueue& queue, Display& display, DrawnLog log,
+  Player(SceneView& view, AssetLibrary& assets, ItemSource& items, Display& display, DrawnLog log,
          OnFirstFrame on_first_frame)
       : view_(view),
         assets_(assets),
-        queue_(queue),
+        items_(items),
         display_(display),
         log_(std::move(log)),
         on_first_frame_(std::move(on_first_frame)) {}
 
-  // Until the queue is closed and empty; then draws the very last frame by itself.
+  // Until no more comes; then draws the very last frame by itself.
   Result<void> play();
 
   // The first and the last picture. The last is of `last_frame`, not interpolated.
@@ -52,7 +52,7 @@ class Player {
 
   SceneView& view_;
   AssetLibrary& assets_;
-  PlaybackQueue& queue_;
+  ItemSource& items_;
   Display& display_;
   DrawnLog log_;
   OnFirstFrame on_first_frame_;

@@ -129,6 +129,9 @@ void GlfwWindowDisplay::take_input() {
   taken.hide = went_down(GLFW_KEY_H, down(GLFW_KEY_H));
   taken.pause = went_down(GLFW_KEY_P, down(GLFW_KEY_P));
   taken.step = went_down(GLFW_KEY_PERIOD, down(GLFW_KEY_PERIOD));
+  taken.home = went_down(GLFW_KEY_HOME, down(GLFW_KEY_HOME));
+  taken.jump = (went_down(GLFW_KEY_RIGHT, down(GLFW_KEY_RIGHT)) ? 1 : 0) -
+               (went_down(GLFW_KEY_LEFT, down(GLFW_KEY_LEFT)) ? 1 : 0);
   taken.over_panel = io.WantCaptureMouse;
   input_ = taken;
 }

@@ -22,6 +22,8 @@ struct WindowInput {
   bool shoot = false;              // space went down
   bool over_panel = false;         // the mouse is a panel's
   bool hide = false, pause = false, step = false;  // H, P, the full stop went down
+  bool home = false;               // the Home key went down
+  int jump = 0;                    // the right arrow went down: 1; the left: -1
   Eigen::Vector3d flown{0, 0, 0};  // D - A, E - Q, S - W: -1, 0 or 1 each
   double passed_s = 0;             // since the frame before
 };
