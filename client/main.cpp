@@ -14,6 +14,7 @@
 #include "viewer/headset_run.h"
 #include "viewer/offscreen_run.h"
 #include "viewer/replay_run.h"
+#include "viewer/spectate_run.h"
 #include "viewer/window_run.h"
 
 namespace {
@@ -54,7 +55,7 @@ int run_replayed(const livegs::ReplayOptions& options, bool window) {
 int main(int argc, char** argv) {
   livegs::OffscreenRunOptions options;
   std::string display = "offscreen", renderer = "auto", size, select, force;
-  std::string replay_file;
+  std::string replay_file, subscribe;
   double from_s = 0;
   int threads = 0;
   bool verbose = false, no_video = false, unpair = false;
@@ -67,6 +68,9 @@ int main(int argc, char** argv) {
   app.add_option("--from", from_s, "With --replay: seconds after its beginning to start at")
       ->check(CLI::NonNegativeNumber)
       ->needs(replay);
+  app.add_option("--subscribe", subscribe,
+                 "tcp://127.0.0.1:PORT: only watch, by the frames that the server publishes there (livegs-server --publish)")
+      ->excludes(replay);
   app.add_option("--display", display, "offscreen: pictures become files; window: a desktop window; openxr: a headset, or a window where there is none")
       ->check(CLI::IsMember({"offscreen", "window", "openxr"}))
       ->capture_default_str();
@@ -160,6 +164,14 @@ int main(int argc, char** argv) {
   if (!chosen) return report(chosen.error());
   options.access = std::move(*chosen);
 
+  if (!subscribe.empty()) {
+    if (display != "offscreen") return report(livegs::invalid_argument("--subscribe: draws offscreen only"));
+    const auto watched = livegs::run_spectator(subscribe, options, interrupted);
+    if (!watched) return report(watched.error());
+    std::fputs(livegs::summary_text(*watched).c_str(), stdout);
+    std::printf("outputs in %s\n", options.output.c_str());
+    return 0;
+  }
   livegs::JoinOptions lasting = options;  // for displays that people watch
   if (reconnect->count() == 0) lasting.reconnect_s = livegs::JoinOptions().reconnect_s;
   if (display == "openxr") {

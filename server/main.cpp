@@ -46,6 +46,7 @@ struct Options {
   std::optional<int> substeps;
   int threads = 0;
   double seconds = 0;
+  std::string publish;
   std::string record;
   livegs::RecordingOptions recording;
   bool print_port = false;
@@ -126,6 +127,11 @@ int run(const Options& options) {
   if (!security) return report(security.error());
   auto server = LiveServer::listen(options.listen, security->get());
   if (!server) return report(server.error());
+  if (!options.publish.empty()) {
+    const auto published = (*server)->publish(options.publish);
+    if (!published) return report(published.error());
+    log_info("publishing on %s", published->c_str());
+  }
 
   const int64_t begun_ns = now_ns();
   SceneOptions scene_options;
@@ -244,6 +250,9 @@ int main(int argc, char** argv) {
   app.add_option("--metrics", options.metrics_port,
                  "Serve metrics for Prometheus on 127.0.0.1:PORT; 0 lets the system choose; none when left out")
       ->check(CLI::Range(0, 65535));
+  app.add_option("--publish", options.publish,
+                 "tcp://127.0.0.1:PORT: publish frames to livegs-client --subscribe and others on this machine, without "
+                 "tokens; port 0 lets the system choose; none when left out");
   app.add_option("--record", options.record,
                  "Record the session into this new file, *.lvgrec, from the first tick on; livegs ctl record does it later");
   app.add_flag("--record-inputs-only", options.recording.inputs_only,

@@ -24,6 +24,7 @@ v1::Scope needed_scope(std::string_view path) {
       {"/livegs.v1.LiveGs/GetServerInfo", v1::VIEW},
       {"/livegs.v1.LiveGs/Join", v1::VIEW},
       {"/livegs.v1.LiveGs/FetchAsset", v1::VIEW},
+      {"/livegs.v1.Spectators/DescribeScene", v1::VIEW},
       {"/livegs.v1.LiveGs/Stream", v1::VIEW},  // what hands do is taken with INTERACT only
       {"/livegs.v1.LiveGs/AnalyzeObject", v1::VIEW},
       {"/livegs.v1.LiveGs/ApplyForce", v1::INTERACT},

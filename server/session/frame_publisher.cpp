@@ -107,7 +107,9 @@ void FramePublisher::deliver(const SteppedTick& tick) {
     std::lock_guard lock(mutex_);
     ++frames_;
   }
-  table_.deliver(std::move(published), added, changed, tick.removed);
+  const uint64_t event_number = table_.deliver(std::move(published), added, changed, tick.removed);
+  if (fan_out_ && fan_out_->heard())
+    fan_out_->publish({table_.instance(), event_number, tick.stepped_ns, tick.drivers});
 }
 
 PublisherSummary FramePublisher::summary() const {

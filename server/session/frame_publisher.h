@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "session/asset_store.h"
+#include "session/frame_fan_out.h"
 #include "session/published_tick.h"
 #include "session/session_table.h"
 
@@ -30,6 +31,9 @@ class FramePublisher final : public TickSink {
   FramePublisher(SessionTable& table, AssetStore& assets);
   ~FramePublisher() override;
 
+  // From now on every tick goes out there too; it outlives the publisher. Before the first tick.
+  void publish_to(FrameFanOut& fan_out) { fan_out_ = &fan_out; }
+
   void publish(SteppedTick tick) override;
   PublisherSummary summary() const;
 
@@ -43,6 +47,7 @@ class FramePublisher final : public TickSink {
 
   SessionTable& table_;
   AssetStore& assets_;
+  FrameFanOut* fan_out_ = nullptr;
   struct Encoding {
     SceneObject object;
     std::future<void> done;

@@ -19,6 +19,8 @@
 #include "session/describe_object.h"
 #include "session/live_service.h"
 #include "session/server_security.h"
+#include "session/session_recorder.h"
+#include "session/spectator_service.h"
 #include "trust/host_port.h"
 
 namespace livegs {
@@ -92,9 +94,11 @@ struct LiveServer::Parts {
   AssetStore assets;
   SessionRecorder recorder{assets};
   LiveService service;
+  SpectatorService spectators{table};
   AdminService admin;
   std::unique_ptr<grpc::Server> server;
   std::unique_ptr<ConnectionDoor> door;
+  std::unique_ptr<FrameFanOut> fan_out;
   std::unique_ptr<FramePublisher> publisher = std::make_unique<FramePublisher>(table, assets);
   bool shut_down = false;
 };
@@ -112,6 +116,7 @@ Result<std::unique_ptr<LiveServer>> LiveServer::listen(const std::string& addres
   auto acceptor = builder.experimental().AddExternalConnectionAcceptor(
       grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, credentials(security));
   builder.RegisterService(&parts->service);
+  builder.RegisterService(&parts->spectators);
   builder.RegisterService(&parts->admin);
   limit(builder);
   parts->server = builder.BuildAndStart();
@@ -146,6 +151,14 @@ void LiveServer::open(const Scene& scene, InputSink& inputs) {
   std::vector<const SceneObject*> objects;
   for (const SceneObject& object : scene.objects()) objects.push_back(&object);
   open(scene.name(), scene.world().settings().rate_hz, objects, inputs);
+}
+
+Result<std::string> LiveServer::publish(const std::string& address) {
+  auto bound = FrameFanOut::bind(address);
+  if (!bound) return bound.error();
+  parts_->fan_out = std::move(*bound);
+  parts_->publisher->publish_to(*parts_->fan_out);
+  return parts_->fan_out->address();
 }
 
 SessionRecorder& LiveServer::recorder() { return parts_->recorder; }

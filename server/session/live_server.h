@@ -45,6 +45,8 @@ class LiveServer {
   void open(const std::string& scene_name, double rate_hz, std::span<const SceneObject* const> objects,
             InputSink& inputs);
   void open(const Scene& scene, InputSink& inputs);
+  // From now on every frame is published there, too (FrameFanOut::bind()); before the first tick. The address as bound.
+  Result<std::string> publish(const std::string& address);
   // From now on clients may analyse and edit what things are made of. `analysis` outlives shut_down().
   void open_analysis(AnalysisControl& analysis);
   // What `livegs ctl drain` calls, once or more, on a thread of gRPC's; it outlives shut_down().

@@ -145,6 +145,7 @@ Result<void> SessionRecorder::start(const std::filesystem::path& path, const Rec
   std::lock_guard lock(mutex_);
   if (session_) return invalid_argument("recording: one is being written already, " + session_->path().string());
   session_ = std::make_unique<Session>(path, options, assets_);
+  ++sessions_;
   begins_ = true;
   ends_ = false;
   status_.Clear();
@@ -204,8 +205,10 @@ void SessionRecorder::record(const TickActions& taken, const SteppedTick& tick, 
   TickActions actions = taken;
   actions.cuts = tick.cuts;
   bool begins = false, writes = false;
+  uint64_t session = 0;
   {
     std::lock_guard lock(mutex_);
+    session = sessions_;
     writes = session_ && !ends_;
     begins = writes && std::exchange(begins_, false);
   }
@@ -233,7 +236,7 @@ void SessionRecorder::record(const TickActions& taken, const SteppedTick& tick, 
   job->bytes = bytes_of(tick);
   {
     std::lock_guard lock(mutex_);
-    if (!session_) return;
+    if (!session_ || ends_ || sessions_ != session) return;
     waiting_bytes_ += job->bytes;
     waiting_.push_back(std::move(job));
     if (waiting_bytes_ > kMostWaitingBytes) fail("the disk is too slow for the session");

@@ -75,7 +75,8 @@ class SessionRecorder final : public TickRecorder {
   AssetStore& assets_;
   mutable std::mutex mutex_;  // guards everything below but the thread
   std::condition_variable changed_;
-  std::unique_ptr<Session> session_;   // while one is written; its file is the thread's alone
+  std::unique_ptr<Session> session_;  // while one is written; its file is the thread's alone
+  uint64_t sessions_ = 0;             // so far: a tick goes to the one that it was made for
   std::deque<std::unique_ptr<Job>> waiting_;
   size_t waiting_bytes_ = 0;
   bool begins_ = false;    // with the next tick

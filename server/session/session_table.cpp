@@ -149,8 +149,9 @@ Result<std::string> SessionTable::end_session(std::string_view id_begin, const E
   return found->id;
 }
 
-void SessionTable::deliver(std::shared_ptr<const PublishedTick> tick, std::span<const Object> added,
-                           std::span<const Object> changed, std::span<const uint32_t> removed) {
+uint64_t SessionTable::deliver(std::shared_ptr<const PublishedTick> tick, std::span<const Object> added,
+                               std::span<const Object> changed, std::span<const uint32_t> removed) {
+  uint64_t event_number = 0;
   std::vector<std::shared_ptr<ClientSession>> sessions;
   std::vector<std::shared_ptr<ClientSession>> not_reading;
   {
@@ -173,6 +174,7 @@ void SessionTable::deliver(std::shared_ptr<const PublishedTick> tick, std::span<
       std::erase_if(objects_, [&](const Object& object) { return object->object_id() == id; });
       events.emplace_back().mutable_object_removed()->set_object_id(id);
     }
+    event_number = event_number_ += events.size();
     for (const auto& [id, session] : sessions_) {
       sessions.push_back(session);
       for (const v1::SessionEvent& event : events) {
@@ -191,6 +193,13 @@ void SessionTable::deliver(std::shared_ptr<const PublishedTick> tick, std::span<
     if (const auto writer = session->writer()) writer->abort();
     session->park();  // when it comes back it is told of all there is
   }
+  return event_number;
+}
+
+Result<SessionTable::Described> SessionTable::described() const {
+  std::lock_guard lock(mutex_);
+  if (!open_) return Error{ErrorCode::Unavailable, closed_reason_};
+  return Described{scene_, rate_hz_, event_number_, objects_};
 }
 
 void SessionTable::sweep(int64_t now) {

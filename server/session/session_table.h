@@ -62,13 +62,21 @@ class SessionTable {
   // Ends the one session whose id begins so; its id. NotFound for none, InvalidArgument for several or too few digits.
   Result<std::string> end_session(std::string_view id_begin, const Error& why);
 
-  // A new tick for everybody, with what came, changed and went in it.
-  void deliver(std::shared_ptr<const PublishedTick> tick, std::span<const Object> added,
-               std::span<const Object> changed, std::span<const uint32_t> removed);
+  // A new tick for everybody, with what came, changed and went in it. The event number from then on.
+  uint64_t deliver(std::shared_ptr<const PublishedTick> tick, std::span<const Object> added,
+                   std::span<const Object> changed, std::span<const uint32_t> removed);
   // Ends streams that went silent and drops sessions that were parked or never opened a stream for too long; sees to it
   // that the others hear something.
   void sweep(int64_t now_ns);
 
+  // The scene, for who has no session. Unavailable before open and after close.
+  struct Described {
+    std::string scene;
+    double rate_hz = 0;
+    uint64_t event_number = 0;  // births, deaths and changes so far
+    std::vector<Object> objects;
+  };
+  Result<Described> described() const;
   Object object(std::string_view name) const;  // nullptr if unknown
   std::vector<std::string> object_names() const;
   std::vector<std::shared_ptr<ClientSession>> sessions_now() const;
@@ -101,6 +109,7 @@ class SessionTable {
   std::string scene_;
   double rate_hz_ = 0;
   uint64_t tick_ = 0;
+  uint64_t event_number_ = 0;
   InputSink* inputs_ = nullptr;
   std::vector<Object> objects_;  // the environment first
   std::map<std::string, std::shared_ptr<ClientSession>, std::less<>> sessions_;

@@ -180,6 +180,21 @@ TEST_F(WindowOnADisplay, OutlivesItsServer) {
   EXPECT_EQ(window.wait(), 0) << window.err();
 }
 
+TEST_F(WindowOnADisplay, PlaysARecording) {
+  const std::string file = folder_ / "session.lvgrec";
+  Program recording({LIVEGS_TOOL, "ctl", "--server", "127.0.0.1:" + port_, "record", "start", "--assets", file});
+  ASSERT_EQ(recording.wait(), 0) << recording.err();
+  Program client(client_words(port_, {"--seconds", "2", "--no-video", "--every", "0"}));
+  ASSERT_EQ(client.wait(), 0) << client.err();
+  server_->send(SIGTERM);
+  ASSERT_EQ(server_->wait(), 0) << server_->err();
+  // Ends by itself at its end, which is nearer than ten seconds.
+  Program window({"/usr/bin/env", "DISPLAY=" + display_, LIVEGS_CLIENT, "--replay", file, "--from", "0.5", "--seconds",
+                  "10", "--display", "window", "--size", "320x240", "--cache", folder_ / "empty", "--renderer", "cpu"});
+  EXPECT_EQ(window.wait(), 0) << window.err();
+  EXPECT_EQ(window.err().find("error"), std::string::npos) << window.err();
+}
+
 TEST_F(Window, WithoutADisplayItIsOneLineAndCodeOne) {
   Program window(window_words("", "1"));
   EXPECT_EQ(window.wait(), 1);

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+
+#include "stream/spectator.h"
+#include "viewer/offscreen_run.h"
+
+namespace livegs {
+
+struct SpectateSummary {
+  std::string published, renderer;
+  size_t objects = 0;
+  Spectator::Totals spectated;
+  AssetLibrary::Totals assets;
+  ReceivedLog::Summary received;
+  DrawnLog::Summary drawn;
+  uint64_t dropped_frames = 0;
+};
+
+// Watches the frames that a server publishes, tcp://127.0.0.1:PORT, and draws them into options.output as run_offscreen()
+// does; scripts and pokes are nothing to it.
+Result<SpectateSummary> run_spectator(const std::string& published, const OffscreenRunOptions& options,
+                                      const std::atomic<bool>& interrupted);
+std::string summary_text(const SpectateSummary& summary);
+
+}  // namespace livegs
