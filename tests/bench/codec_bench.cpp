@@ -9,66 +9,14 @@
 #include <cstdio>
 #include <functional>
 
-#include "geometry/mass_properties.h"
-#include "geometry/shape_mesh.h"
-#include "physics/world.h"
-#include "server/physics/elastic_bodies.h"
+#include "bench/dragged_blocks.h"
 #include "wire/frame_codec.h"
 #include "wire/frame_stream.h"
 
 using namespace livegs;
-using namespace livegs::test;
+using namespace livegs::bench;
 
 namespace {
-
-constexpr int kBlocks = 4, kBoxes = 200;
-constexpr double kSide_m = 0.28;
-
-World made_world() {
-  WorldSettings settings;
-  World world(settings);
-  Collider floor;
-  floor.shape = PlaneShape{};
-  floor.friction = 0.6;
-  world.add_collider(floor);
-  for (uint32_t i = 0; i < kBlocks; ++i) {
-    ElasticBodyDescription block =
-        describe(particle_grid(Vector3d::Constant(kSide_m), kSide_m / 10), 1e4, 0.3, kSide_m / 10);
-    block.object_id = i + 1;
-    block.material.loss_factor = 0.1;
-    block.world_from_object.position_m = {0.8 * (i % 2), 0.5, 0.8 * (i / 2)};
-    if (auto added = world.add_elastic(block); !added)
-      std::fprintf(stderr, "%s\n", added.error().message.c_str());
-  }
-  const TriangleMesh box = box_mesh({0.04, 0.04, 0.04});
-  for (uint32_t i = 0; i < kBoxes; ++i) {
-    RigidBodyDescription body;
-    body.object_id = 100 + i;
-    body.mesh = box;
-    body.properties = solid_mass_properties(box);
-    body.material.mass_kg = 0.05;
-    body.world_from_object.position_m = {-0.5 + 0.09 * (i % 10), 1.0 + 0.09 * (i / 50),
-                                         -0.5 + 0.09 * (i / 10 % 5)};
-    body.angular_velocity_rad_s = {3.0, 0.1 * i, 1.0};
-    if (auto added = world.add_rigid(body); !added)
-      std::fprintf(stderr, "%s\n", added.error().message.c_str());
-  }
-  return world;
-}
-
-void drag(World& world, uint64_t tick) {
-  for (uint32_t i = 0; i < kBlocks; ++i) {
-    const uint64_t jump = tick / 45 + i;
-    const Vector3d away(0.3 * std::sin(2.1 * static_cast<double>(jump)),
-                        0.3 + 0.2 * std::sin(3.7 * static_cast<double>(jump)),
-                        0.3 * std::cos(1.3 * static_cast<double>(jump)));
-    world.set_spring(i, i + 1,
-                     {{0.4 * kSide_m, 0.4 * kSide_m, 0.0},
-                      Vector3d(0.8 * (i % 2), 0.3, 0.8 * (i / 2)) + away,
-                      2000.0,
-                      400.0});
-  }
-}
 
 struct Error {
   double metres = 0, degrees = 0;
@@ -115,7 +63,7 @@ void report(const char* encoding, const char* phase, const std::vector<DriverFra
 }  // namespace
 
 int main() {
-  World world = made_world();
+  World world = dragged_blocks();
   std::vector<DriverFrame> motion;
   size_t moving = 0;
   for (int i = 0; i < 540; ++i) {

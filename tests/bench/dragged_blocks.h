@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <cstdio>
+
+#include "geometry/mass_properties.h"
+#include "geometry/shape_mesh.h"
+#include "physics/world.h"
+#include "server/physics/elastic_bodies.h"
+
+// Four elastic blocks of 28 cm (1e4 Pa, 10 x 10 x 10 cells each) that are torn to and fro by springs whose targets jump
+// about, up to 0.3 m twice a second, while 200 boxes of 4 cm fall onto a floor among them.
+
+namespace livegs::bench {
+
+inline constexpr int kBlocks = 4, kBoxes = 200;
+inline constexpr double kSide_m = 0.28;
+
+inline World dragged_blocks() {
+  WorldSettings settings;
+  World world(settings);
+  Collider floor;
+  floor.shape = PlaneShape{};
+  floor.friction = 0.6;
+  world.add_collider(floor);
+  for (uint32_t i = 0; i < kBlocks; ++i) {
+    ElasticBodyDescription block =
+        test::describe(test::particle_grid(Eigen::Vector3d::Constant(kSide_m), kSide_m / 10), 1e4, 0.3, kSide_m / 10);
+    block.object_id = i + 1;
+    block.material.loss_factor = 0.1;
+    block.world_from_object.position_m = {0.8 * (i % 2), 0.5, 0.8 * (i / 2)};
+    if (auto added = world.add_elastic(block); !added)
+      std::fprintf(stderr, "%s\n", added.error().message.c_str());
+  }
+  const TriangleMesh box = box_mesh({0.04, 0.04, 0.04});
+  for (uint32_t i = 0; i < kBoxes; ++i) {
+    RigidBodyDescription body;
+    body.object_id = 100 + i;
+    body.mesh = box;
+    body.properties = solid_mass_properties(box);
+    body.material.mass_kg = 0.05;
+    body.world_from_object.position_m = {-0.5 + 0.09 * (i % 10), 1.0 + 0.09 * (i / 50),
+                                         -0.5 + 0.09 * (i / 10 % 5)};
+    body.angular_velocity_rad_s = {3.0, 0.1 * i, 1.0};
+    if (auto added = world.add_rigid(body); !added)
+      std::fprintf(stderr, "%s\n", added.error().message.c_str());
+  }
+  return world;
+}
+
+inline void drag(World& world, uint64_t tick) {
+  for (uint32_t i = 0; i < kBlocks; ++i) {
+    const uint64_t jump = tick / 45 + i;
+    const Eigen::Vector3d away(0.3 * std::sin(2.1 * static_cast<double>(jump)),
+                        0.3 + 0.2 * std::sin(3.7 * static_cast<double>(jump)),
+                        0.3 * std::cos(1.3 * static_cast<double>(jump)));
+    world.set_spring(i, i + 1,
+                     {{0.4 * kSide_m, 0.4 * kSide_m, 0.0},
+                      Eigen::Vector3d(0.8 * (i % 2), 0.3, 0.8 * (i / 2)) + away,
+                      2000.0,
+                      400.0});
+  }
+}
+
+}  // namespace livegs::bench
