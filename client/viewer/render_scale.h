@@ -8,9 +8,10 @@ namespace livegs {
 
 // How much smaller than its window a picture is drawn, and which kernels are left out of it, so that it is drawn in
 // time. Cost is taken to go with the number of pixels; steps of an eighth, and a dead zone, keep the size from
-// flickering. Both go together: at half the size, kernels that add less than one of its pixels are left out, which
-// costs less of the picture (44 dB and more of captured assets) than the size does, and spares those that are far
-// away; at a quarter, the least size, three pixels, and from there on kernels alone.
+// flickering. Both go together: at half the size, kernels that add less than a pixel of the window are left out, at a
+// quarter, the least size, less than three, and never more than four: that leaves captured assets 34 dB and more, which
+// is no less than the size does. Beyond that pictures are late rather than empty: where each of a million kernels adds
+// little, a threshold that went on would leave out all of them.
 class RenderScale {
  public:
   explicit RenderScale(double budget_ms) : budget_ms_(budget_ms) {}
@@ -28,11 +29,11 @@ class RenderScale {
 
   double value() const { return size(wanted_); }  // 0.25..1
   int of(int pixels) const { return std::max(16, static_cast<int>(std::lround(value() * pixels))); }
-  // As RenderOptions has it, of the smaller picture: 0 while pictures are in time, 31 at most.
-  float min_contribution_px() const { return static_cast<float>(1.0 / wanted_ - 1.0); }
+  // As RenderOptions has it, in pixels of the smaller picture: 0 while pictures are in time.
+  float min_contribution_px() const { return static_cast<float>(value() * value() * (1.0 / wanted_ - 1.0)); }
 
  private:
-  static constexpr double kLeastWanted = 1.0 / 32;
+  static constexpr double kLeastWanted = 0.2;
   static double size(double wanted) { return std::max(0.25, std::floor(8.0 * wanted + 1e-9) / 8.0); }
   double budget_ms_;
   double wanted_ = 1.0;
