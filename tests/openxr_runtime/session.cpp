@@ -70,6 +70,9 @@ void happen(Session& session, const Timeline::Event& event) {
   } else if (event.name == "cut-session") {
     session.loss = Session::Loss::Lost;
     runtime().record->state(timeline_s(now()), "lost");
+  } else if (event.name == "vanish") {
+    XrEventDataInstanceLossPending pending{XR_TYPE_EVENT_DATA_INSTANCE_LOSS_PENDING, nullptr, now()};
+    push_event(pending);
   } else if (event.name == "recentre") {
     recentre(event);
   } else if (event.name == "refresh") {

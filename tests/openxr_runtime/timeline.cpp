@@ -17,6 +17,7 @@ const std::map<std::string, size_t> kEvents = {
     {"give-focus", 0},
     {"lose-session", 0}, // announced by LOSS_PENDING, then gone
     {"cut-session", 0},  // gone without a word
+    {"vanish", 0},       // the runtime says that it is going away
     {"recentre", 4},     // X Y Z of the new LOCAL space in the stage, and its turn about +Y in degrees
     {"refresh", 1},      // Hz
     {"compositor", 1},   // seconds it takes longer from now on

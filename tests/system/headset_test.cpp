@@ -214,6 +214,16 @@ TEST_F(HeadsetSession, ATouchIsFeltWhenItIsSeenAndOnce) {
   EXPECT_NEAR(-0.3 * (met[0] - 3.4), -0.23, 0.06);
 }
 
+// A runtime that goes away while it is in use: the run ends with one line that names it and the remedy.
+TEST_F(HeadsetSession, ARuntimeThatVanishesEndsTheRunWithTheRemedy) {
+  const auto done = run(floating({{"box", {0, 0, 0}}}), "0 pose head 0 1.6 0 1 0 0 0\n1.0 do vanish\n30 do exit\n",
+                        {.eye_size = "64x72", .renderer = RendererChoice::Cpu});
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, ErrorCode::Unavailable);
+  EXPECT_NE(done.error().message.find("is going away; start it and the client again"), std::string::npos) << done.error().message;
+  expect_no_complaints();
+}
+
 // No runtime, and nothing to open a window on: a line each, and the code of what could not be done.
 TEST(Headset, WithoutARuntimeTheRemedyIsNamed) {
   ::setenv("XR_RUNTIME_JSON", "/nowhere/at_all.json", 1);
