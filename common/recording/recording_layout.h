@@ -20,6 +20,6 @@ inline constexpr size_t kMaxPayloadBytes = (64u << 20) + (64u << 10);
 inline constexpr size_t kAssetPieceBytes = 1u << 20;
 
 // Ticks from one key tick to the next: what a seek decodes at most.
-inline constexpr uint64_t kKeyInterval = 256;
+inline constexpr uint64_t kKeyInterval = 128;
 
 }  // namespace livegs::recording_layout

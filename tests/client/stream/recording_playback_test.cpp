@@ -32,8 +32,8 @@ class RecordingPlaybackTest : public ::testing::Test {
         EXPECT_EQ(there_.size(), frame->drivers->objects.size());
         return *frame;
       }
-      if (const auto* added = std::get_if<ObjectAdded>(&*item)) EXPECT_TRUE(there_.insert(added->object.id).second);
-      if (const auto* removed = std::get_if<ObjectRemoved>(&*item)) EXPECT_EQ(there_.erase(removed->object_id), 1u);
+      if (const auto* added = std::get_if<ObjectAdded>(&*item)) { EXPECT_TRUE(there_.insert(added->object.id).second); }
+      if (const auto* removed = std::get_if<ObjectRemoved>(&*item)) { EXPECT_EQ(there_.erase(removed->object_id), 1u); }
     }
     return std::nullopt;
   }

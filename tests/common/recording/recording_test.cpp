@@ -77,7 +77,7 @@ TEST(Recording, HoldsEveryTickEventAndInput) {
   EXPECT_EQ(reader->totals().inputs(), 700u);
   EXPECT_EQ(reader->totals().objects_added(), 2u);
   EXPECT_EQ(reader->totals().objects_removed(), 1u);
-  EXPECT_EQ(reader->keys().size(), 3u);
+  EXPECT_EQ(reader->keys().size(), 6u);
   const Seen seen = read_all(*reader);
   ASSERT_EQ(seen.frames.size(), 700u);
   ASSERT_EQ(seen.samples.size(), 700u);
