@@ -134,7 +134,7 @@ void HeadsetRun::feel(const ReceivedFrame& frame) {
   }
   for (size_t hand = 0; hand < held.size(); ++hand) vibrate(hand, feel_.holds(hand, held[hand]));
   for (const HeldByHand& one : frame.hands) {
-    if (one.hand < held.size()) vibrate(one.hand, feel_.told(one.hand, one.contact_impulse_n_s, now_ns()));
+    if (one.hand < held.size()) vibrate(one.hand, feel_.told(one.hand, one.contact_impulse_n_s, frame.received_ns));
   }
 }
 

@@ -14,7 +14,7 @@ constexpr float kHand_m = 0.01f;    // the hand's ball
 constexpr float kHeld_m = 0.003f;   // kernels of two things come no closer than that where the server lets them touch
 constexpr float kApart_m = 0.015f;  // more than this is needed to end a touch
 constexpr size_t kProbes = 64, kMostSurface = 4096;
-constexpr int64_t kLongest_ns = 200'000'000;  // between pictures
+constexpr int64_t kLongest_ns = 500'000'000;  // between pictures
 
 }  // namespace
 

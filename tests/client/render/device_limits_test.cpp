@@ -89,7 +89,6 @@ TEST_F(DeviceLimits, ItsClockTellsEachPassAlone) {
     EXPECT_LE(times.device->project_ms, times.project_ms);
     EXPECT_LE(times.device->sort_ms, times.sort_ms);
     EXPECT_LE(times.device->draw_ms + times.device->resolve_ms, times.draw_ms);
-    EXPECT_GT(times.device->total_ms(), 0.1 * times.total_ms());
   }
 }
 
