@@ -494,6 +494,14 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, con
     const Lanes own = (one - part) * (one + (gains.relief - one) * part);
     by_strain *= part * scale;
     by_mode *= part * scale;
+    // As if nothing had flowed: a plastic part beside such a stretch takes a turning force too large to be exact, and fed a
+    // loose end of a leaf that had flowed to its limit until it swung without end.
+    if (kPlastic) {
+      for (int k = 0; k < 6; ++k) lacking[k] += part * ((k < 3 ? one : zero) - plastic->part[k]);
+      for (int j = 0; j < 4; ++j) {
+        for (int d = 0; d < 3; ++d) lacking[6 + 3 * j + d] -= part * plastic->mode_rest[j][d];
+      }
+    }
     for (int k = 0; k < 6; ++k) impulse[k] = own * impulse[k] + by_strain * lacking[k];
     for (int k = 6; k < kThinMeasures; ++k) impulse[k] = own * impulse[k] + by_mode * lacking[k];
   }
