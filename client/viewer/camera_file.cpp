@@ -61,6 +61,13 @@ Result<Camera> read_camera_file(const std::filesystem::path& path, std::optional
   return look_at(*position, *target, *up, fov_deg * std::numbers::pi / 180.0, used.width, used.height);
 }
 
+Result<PictureChoice> picture_choice(const std::filesystem::path& camera_file, std::optional<PictureSize> size) {
+  if (camera_file.empty()) return PictureChoice{std::nullopt, size.value_or(PictureSize{})};
+  auto read = read_camera_file(camera_file, size);
+  if (!read) return read.error();
+  return PictureChoice{*read, {read->width, read->height}};
+}
+
 Result<void> write_camera_file(const std::filesystem::path& path, const Camera& camera) {
   const Pose& pose = camera.world_from_camera;
   v1::CameraFile file;

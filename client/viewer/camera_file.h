@@ -16,6 +16,13 @@ struct PictureSize {
 };
 Result<Camera> read_camera_file(const std::filesystem::path& path, std::optional<PictureSize> size);
 
+// A camera and the size of its pictures, where a file says them; without a file `size`, or its default.
+struct PictureChoice {
+  std::optional<Camera> camera;
+  PictureSize size;
+};
+Result<PictureChoice> picture_choice(const std::filesystem::path& camera_file, std::optional<PictureSize> size);
+
 // What read_camera_file and `livegs render --camera` take, of a camera without an asymmetric frustum.
 Result<void> write_camera_file(const std::filesystem::path& path, const Camera& camera);
 

@@ -8,9 +8,9 @@
 #include "core/clock.h"
 #include "core/format_text.h"
 #include "core/log.h"
-#include "render/choose_camera.h"
 #include "stream/session_client.h"
 #include "viewer/camera_file.h"
+#include "viewer/first_camera.h"
 #include "viewer/force_arrow.h"
 #include "viewer/frame_log.h"
 #include "viewer/frame_meter.h"
@@ -74,12 +74,9 @@ class HeadsetRun {
 // One stands where the camera would, upright.
 Result<void> HeadsetRun::place() {
   constexpr PictureSize kAsSeen{640, 640};
-  Camera camera = choose_camera(view_, kAsSeen.width, kAsSeen.height);
-  if (!options_.camera_file.empty()) {
-    auto read = read_camera_file(options_.camera_file, kAsSeen);
-    if (!read) return read.error();
-    camera = *read;
-  }
+  const auto first = first_camera(view_, kAsSeen, options_.camera_file);
+  if (!first) return first.error();
+  const Camera& camera = *first;
   const Eigen::Vector3d ahead = camera.world_from_camera.orientation * -Eigen::Vector3d::UnitZ();
   const double turn_rad = std::hypot(ahead.x(), ahead.z()) > 1e-6 ? std::atan2(-ahead.x(), -ahead.z()) : 0.0;
   display_.set_scene_from_local(

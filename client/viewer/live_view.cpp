@@ -13,11 +13,11 @@ ConnectOptions connect_options(const JoinOptions& options) {
   return connect;
 }
 
-Result<AssetCache> asset_cache(const JoinOptions& options) {
-  if (!options.cache.empty()) return AssetCache(options.cache);
-  auto folder = AssetCache::default_folder();
-  if (!folder) return folder.error();
-  return AssetCache(std::move(*folder));
+Result<AssetCache> asset_cache(const std::filesystem::path& folder) {
+  if (!folder.empty()) return AssetCache(folder);
+  auto own = AssetCache::default_folder();
+  if (!own) return own.error();
+  return AssetCache(std::move(*own));
 }
 
 Result<std::unique_ptr<LiveView>> join_live(const JoinOptions& options, const MakeRenderer& make_renderer) {
@@ -27,7 +27,7 @@ Result<std::unique_ptr<LiveView>> join_live(const JoinOptions& options, const Ma
   if (!joined) return joined.error();
   auto renderer = make_renderer();
   if (!renderer) return renderer.error();
-  auto cache = asset_cache(options);
+  auto cache = asset_cache(options.cache);
   if (!cache) return cache.error();
   auto live = std::make_unique<LiveView>(std::move(*joined), std::move(*cache), std::move(*renderer));
   if (auto loaded = load_scene(live->client->scene(), live->assets, live->view); !loaded) return loaded.error();

@@ -29,7 +29,8 @@ struct JoinOptions {
 };
 
 ConnectOptions connect_options(const JoinOptions& options);
-Result<AssetCache> asset_cache(const JoinOptions& options);
+// Of fetched assets, in this folder; empty: the user's.
+Result<AssetCache> asset_cache(const std::filesystem::path& folder);
 
 // A session that looks for its server again, also one that was started anew; what it has fetched; and the view that draws
 // it, with all that the scene shows.

@@ -23,20 +23,15 @@ constexpr double kWaitSlice_s = 0.05;
 
 // What can be wrong before a server is asked.
 struct Prepared {
-  std::optional<Camera> camera;
+  PictureChoice picture;
   v1::InputScript script;
-  PictureSize size;
 };
 
 Result<Prepared> prepare(const OffscreenRunOptions& options) {
   Prepared prepared;
-  prepared.size = options.size.value_or(PictureSize{});
-  if (!options.camera_file.empty()) {
-    auto camera = read_camera_file(options.camera_file, options.size);
-    if (!camera) return camera.error();
-    prepared.camera = *camera;
-    prepared.size = {camera->width, camera->height};
-  }
+  auto picture = picture_choice(options.camera_file, options.size);
+  if (!picture) return picture.error();
+  prepared.picture = *picture;
   if (!options.script_file.empty()) {
     auto script = read_script_file(options.script_file);
     if (!script) return script.error();
@@ -81,7 +76,7 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
                                           const std::atomic<bool>& interrupted) {
   auto prepared = prepare(options);
   if (!prepared) return prepared.error();
-  const auto cache = asset_cache(options);
+  const auto cache = asset_cache(options.cache);
   if (!cache) return cache.error();
   auto joined = SessionClient::join(options.address, connect_options(options));
   if (!joined) return joined.error();
@@ -98,8 +93,8 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
            scene.objects.size(), scene.rate_hz, assets.totals().fetched, assets.totals().assets,
            static_cast<double>(assets.totals().fetched_bytes) * 1e-6);
 
-  auto display = OffscreenDisplay::open({options.output, options.video_rate_hz, prepared->size.width,
-                                         prepared->size.height, options.png_every, options.video});
+  auto display = OffscreenDisplay::open({options.output, options.video_rate_hz, prepared->picture.size.width,
+                                         prepared->picture.size.height, options.png_every, options.video});
   if (!display) return display.error();
   auto received_log = ReceivedLog::create(options.output / "frames.csv");
   if (!received_log) return received_log.error();
@@ -110,7 +105,8 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
   Recorder recorder(client, assets, queue, std::move(*received_log), options.seconds);
   const auto on_first_frame = [&](const SceneView& posed) -> Result<void> {
     const Camera camera =
-        prepared->camera.value_or(choose_camera(posed, prepared->size.width, prepared->size.height));
+        prepared->picture.camera.value_or(
+            choose_camera(posed, prepared->picture.size.width, prepared->picture.size.height));
     (*display)->set_camera(camera);
     if (prepared->script.actions_size() > 0) {
       recorder.begin_script(

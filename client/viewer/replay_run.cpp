@@ -61,7 +61,7 @@ AssetLibrary::FetchAsset assets_of_recording(const std::filesystem::path& file) 
     auto bytes = held->reader->asset(hash);
     if (!bytes && bytes.error().code == ErrorCode::NotFound) {
       return not_found("asset " + hash.substr(0, 12) + ": is neither in the cache nor in " + file.string() +
-                       "; join its server once, or record with --assets");
+                       "; join its server once, or record with assets (livegs ctl record start --assets, livegs-server --record-assets)");
     }
     if (!bytes) return bytes.error();
     if (bytes->size() != total || offset > total) return invalid_data(file.string() + ": holds another asset than it says");
@@ -75,17 +75,11 @@ Result<ReplaySummary> run_replay(const ReplayOptions& options, const std::atomic
   if (options.from_s > 0) {
     if (auto sought = playback->seek(options.from_s); !sought) return sought.error();
   }
-  PictureSize size = options.size.value_or(PictureSize{});
-  std::optional<Camera> camera;
-  if (!options.camera_file.empty()) {
-    auto read = read_camera_file(options.camera_file, options.size);
-    if (!read) return read.error();
-    camera = *read;
-    size = {read->width, read->height};
-  }
-  JoinOptions caching;
-  caching.cache = options.cache;
-  const auto cache = asset_cache(caching);
+  const auto picture = picture_choice(options.camera_file, options.size);
+  if (!picture) return picture.error();
+  const std::optional<Camera>& camera = picture->camera;
+  const PictureSize size = picture->size;
+  const auto cache = asset_cache(options.cache);
   if (!cache) return cache.error();
   auto renderer = choose_renderer(options.renderer);
   if (!renderer) return renderer.error();

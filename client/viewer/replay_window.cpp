@@ -4,11 +4,10 @@
 #include "core/clock.h"
 #include "core/format_text.h"
 #include "core/log.h"
-#include "render/choose_camera.h"
 #include "stream/frame_history.h"
 #include "stream/recording_playback.h"
+#include "viewer/first_camera.h"
 #include "viewer/live_view.h"
-#include "viewer/orbit_camera.h"
 #include "viewer/render_scale.h"
 #include "viewer/replay_run.h"
 #include "xr/window_display.h"
@@ -54,15 +53,9 @@ class ReplayWindow {
   Result<void> frame_camera() {
     const Eigen::Vector2i size = display_.size_px();
     if (auto posed = view_.pose(history_.newest()); !posed) return posed;
-    Camera camera = choose_camera(view_, size.x(), size.y());
-    if (!options_.camera_file.empty()) {
-      auto read = read_camera_file(options_.camera_file, PictureSize{size.x(), size.y()});
-      if (!read) return read.error();
-      camera = *read;
-    }
-    Eigen::AlignedBox3d all;
-    for (const Eigen::AlignedBox3d& box : view_.object_boxes()) all.extend(box);
-    camera_ = OrbitCamera(camera, all.isEmpty() ? 1.0 : (all.center() - camera.world_from_camera.position_m).norm());
+    const auto camera = first_camera(view_, {size.x(), size.y()}, options_.camera_file);
+    if (!camera) return camera.error();
+    camera_ = orbit_of(view_, *camera);
     return {};
   }
 
@@ -173,9 +166,7 @@ Result<void> run_replay_window(const ReplayOptions& options, const std::atomic<b
   const PictureSize size = options.size.value_or(PictureSize{1280, 800});
   auto display = WindowDisplay::open("LiveGS " + options.file.filename().string(), size.width, size.height);
   if (!display) return display.error();
-  JoinOptions caching;
-  caching.cache = options.cache;
-  const auto cache = asset_cache(caching);
+  const auto cache = asset_cache(options.cache);
   if (!cache) return cache.error();
   auto renderer = choose_renderer(options.renderer);
   if (!renderer) return renderer.error();

@@ -78,15 +78,11 @@ class Watcher final : public StreamSink {
 
 Result<SpectateSummary> run_spectator(const std::string& published, const OffscreenRunOptions& options,
                                       const std::atomic<bool>& interrupted) {
-  PictureSize size = options.size.value_or(PictureSize{});
-  std::optional<Camera> camera;
-  if (!options.camera_file.empty()) {
-    auto read = read_camera_file(options.camera_file, options.size);
-    if (!read) return read.error();
-    camera = *read;
-    size = {read->width, read->height};
-  }
-  const auto cache = asset_cache(options);
+  const auto picture = picture_choice(options.camera_file, options.size);
+  if (!picture) return picture.error();
+  const std::optional<Camera>& camera = picture->camera;
+  const PictureSize size = picture->size;
+  const auto cache = asset_cache(options.cache);
   if (!cache) return cache.error();
   auto spectator = Spectator::subscribe(options.address, published, options.access, options.connect_timeout_s);
   if (!spectator) return spectator.error();

@@ -7,11 +7,11 @@
 #include "core/clock.h"
 #include "core/format_text.h"
 #include "core/log.h"
-#include "render/choose_camera.h"
 #include "stream/scene_control.h"
 #include "stream/scripted_hands.h"
 #include "stream/session_client.h"
 #include "viewer/control_calls.h"
+#include "viewer/first_camera.h"
 #include "viewer/force_arrow.h"
 #include "viewer/force_study.h"
 #include "viewer/frame_meter.h"
@@ -105,16 +105,10 @@ const StreamedObject* WindowRun::named(const std::string& name) const {
 Result<void> WindowRun::first_frame() {
   const Eigen::Vector2i size = display_.size_px();
   if (auto posed = view_.pose(*frame_->drivers); !posed) return posed;
-  Camera camera = choose_camera(view_, size.x(), size.y());
-  if (!options_.camera_file.empty()) {
-    auto read = read_camera_file(options_.camera_file, PictureSize{size.x(), size.y()});
-    if (!read) return read.error();
-    camera = *read;
-  }
-  Eigen::AlignedBox3d all;
-  for (const Eigen::AlignedBox3d& box : view_.object_boxes()) all.extend(box);
-  const Eigen::Vector3d eye = camera.world_from_camera.position_m;
-  camera_.emplace(camera, all.isEmpty() ? 1.0 : (all.center() - eye).norm());
+  const auto camera = first_camera(view_, {size.x(), size.y()}, options_.camera_file);
+  if (!camera) return camera.error();
+  camera_.emplace(orbit_of(view_, *camera));
+  const Eigen::Vector3d eye = camera->world_from_camera.position_m;
   if (!options_.poke.empty())
     script_.emplace(poke_script(options_.poke), ScriptedHands::Settings{eye, client_.scene().ball_speed_m_s});
   panel_.select(options_.select);

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstring>
 
+#include "core/content_hash.h"
 #include "recording/recording_layout.h"
 #include "wire/frame_stream.h"
 #include "wire/varint.h"
@@ -23,14 +24,6 @@ bool is(uint8_t kind, ChunkKind wanted) { return kind == static_cast<uint8_t>(wa
 template <class Message>
 bool parse(Message& message, std::span<const std::byte> bytes) {
   return message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()));
-}
-
-std::string hexadecimal(std::span<const std::byte> bytes) {
-  std::string text;
-  for (const std::byte byte : bytes) {
-    for (const int shift : {4, 0}) text += "0123456789abcdef"[std::to_integer<unsigned>(byte) >> shift & 15];
-  }
-  return text;
 }
 
 }  // namespace

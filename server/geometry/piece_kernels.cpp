@@ -16,6 +16,7 @@ namespace livegs {
 namespace {
 
 constexpr size_t kBlock = 1024;
+constexpr float kShDc = 0.28209479f;  // Y_00
 constexpr double kDefaultOverhang = 1.0 / 200.0;  // of the diagonal
 constexpr double kMostOpacity = 0.998;
 constexpr double kLeastOpacity = 1.0 / 255.0;
@@ -114,8 +115,9 @@ void add_face_kernels(const GaussianAsset& asset, const Similarity& object_from_
   out.source.resize(begin + faces.size(), kInteriorKernel);
   if (faces.empty()) return;
 
-  std::vector<Eigen::Vector3f> colours(faces.size(), options.interior_sh_dc.value_or(Eigen::Vector3f::Zero()));
-  if (!options.interior_sh_dc) {
+  const Eigen::Array3f rgb = options.interior_rgb.value_or(Eigen::Vector3f::Constant(0.5f));
+  std::vector<Eigen::Vector3f> colours(faces.size(), (rgb - 0.5f) / kShDc);
+  if (!options.interior_rgb) {
     std::vector<Eigen::Vector3d> places_m;
     std::vector<Eigen::Vector3f> surface;
     for (size_t k = 0; k < asset.size(); ++k) {

@@ -14,7 +14,6 @@ namespace livegs {
 namespace {
 
 constexpr double kFineFieldCells = 64.0;
-constexpr float kShDc = 0.28209479f;  // Y_00
 
 // Numbers of the kernels that are drawn: not those of cut faces outside of `surface`, if there is one.
 std::vector<uint32_t> kernels_within(const PieceKernels& kernels, const Similarity& object_from_asset,
@@ -80,7 +79,7 @@ Result<FragileObject> prepare_fragile(const TriangleMesh& mesh, Fill fill, const
   fragile.pieces = std::move(*pieces);
   PieceKernelOptions splitting;
   splitting.stop = options.pieces.stop;
-  if (options.interior_rgb) splitting.interior_sh_dc = (options.interior_rgb->array() - 0.5f).matrix() / kShDc;
+  splitting.interior_rgb = options.interior_rgb;
   auto kernels = make_piece_kernels(asset, options.object_from_asset, fragile.pieces->cut, splitting);
   if (!kernels) return kernels.error();
   fragile.broken =

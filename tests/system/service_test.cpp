@@ -47,7 +47,9 @@ TEST_F(Programs, CountsForPrometheusAndLogsAsJson) {
   Program server(server_words({"--metrics", "0", "--log-format", "json"}));
   const std::string port = server.first_line();
   ASSERT_NE(port, "") << server.err();
-  const std::string said = server.err(), url = "http://127.0.0.1:";
+  const std::string url = "http://127.0.0.1:";
+  ASSERT_TRUE(server.says(url)) << server.err();  // the line may come after the port
+  const std::string said = server.err();
   const int metrics_port = std::atoi(said.c_str() + said.find(url) + url.size());
   ASSERT_GT(metrics_port, 0) << said;
   Program client(client_words(port, {"--seconds", "0", "--no-video", "--every", "0"}));

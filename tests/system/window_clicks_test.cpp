@@ -14,6 +14,7 @@
 #include "core/clock.h"
 #include "stream/session_client.h"
 #include "system/programs_fixture.h"
+#include "system/screen.h"
 #include "system/x_hands.h"
 #include "viewer/camera_file.h"
 #include "viewer/orbit_camera.h"
@@ -115,12 +116,10 @@ size_t force_pixels(const Image& image) {  // between the panels
 class WindowClicks : public Programs {
  protected:
   void SetUp() override {
-    if (!std::filesystem::exists("/usr/bin/Xvfb")) GTEST_SKIP() << "no Xvfb; install xvfb";
-    screen_ = std::make_unique<Program>(std::vector<std::string>{"/usr/bin/Xvfb", "-displayfd", "1", "-screen", "0",
-                                                                 "1300x820x24", "-nolisten", "tcp"});
-    const std::string number = screen_->first_line();
-    ASSERT_NE(number, "") << screen_->err();
-    display_ = ":" + number;
+    if (!Screen::there_is_one()) GTEST_SKIP() << "no Xvfb; install xvfb";
+    screen_ = std::make_unique<Screen>();
+    display_ = screen_->display;
+    ASSERT_NE(display_, "") << screen_->program->err();
     ::setenv("DISPLAY", display_.c_str(), 1);
     std::vector<std::string> words = server_words();
     words.at(1) = folder_.write("cushion.scene.json", kScene);
@@ -200,7 +199,8 @@ class WindowClicks : public Programs {
 
   // Where LIVEGS_TEST_PICTURES says, to be looked at.
   std::filesystem::path pictures_ = std::getenv("LIVEGS_TEST_PICTURES") ? std::getenv("LIVEGS_TEST_PICTURES") : folder_ / "";
-  std::unique_ptr<Program> screen_, server_;
+  std::unique_ptr<Screen> screen_;
+  std::unique_ptr<Program> server_;
   std::string display_, address_;
   Watcher watcher_;
   std::unique_ptr<SessionClient> watching_;

@@ -11,6 +11,7 @@
 #include "core/file.h"
 #include "splat/image.h"
 #include "system/programs_fixture.h"
+#include "system/screen.h"
 
 namespace livegs {
 namespace {
@@ -32,17 +33,16 @@ class Window : public Programs {
 class WindowOnADisplay : public Window {
  protected:
   void SetUp() override {
-    if (!std::filesystem::exists("/usr/bin/Xvfb")) GTEST_SKIP() << "no Xvfb; install xvfb";
-    screen_ = std::make_unique<Program>(std::vector<std::string>{"/usr/bin/Xvfb", "-displayfd", "1", "-screen", "0",
-                                                                 "1300x820x24", "-nolisten", "tcp"});
-    const std::string number = screen_->first_line();
-    ASSERT_NE(number, "") << screen_->err();
-    display_ = ":" + number;
+    if (!Screen::there_is_one()) GTEST_SKIP() << "no Xvfb; install xvfb";
+    screen_ = std::make_unique<Screen>();
+    display_ = screen_->display;
+    ASSERT_NE(display_, "") << screen_->program->err();
     server_ = std::make_unique<Program>(server_words());
     port_ = server_->first_line();
     ASSERT_NE(port_, "") << server_->err();
   }
-  std::unique_ptr<Program> screen_, server_;
+  std::unique_ptr<Screen> screen_;
+  std::unique_ptr<Program> server_;
   std::string display_, port_;
 };
 

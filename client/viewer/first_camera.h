@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+#include "core/result.h"
+#include "render/scene_view.h"
+#include "viewer/camera_file.h"
+#include "viewer/orbit_camera.h"
+
+namespace livegs {
+
+// Where one looks from at first: as the file says, or so that all of the posed scene is seen.
+Result<Camera> first_camera(const SceneView& view, PictureSize size, const std::filesystem::path& camera_file);
+// That camera about the middle of the scene.
+OrbitCamera orbit_of(const SceneView& view, const Camera& camera);
+
+}  // namespace livegs
