@@ -29,6 +29,7 @@ class HeadsetSession : public ::testing::Test {
     double network_delay_ms = 0;
     bool marks = true;
     double seconds = 0;              // 0: the timeline ends it
+    bool keeps_ticks = true;         // in seen_; some 200 kB a second
     std::function<void()> on_kept = {};   // with each picture that is kept
   };
 
@@ -59,6 +60,7 @@ class HeadsetSession : public ::testing::Test {
 
   Result<HeadsetRunSummary> run(Scene scene, const std::string& timeline, const Settings& settings) {
     ServedScene served(std::move(scene), [&](const Scene& now) {
+      if (!settings.keeps_ticks) return;
       Seen one{now_ns(), {}};
       for (const BodyState& body : now.world().bodies()) {
         if (const SceneObject* object = now.find(body.object_id)) one.bodies[object->name] = body;
