@@ -43,7 +43,7 @@ SessionStream::Outcome SessionStream::run() {
     std::unique_lock lock(mutex_);
     int64_t stopping_ns = 0;
     while (!ended_) {
-      changed_.wait_for(lock, kLookEvery, [&] { return ended_; });
+      over_.wait_for(lock, kLookEvery, [&] { return ended_; });
       const int64_t now = now_ns();
       if (stopping_ && stopping_ns == 0) stopping_ns = now;
       const bool silent = now - heard_ns_ > kServerSilentAfter_ns;
@@ -67,7 +67,7 @@ void SessionStream::send(const InputSample& sample) {
     if (samples_.size() > kSamplesPerMessage) samples_.pop_front();
     samples_new_ = true;
   }
-  changed_.notify_all();
+  to_send_.notify_one();
 }
 
 void SessionStream::stop() {
@@ -75,7 +75,7 @@ void SessionStream::stop() {
     std::lock_guard lock(mutex_);
     stopping_ = true;
   }
-  changed_.notify_all();
+  to_send_.notify_one();
 }
 
 void SessionStream::write() {
@@ -85,7 +85,7 @@ void SessionStream::write() {
     {
       std::unique_lock lock(mutex_);
       if (!first) {
-        changed_.wait_for(lock, kSignOfLife,
+        to_send_.wait_for(lock, kSignOfLife,
                           [&] { return stopping_ || ended_ || samples_new_ || acknowledgement_new_; });
       }
       if (stopping_ || ended_) break;
@@ -120,7 +120,8 @@ void SessionStream::read() {
     if (!taken) outcome_.error = taken.error();
     ended_ = true;
   }
-  changed_.notify_all();
+  over_.notify_one();
+  to_send_.notify_one();
 }
 
 Result<void> SessionStream::take(const v1::SessionEvent& event) {
@@ -201,7 +202,7 @@ Result<void> SessionStream::take(v1::ServerMessage& message, int64_t received_ns
     acknowledged_tick_ = tick;
     acknowledgement_new_ = true;
   }
-  changed_.notify_all();
+  to_send_.notify_one();
   return {};
 }
 

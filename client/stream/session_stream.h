@@ -72,7 +72,8 @@ class SessionStream {
   int64_t echoed_ns_ = 0;
 
   std::mutex mutex_;  // guards everything below
-  std::condition_variable changed_;
+  std::condition_variable to_send_;  // for the writer alone: a thread that is woken for nothing costs as much as a frame
+  std::condition_variable over_;     // for run()
   Outcome outcome_;
   TickAim aim_;
   std::deque<InputSample> samples_;  // the last three

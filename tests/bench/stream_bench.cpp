@@ -1,112 +1,267 @@
 // SPDX-License-Identifier: Apache-2.0
-// A server and clients in one process over loopback: does the scene's rate hold, and how old is a frame when
-// it comes? Prints CSV: `stream_bench [SECONDS [SCENE...]] > results/<machine>/stream.csv`. A scene is a file
-// or a folder of assets; with none, a rigid box and a soft cube. Clients take frames and acknowledge them;
-// they do not draw, so that the stream is measured and not the renderer. The first second does not count.
+// How old a frame is when a client has it and has decoded it, and for how many clients: from the end of its tick's step, over
+// loopback, 90 frames a second. The server is this process, the clients are another, and both share the machine's cores. What
+// decoding costs 64 clients, 64 machines would bear; so there are whole clients and light ones (bench/stream_clients.h). CSV:
+//   stream_bench [SECONDS [SCENE...]] > results/<machine>/stream.csv       20 s when left out
+// Frames of noise (bytes as given, nothing compresses) to one client in the clear and over TLS by turns; to 1 … 64 clients; to
+// 63 with and without one that is stopped, by turns. With scenes, files or folders of assets, instead: each to 1 and 8 clients.
+// `stream_bench SECONDS --clients N`: noise to so many alone. The first second never counts. others_cpu_percent is what the rest of the machine did meanwhile: 100 is one core.
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
+#include <numeric>
 
-#include "core/clock.h"
+#include "bench/stream_clients.h"
 #include "core/log.h"
-#include "server/session/box_scene.h"
-#include "session/live_server.h"
-#include "session/simulation_loop.h"
-#include "stream/session_client.h"
-#include "viewer/frame_log.h"
+#include "session/server_security.h"
+#include "system/noise_server.h"
+#include "system/served_scene.h"
 
 using namespace livegs;
+using namespace livegs::bench;
 
 namespace {
 
-class Receiver final : public StreamSink {
- public:
-  void on_frame(ReceivedFrame frame) override {
-    if (first_ns_ == 0) first_ns_ = frame.received_ns;
-    if (frame.received_ns - first_ns_ < 1'000'000'000) return;
-    if (ages_ms.empty()) first_tick = frame.tick, begun_ns = frame.received_ns;
-    last_tick = frame.tick;
-    ended_ns = frame.received_ns;
-    ages_ms.push_back(milliseconds_from_ns(frame.received_ns - frame.stepped_ns));
-    bytes.push_back(static_cast<double>(frame.bytes));
-    steps_ms.push_back(frame.step_ms);
-  }
-  void on_lost(const std::string&) override {}
-  void on_resumed(const ResumedSession&) override {}
-  void on_object_added(StreamedObject) override {}
-  void on_object_changed(StreamedObject) override {}
-  void on_object_removed(uint32_t) override {}
-  void on_draining(const std::string&) override {}
+constexpr int64_t kSecond_ns = 1'000'000'000;
 
-  std::vector<double> ages_ms, bytes, steps_ms;
-  uint64_t first_tick = 0, last_tick = 0;
-  int64_t begun_ns = 0, ended_ns = 0;
+double percentile(std::vector<double>& numbers, double share) {
+  if (numbers.empty()) return 0;
+  const auto at = numbers.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(numbers.size() - 1));
+  std::nth_element(numbers.begin(), at, numbers.end());
+  return *at;
+}
 
- private:
-  int64_t first_ns_ = 0;
+int64_t own_cpu_ns() {
+  rusage used{};
+  ::getrusage(RUSAGE_SELF, &used);
+  return (used.ru_utime.tv_sec + used.ru_stime.tv_sec) * kSecond_ns + (used.ru_utime.tv_usec + used.ru_stime.tv_usec) * 1000;
+}
+
+// Of all cores, by whoever.
+int64_t machine_cpu_ns() {
+  std::ifstream file("/proc/stat");
+  std::string name;
+  int64_t user = 0, nice = 0, system = 0, idle = 0, waiting = 0, hard = 0, soft = 0, stolen = 0;
+  file >> name >> user >> nice >> system >> idle >> waiting >> hard >> soft >> stolen;
+  return (user + nice + system + hard + soft + stolen) * (kSecond_ns / ::sysconf(_SC_CLK_TCK));
+}
+
+double resident_mb() {
+  std::ifstream file("/proc/self/statm");
+  size_t pages = 0, resident = 0;
+  file >> pages >> resident;
+  return 1e-6 * static_cast<double>(resident) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+}
+
+// A stretch of time, and what both ends did in it.
+struct Window {
+  int64_t begin_ns = 0, end_ns = 0;
+  int64_t server_cpu_ns = 0, clients_cpu_ns = 0, machine_cpu_ns = 0;
+  uint64_t frames = 0, encoded = 0;
 };
 
-void run(Scene scene, int clients, double seconds) {
-  auto server = LiveServer::listen("127.0.0.1:0");
-  if (!server) {
-    std::fprintf(stderr, "%s\n", server.error().message.c_str());
-    std::exit(1);
+Window watch(const LiveServer& server, const StreamClients& clients, const std::function<void()>& wait) {
+  const PublisherSummary before = server.published();
+  Window window{now_ns(), 0, -own_cpu_ns(), -clients.cpu_ns(), -machine_cpu_ns(), 0, 0};
+  wait();
+  const PublisherSummary after = server.published();
+  window.frames = after.frames - before.frames;
+  window.encoded = after.encoded - before.encoded;
+  window.end_ns = now_ns();
+  window.server_cpu_ns += own_cpu_ns();
+  window.clients_cpu_ns += clients.cpu_ns();
+  window.machine_cpu_ns += machine_cpu_ns();
+  return window;
+}
+
+Window watch_for(const LiveServer& server, const StreamClients& clients, double duration_s) {
+  return watch(server, clients, [&] { sleep_until_ns(now_ns() + static_cast<int64_t>(duration_s * 1e9)); });
+}
+
+// What all windows of one measurement come to.
+struct Measured {
+  Measured(std::string what_is_sent, std::string over, int to, ClientKind of)
+      : what(std::move(what_is_sent)), transport(std::move(over)), clients(to), kind(of) {}
+
+  std::string what, transport;
+  int clients = 0;
+  ClientKind kind;
+  std::vector<double> received_ms, decoded_ms, bytes;
+  uint64_t missed = 0, frames = 0, encoded = 0;
+  double seconds = 0;
+  int64_t server_cpu_ns = 0, clients_cpu_ns = 0, machine_cpu_ns = 0;
+  std::string note;
+
+  void add(const Window& window, const std::vector<GotFrame>& got) {
+    uint64_t first = 0, last = 0, count = 0;
+    for (const GotFrame& frame : got) {
+      if (frame.stepped_ns < window.begin_ns || frame.stepped_ns >= window.end_ns) continue;
+      received_ms.push_back(milliseconds_from_ns(frame.received_ns - frame.stepped_ns));
+      decoded_ms.push_back(milliseconds_from_ns(frame.decoded_ns - frame.stepped_ns));
+      bytes.push_back(frame.bytes);
+      first = count == 0 ? frame.tick : std::min(first, frame.tick);
+      last = std::max(last, frame.tick);
+      ++count;
+    }
+    // Left out between the first and the last that anybody got.
+    if (count > 0) missed += (last - first + 1) * static_cast<uint64_t>(clients) - count;
+    frames += window.frames;
+    encoded += window.encoded;
+    seconds += seconds_from_ns(window.end_ns - window.begin_ns);
+    server_cpu_ns += window.server_cpu_ns;
+    clients_cpu_ns += window.clients_cpu_ns;
+    machine_cpu_ns += window.machine_cpu_ns;
   }
-  const std::string name = scene.name();
-  SimulationLoop loop(std::move(scene), (*server)->ticks());
-  (*server)->open(loop.scene(), loop);
-  loop.start();
-  const double rate_hz = loop.scene().world().settings().rate_hz;
-  std::vector<Receiver> receivers(static_cast<size_t>(clients));
-  std::vector<std::unique_ptr<SessionClient>> joined;
-  for (Receiver& receiver : receivers) {
-    auto client = SessionClient::join("127.0.0.1:" + std::to_string((*server)->port()), {});
-    if (!client) {
-      std::fprintf(stderr, "%s\n", client.error().message.c_str());
+  double decoded_p99_ms() { return percentile(decoded_ms, 0.99); }
+
+  static void print_head() {
+    std::printf(
+        "what,transport,clients,client,seconds,frame_bytes_p50,received_hz,missed_frames,encoded_per_frame,received_ms_p50,received_ms_p99,decoded_ms_p50,"
+        "decoded_ms_p99,decoded_ms_p999,server_cpu_percent,clients_cpu_percent,others_cpu_percent,note\n");
+  }
+  void print() {
+    const auto percent = [&](int64_t cpu_ns) { return 100 * seconds_from_ns(cpu_ns) / seconds; };
+    std::printf("%s,%s,%d,%s,%.0f,%.0f,%.2f,%llu,%.2f,%.3f,%.3f,%.3f,%.3f,%.3f,%.1f,%.1f,%.1f,%s\n", what.c_str(), transport.c_str(),
+                clients, kind == ClientKind::Whole ? "whole" : "light", seconds, percentile(bytes, 0.5),
+                static_cast<double>(decoded_ms.size()) / seconds / static_cast<double>(clients),
+                static_cast<unsigned long long>(missed), static_cast<double>(encoded) / static_cast<double>(frames), percentile(received_ms, 0.5), percentile(received_ms, 0.99),
+                percentile(decoded_ms, 0.5), decoded_p99_ms(), percentile(decoded_ms, 0.999), percent(server_cpu_ns),
+                percent(clients_cpu_ns), percent(machine_cpu_ns - server_cpu_ns - clients_cpu_ns), note.c_str());
+    std::fflush(stdout);
+  }
+};
+
+// A server's certificate and a token for its clients, in a folder of their own.
+struct Secured {
+  ScratchFolder folder;
+  std::unique_ptr<ServerSecurity> security;
+  std::string token;
+
+  Secured() {
+    auto opened = ServerSecurity::open(folder / "state");
+    if (!opened) {
+      std::fprintf(stderr, "%s\n", opened.error().message.c_str());
       std::exit(1);
     }
-    joined.push_back(std::move(*client));
-    joined.back()->start(receiver);
+    security = std::move(*opened);
+    token = security->tokens().add("the bench's", v1::INTERACT, 1)->secret;
   }
-  sleep_until_ns(now_ns() + static_cast<int64_t>((seconds + 1) * 1e9));
-  for (auto& client : joined) (void)client->stop();
-  (*server)->shut_down("done");
-  loop.stop();
+};
 
-  const SimulationSummary simulated = loop.summary();
-  const PublisherSummary published = (*server)->published();
-  std::vector<double> ages_ms;
-  for (const Receiver& receiver : receivers)
-    ages_ms.insert(ages_ms.end(), receiver.ages_ms.begin(), receiver.ages_ms.end());
-  const Receiver& first = receivers.front();
-  std::printf(
-      "%s,%d,%.0f,%.1f,%.2f,%.2f,%llu,%llu,%llu,%.0f,%.3f,%.3f,%.3f,%.3f,%.3f\n", name.c_str(), clients,
-      seconds, rate_hz, static_cast<double>(simulated.ticks) / simulated.run_s,
-      static_cast<double>(first.ages_ms.size() - 1) / seconds_from_ns(first.ended_ns - first.begun_ns),
-      static_cast<unsigned long long>(first.last_tick - first.first_tick + 1 - first.ages_ms.size()),
-      static_cast<unsigned long long>(simulated.late_ticks), static_cast<unsigned long long>(simulated.slips),
-      percentile(first.bytes, 0.5), percentile(ages_ms, 0.50), percentile(ages_ms, 0.99),
-      published.encode_ms_p50, simulated.step_ms_p50, simulated.step_ms_p99);
-  std::fflush(stdout);
+// Noise at `nodes` a frame, to `clients`; added to `measured`.
+void noise(Measured& measured, size_t nodes, Secured* secured, double seconds) {
+  NoiseServer server(nodes, secured ? secured->security.get() : nullptr);
+  StreamClients clients({server.port(), secured ? secured->security->fingerprint() : "", secured ? secured->token : ""},
+                        measured.clients, measured.kind);
+  sleep_until_ns(now_ns() + kSecond_ns);
+  const Window window = watch_for(*server.server, clients, seconds);
+  measured.add(window, clients.stop());
+}
+
+// Two measurements that take turns, so that what else the machine does falls on both alike.
+void plain_and_tls(size_t nodes, double seconds) {
+  constexpr int kTurns = 4;
+  Secured secured;
+  Measured plain("noise", "plain", 1, ClientKind::Whole), tls("noise", "tls", 1, ClientKind::Whole);
+  for (int turn = 0; turn < kTurns; ++turn) {
+    noise(plain, nodes, nullptr, seconds / kTurns);
+    noise(tls, nodes, &secured, seconds / kTurns);
+  }
+  plain.print();
+  tls.print();
+}
+
+// 63 clients, and for as long as it takes the server to drop it, one more that is frozen; by turns.
+void frozen_among_63(size_t nodes, double seconds) {
+  NoiseServer server(nodes);
+  Measured alone("noise", "plain", 63, ClientKind::Light), beside("noise beside a frozen client", "plain", 63, ClientKind::Light);
+  StreamClients clients({server.port(), "", ""}, 63, ClientKind::Light);
+  std::vector<Window> windows[2];
+  double longest_s = 0, most_grown_mb = 0;
+  for (double measured_s = 0; measured_s < seconds;) {
+    StreamClients one({server.port(), "", ""}, 1, ClientKind::Whole);
+    sleep_until_ns(now_ns() + kSecond_ns);
+    const double before_mb = resident_mb();
+    double most_mb = before_mb;
+    one.freeze();
+    windows[1].push_back(watch(*server.server, clients, [&] {
+      while (server.server->streaming_count() > 63) {
+        sleep_until_ns(now_ns() + 5'000'000);
+        most_mb = std::max(most_mb, resident_mb());
+      }
+    }));
+    const double frozen_s = seconds_from_ns(windows[1].back().end_ns - windows[1].back().begin_ns);
+    longest_s = std::max(longest_s, frozen_s);
+    most_grown_mb = std::max(most_grown_mb, most_mb - before_mb);
+    sleep_until_ns(now_ns() + kSecond_ns / 2);
+    windows[0].push_back(watch_for(*server.server, clients, frozen_s));
+    measured_s += frozen_s;
+  }
+  const std::vector<GotFrame> got = clients.stop();
+  for (const Window& window : windows[0]) alone.add(window, got);
+  for (const Window& window : windows[1]) beside.add(window, got);
+  char note[160];
+  std::snprintf(note, sizeof note, "p99 %.2f of that without; dropped after %.2f s at most; server grew by %.1f MB at most",
+                beside.decoded_p99_ms() / alone.decoded_p99_ms(), longest_s, most_grown_mb);
+  beside.note = note;
+  alone.print();
+  beside.print();
+}
+
+void scene(const char* path, int count, double seconds) {
+  auto loaded = Scene::load(path, {});
+  if (!loaded) {
+    std::fprintf(stderr, "%s\n", loaded.error().message.c_str());
+    std::exit(2);
+  }
+  Measured measured(loaded->name(), "plain", count, ClientKind::Whole);
+  ServedScene served(std::move(*loaded));
+  StreamClients clients({served.port(), "", ""}, count, ClientKind::Whole);
+  sleep_until_ns(now_ns() + kSecond_ns);
+  const SimulationSummary before = served.loop->summary();
+  const Window window = watch_for(*served.server, clients, seconds);
+  const SimulationSummary after = served.loop->summary();
+  measured.add(window, clients.stop());
+  char note[160];
+  std::snprintf(note, sizeof note, "%.2f ticks a second; step p50 %.3f and p99 %.3f ms; encoding p50 %.3f ms",
+                static_cast<double>(after.ticks - before.ticks) / measured.seconds, after.step_ms_p50, after.step_ms_p99,
+                served.server->published().encode_ms_p50);
+  measured.note = note;
+  measured.print();
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (is_stream_clients(argc, argv)) return run_stream_clients(argv);
   set_log_level(LogLevel::Warn);
-  const double seconds = argc > 1 ? std::atof(argv[1]) : 60.0;
-  std::printf(
-      "scene,clients,seconds,scene_hz,simulated_hz,received_hz,missed_ticks,late_ticks,slips,frame_bytes_p50,"
-      "staleness_ms_p50,staleness_ms_p99,encode_ms_p50,step_ms_p50,step_ms_p99\n");
-  if (argc <= 2) {
-    for (int clients : {1, 8}) run(box_scene(), clients, seconds);
+  const double seconds = argc > 1 ? std::atof(argv[1]) : 20.0;
+  Measured::print_head();
+  // A node is six bytes of noise; 24 more are the frame's.
+  constexpr size_t k16kB = 2667, k32kB = 5333;
+  const auto noise_to = [&](int clients, ClientKind kind, Secured* secured) {
+    Measured measured("noise", secured ? "tls" : "plain", clients, kind);
+    noise(measured, k16kB, secured, seconds);
+    measured.print();
+  };
+  if (argc == 4 && std::string(argv[2]) == "--clients") {
+    for (const ClientKind kind : {ClientKind::Light, ClientKind::Whole}) noise_to(std::atoi(argv[3]), kind, nullptr);
+    return 0;
   }
   for (int i = 2; i < argc; ++i) {
-    auto scene = Scene::load(argv[i], {});
-    if (!scene) {
-      std::fprintf(stderr, "%s\n", scene.error().message.c_str());
-      return 2;
-    }
-    run(std::move(*scene), 1, seconds);
+    for (const int clients : {1, 8}) scene(argv[i], clients, seconds);
   }
+  if (argc > 2) return 0;
+  plain_and_tls(k32kB, seconds);
+  for (const ClientKind kind : {ClientKind::Light, ClientKind::Whole}) {
+    for (const int clients : {1, 8, 16, 32, 64}) noise_to(clients, kind, nullptr);
+  }
+  Secured secured;
+  noise_to(64, ClientKind::Light, &secured);
+  frozen_among_63(k16kB, seconds);
   return 0;
 }

@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <random>
 #include <thread>
 
 #include "client/stream/sink_log.h"
@@ -18,6 +17,7 @@
 #include "core/content_hash.h"
 #include "stream/session_client.h"
 #include "system/fault_proxy.h"
+#include "system/noise_server.h"
 #include "system/served_scene.h"
 
 namespace livegs {
@@ -127,60 +127,11 @@ TEST_F(Faults, ATickThatTakes40MsSlowsTheStreamAndNothingElse) {
   EXPECT_LT(second, first + 41 + 10);
 }
 
-// Frames of noise, which nothing compresses: `nodes` times six bytes at 90 a second, of no simulation.
-class NoiseServer {
- public:
-  explicit NoiseServer(size_t nodes) : scene_(box_scene()) {
-    auto listening = LiveServer::listen("127.0.0.1:0");
-    EXPECT_TRUE(listening);
-    server = std::move(*listening);
-    server->open(scene_, nobody_);
-    thread_ = std::thread([this, nodes] {
-      std::mt19937_64 random(1);
-      std::uniform_real_distribution<float> place(-0.5f, 0.5f);
-      int64_t due_ns = now_ns();
-      for (uint64_t tick = 1; !stopping_; ++tick) {
-        SteppedTick stepped;
-        stepped.drivers.tick = tick;
-        stepped.drivers.simulated_ns = static_cast<int64_t>(tick) * 11'111'111;
-        ObjectDrivers& object = stepped.drivers.objects.emplace_back();
-        object.object_id = 1;
-        object.kind = DriverKind::Lattice;
-        for (size_t i = 0; i < nodes; ++i) {
-          object.positions_m.emplace_back(place(random), place(random), place(random));
-        }
-        stepped.stepped_ns = now_ns();
-        server->ticks().publish(std::move(stepped));
-        newest = tick;
-        sleep_until_ns(due_ns += 11'111'111);
-      }
-    });
-  }
-  ~NoiseServer() {
-    stopping_ = true;
-    thread_.join();
-    server->shut_down("the test is over");
-  }
-
-  std::unique_ptr<LiveServer> server;
-  std::atomic<uint64_t> newest{0};
-
- private:
-  class Nobody final : public InputSink {
-    void hear(SessionNumber, std::span<const InputSample>) override {}
-    void forget(SessionNumber) override {}
-  };
-  Scene scene_;
-  Nobody nobody_;
-  std::atomic<bool> stopping_{false};
-  std::thread thread_;
-};
-
 // 16 kB at 90 Hz are 11.5 Mbit/s. In a pipe of 8 a frame takes 16 ms; two may be under way, and one waits for its turn. Goal:
 // p99 at most 60 ms, flat. Measured p99 43 to 44 ms.
 TEST(NarrowPipe, FramesThatDoNotFitAreLeftOutNotQueued) {
   NoiseServer noise(2667);
-  FaultProxy proxy(noise.server->port());
+  FaultProxy proxy(noise.port());
   SinkLog sink;
   const auto client = join(proxy.port());
   ASSERT_TRUE(client);
@@ -243,7 +194,7 @@ TEST(SlowClient, HoldsUpNobodyAndCostsNoMemory) {
   std::vector<std::unique_ptr<CountingSink>> sinks;
   std::vector<std::unique_ptr<SessionClient>> clients;
   for (int i = 0; i < 4; ++i) {
-    clients.push_back(join(noise.server->port()));
+    clients.push_back(join(noise.port()));
     ASSERT_TRUE(clients.back());
     sinks.push_back(std::make_unique<CountingSink>());
     clients.back()->start(*sinks.back());

@@ -22,6 +22,7 @@ class Program {
   // The exit code, or 128 + the signal that ended it; -1 when it is still running after a minute and a half.
   int wait();
   void send(int signal_number);
+  pid_t process() const { return process_; }
   std::string out() const;
   std::string err() const;
   // Waits for the first whole line on its standard output; empty when it ends without one.

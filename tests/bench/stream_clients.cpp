@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/stream_clients.h"
+
+#include <grpcpp/create_channel.h>
+#include <signal.h>
+#include <time.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+
+#include <mutex>
+#include <semaphore>
+
+#include "core/clock.h"
+#include "core/log.h"
+#include "livegs/v1/session.grpc.pb.h"
+#include "stream/session_client.h"
+#include "trust/state_folder.h"
+#include "wire/frame_codec.h"
+
+namespace livegs::bench {
+namespace {
+
+constexpr const char* kWord = "stream-clients";
+
+[[noreturn]] void give_up(const std::string& why) {
+  std::fprintf(stderr, "%s\n", why.c_str());
+  std::exit(1);
+}
+
+// One of them, whatever its kind, from having joined on.
+class Client {
+ public:
+  virtual ~Client() = default;
+  virtual void stop() = 0;
+  std::vector<GotFrame> got;  // the reader's thread only, until stop() has returned
+};
+
+class WholeClient final : public Client, private StreamSink {
+ public:
+  WholeClient(const std::string& address, const ConnectOptions& options, uint32_t client) : client_(client) {
+    auto joined = SessionClient::join(address, options);
+    if (!joined) give_up(joined.error().message);
+    session_ = std::move(*joined);
+    session_->start(*this);
+  }
+  void stop() override {
+    if (const auto stopped = session_->stop(); !stopped) give_up(stopped.error().message);
+  }
+
+ private:
+  void on_frame(ReceivedFrame frame) override {
+    got.push_back({frame.tick, frame.stepped_ns, frame.received_ns, frame.decoded_ns, client_,
+                   static_cast<uint32_t>(frame.bytes)});
+  }
+  void on_lost(const std::string& reason) override { give_up("a client lost its stream: " + reason); }
+  void on_resumed(const ResumedSession&) override {}
+  void on_object_added(StreamedObject) override {}
+  void on_object_changed(StreamedObject) override {}
+  void on_object_removed(uint32_t) override {}
+  void on_draining(const std::string&) override {}
+
+  const uint32_t client_;
+  std::unique_ptr<SessionClient> session_;
+};
+
+// On gRPC's own few threads, shared by all of them.
+class LightClient final : public Client, private grpc::ClientBidiReactor<v1::ClientMessage, v1::ServerMessage> {
+ public:
+  LightClient(const std::string& address, const ConnectOptions& options, uint32_t client) : client_(client) {
+    grpc::ChannelArguments arguments;
+    arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+    arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+    stub_ = v1::LiveGs::NewStub(grpc::CreateCustomChannel(
+        address, options.access ? options.access->credentials() : grpc::InsecureChannelCredentials(), arguments));
+    v1::JoinRequest request;
+    request.set_protocol_version(kProtocolVersion);
+    v1::JoinReply reply;
+    grpc::ClientContext context;
+    if (const grpc::Status joined = stub_->Join(&context, request, &reply); !joined.ok()) give_up(joined.error_message());
+    stub_->async()->Stream(&context_, this);
+    outgoing_.set_session_id(reply.session_id());
+    writing_ = true;
+    StartWrite(&outgoing_);
+    StartRead(&incoming_);
+    StartCall();
+  }
+  void stop() override {
+    context_.TryCancel();
+    done_.acquire();
+  }
+
+ private:
+  void OnReadDone(bool ok) override {
+    if (!ok) return;
+    const int64_t received_ns = now_ns();
+    if (!incoming_.frame().empty()) {
+      got.push_back({incoming_.tick(), incoming_.stepped_ns(), received_ns, received_ns, client_,
+                     static_cast<uint32_t>(incoming_.frame().size())});
+      std::lock_guard lock(mutex_);
+      newest_ = incoming_.tick();
+      write();
+    }
+    StartRead(&incoming_);
+  }
+  void OnWriteDone(bool ok) override {
+    std::lock_guard lock(mutex_);
+    writing_ = false;
+    if (ok) write();
+  }
+  void OnDone(const grpc::Status&) override { done_.release(); }
+  void write() {
+    if (writing_ || acknowledged_ == newest_) return;
+    outgoing_.Clear();
+    outgoing_.set_acknowledged_tick(acknowledged_ = newest_);
+    writing_ = true;
+    StartWrite(&outgoing_);
+  }
+
+  const uint32_t client_;
+  std::unique_ptr<v1::LiveGs::Stub> stub_;
+  grpc::ClientContext context_;
+  v1::ServerMessage incoming_;
+  std::binary_semaphore done_{0};
+  std::mutex mutex_;  // guards everything below
+  v1::ClientMessage outgoing_;
+  uint64_t newest_ = 0, acknowledged_ = 0;
+  bool writing_ = false;
+};
+
+}  // namespace
+
+StreamClients::StreamClients(const ServerToJoin& server, int count, ClientKind kind) {
+  if (const auto written = write_secret_file(folder_ / "token", server.token); !written) give_up(written.error().message);
+  process_ = std::make_unique<Program>(std::vector<std::string>{
+      "/proc/self/exe", kWord, std::to_string(server.port), std::to_string(count),
+      kind == ClientKind::Whole ? "whole" : "light", server.fingerprint, folder_.path().string()});
+  if (process_->first_line() != "streaming") give_up("the clients did not join: " + process_->err());
+}
+
+int64_t StreamClients::cpu_ns() const {
+  clockid_t clock;
+  timespec time{};
+  if (::clock_getcpuclockid(process_->process(), &clock) == 0) ::clock_gettime(clock, &time);
+  return int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
+}
+
+void StreamClients::freeze() { process_->send(SIGSTOP); }
+
+std::vector<GotFrame> StreamClients::stop() {
+  process_->send(SIGTERM);
+  if (process_->wait() != 0) give_up("the clients failed: " + process_->err());
+  const std::filesystem::path path = folder_ / "got";
+  std::vector<GotFrame> got(std::filesystem::file_size(path) / sizeof(GotFrame));
+  std::ifstream(path, std::ios::binary)
+      .read(reinterpret_cast<char*>(got.data()), static_cast<std::streamsize>(got.size() * sizeof(GotFrame)));
+  return got;
+}
+
+bool is_stream_clients(int argc, char** argv) { return argc == 7 && std::strcmp(argv[1], kWord) == 0; }
+
+int run_stream_clients(char** argv) {
+  sigset_t ending;
+  sigemptyset(&ending);
+  sigaddset(&ending, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &ending, nullptr);
+  set_log_level(LogLevel::Warn);
+  const std::string address = std::string("127.0.0.1:") + argv[2], fingerprint = argv[5];
+  const std::filesystem::path folder = argv[6];
+  const bool whole = std::strcmp(argv[4], "whole") == 0;
+  ConnectOptions options;
+  options.timeout_s = 30;
+  if (!fingerprint.empty()) {
+    const auto token = read_secret_file(folder / "token");
+    if (!token) give_up(token.error().message);
+    options.access = std::make_shared<ServerAccess>(address, ServerAccess::Keys{fingerprint, "", *token});
+  }
+  std::vector<std::unique_ptr<Client>> clients;
+  for (uint32_t i = 0; i < static_cast<uint32_t>(std::atoi(argv[3])); ++i) {
+    if (whole)
+      clients.push_back(std::make_unique<WholeClient>(address, options, i));
+    else
+      clients.push_back(std::make_unique<LightClient>(address, options, i));
+  }
+  std::printf("streaming\n");
+  std::fflush(stdout);
+  int signal_number = 0;
+  sigwait(&ending, &signal_number);
+  for (const auto& client : clients) client->stop();
+  std::ofstream file(folder / "got", std::ios::binary);
+  for (const auto& client : clients) {
+    file.write(reinterpret_cast<const char*>(client->got.data()),
+               static_cast<std::streamsize>(client->got.size() * sizeof(GotFrame)));
+  }
+  return file.flush() ? 0 : 1;
+}
+
+}  // namespace livegs::bench
