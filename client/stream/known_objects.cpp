@@ -22,7 +22,8 @@ Result<KnownObjects::Difference> KnownObjects::replace(std::span<const v1::Objec
       if (!object) return object.error();
       (known == described_.end() ? difference.added : difference.changed).push_back(std::move(*object));
     }
-    described[description->object_id()] = std::move(bytes);
+    if (!described.emplace(description->object_id(), std::move(bytes)).second)
+      return invalid_data("object \"" + description->name() + "\": another has its id");
   }
   for (const auto& [id, bytes] : described_) {
     if (!described.contains(id)) difference.removed.push_back(id);
