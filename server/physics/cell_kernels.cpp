@@ -257,8 +257,18 @@ LIVEGS_INLINE void follow_rotation(Lanes (&q)[4], const Matrix& f, Matrix& r, Ma
 }
 
 struct Worst {
-  Lanes strain, volume;
+  Lanes strain, bent, volume;
 };
+
+// A fold leaves no strain at the centroid: bending counts by the strain of a full cell's faces, 4 |q| / a for an amplitude q.
+constexpr float kBendingStrain = 256.0f;  // over (4 a)²
+template <class Mask>
+LIVEGS_INLINE void report(Mask used, Lanes strain, Lanes bending, Lanes volume, Worst& worst) {
+  const Lanes bent = strain + bending;
+  worst.strain = used & (strain > worst.strain) ? strain : worst.strain;
+  worst.bent = used & (bent > worst.bent) ? bent : worst.bent;
+  worst.volume = used & (volume < worst.volume) ? volume : worst.volume;
+}
 
 // S in Mandel's notation, and the worst of the eight cells for the report.
 LIVEGS_INLINE Symmetric strain_of(const Matrix& m, Symmetric& lack, Lanes& volume) {
@@ -341,10 +351,6 @@ LIVEGS_INLINE void solve_full(FullCells& cells, const FullGains& gains, const Sw
   Symmetric lack;
   Lanes volume;
   const Symmetric s = strain_of(m, lack, volume);
-  const auto used = inverse_mass[0] > all_lanes(0.0f);
-  const Lanes strain = dot(lack, lack);
-  worst.strain = used & (strain > worst.strain) ? strain : worst.strain;
-  worst.volume = used & (volume < worst.volume) ? volume : worst.volume;
 
   // G = g I: A and H are multiples of one.
   const Lanes h = all_lanes(gains.shear), gh = all_lanes(gains.mobility * gains.shear);
@@ -359,7 +365,7 @@ LIVEGS_INLINE void solve_full(FullCells& cells, const FullGains& gains, const Sw
   for (int k = 0; k < 6; ++k) sigma.v[k] = h * lack.v[k] + p * c.v[k];
   const Matrix stress = matrix_of_mandel(sigma);
 
-  Lanes coefficient[8][3];
+  Lanes coefficient[8][3], bent = all_lanes(0.0f);
   for (int d = 0; d < 3; ++d) {
     coefficient[1][d] = stress.m[d][0] * q4;
     coefficient[2][d] = stress.m[d][1] * q4;
@@ -368,8 +374,10 @@ LIVEGS_INLINE void solve_full(FullCells& cells, const FullGains& gains, const Sw
       const int k = kModeIndex[j];
       const Lanes turned = r.m[0][d] * position[0][k] + r.m[1][d] * position[1][k] + r.m[2][d] * position[2][k];
       coefficient[k][d] = turned * all_lanes(-gains.mode[j][d] / 64.0f);
+      bent += turned * turned;
     }
   }
+  report(inverse_mass[0] > all_lanes(0.0f), dot(lack, lack), all_lanes(kBendingStrain / 64.0f) * q4 * q4 * bent, volume, worst);
   Lanes out[3][8];
   to_corners(r, coefficient, out);
   scatter<kPaired>(cells.nodes, inverse_mass, out, arrays.corrections);
@@ -389,12 +397,6 @@ LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const
   if (kPlastic) {
     for (int k = 0; k < 6; ++k) lack.v[k] = plastic->part[k] - s.v[k];
   }
-  // Unused places have F = 0 and no stiffness; they are not strained.
-  const auto used = cells.mobility[0] + cells.mobility[1] + cells.mobility[2] > all_lanes(0.0f);
-  const Lanes strain = dot(lack, lack);
-  worst.strain = used & (strain > worst.strain) ? strain : worst.strain;
-  worst.volume = used & (volume < worst.volume) ? volume : worst.volume;
-
   const Symmetric shear = times_shear(gains.shear, lack);
   const Symmetric moved = times_mobility(shear, cells.mobility);
   Symmetric s1;
@@ -410,21 +412,25 @@ LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const
   if (kPlastic) {
     // The modes' own torque is left out in these cells; what it would change has not been measured.
     const Lanes torque[3] = {all_lanes(0.0f), all_lanes(0.0f), all_lanes(0.0f)};
-    add_turning_force(m, torque, strain, cells.mobility[0] + cells.mobility[1] + cells.mobility[2], stress);
+    add_turning_force(m, torque, dot(lack, lack), cells.mobility[0] + cells.mobility[1] + cells.mobility[2], stress);
   }
 
   // Mode amplitudes after the strain update, in the turned frame, and what their rows give back.
-  Lanes eta[4][3];
+  Lanes eta[4][3], bent = all_lanes(0.0f);
   for (int j = 0; j < 4; ++j) {
     const Lanes(&coupling)[3] = cells.mode_coupling[j];
     const int k = kModeIndex[j];
     for (int d = 0; d < 3; ++d) {
       Lanes turned = r.m[0][d] * position[0][k] + r.m[1][d] * position[1][k] + r.m[2][d] * position[2][k];
       if (kPlastic) turned -= all_lanes(8.0f) * plastic->mode_rest[j][d];
+      bent += turned * turned;
       const Lanes pulled = stress.m[d][0] * coupling[0] + stress.m[d][1] * coupling[1] + stress.m[d][2] * coupling[2];
       eta[j][d] = gains.mode[j][d] * (turned + pulled) * all_lanes(-1.0f / 64.0f);
     }
   }
+  // Unused places have F = 0 and no stiffness; they are not strained.
+  report(cells.mobility[0] + cells.mobility[1] + cells.mobility[2] > all_lanes(0.0f),
+         dot(lack, lack), all_lanes(kBendingStrain / 64.0f) * q4 * q4 * bent, volume, worst);
 
   Lanes out[3][8];
   pull_corners(r, stress, eta, cells.centroid, q4, out);
@@ -460,13 +466,11 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, con
       if (kPlastic) lacking[6 + 3 * j + d] += plastic->mode_rest[j][d];
     }
   }
-  // A fold costs a sheet little and leaves no strain at the centroid: the report counts bending as a full cell's.
   Lanes bent = all_lanes(0.0f);
   for (int k = 6; k < kThinMeasures; ++k) bent += lacking[k] * lacking[k];
   const auto used = cells.mobility > all_lanes(0.0f);
-  const Lanes strain = dot(lack, lack) + all_lanes(256.0f) * q4 * q4 * bent;
-  worst.strain = used & (strain > worst.strain) ? strain : worst.strain;
-  worst.volume = used & (volume < worst.volume) ? volume : worst.volume;
+  const Lanes strain = dot(lack, lack) + all_lanes(kBendingStrain) * q4 * q4 * bent;
+  report(used, strain, all_lanes(0.0f), volume, worst);
 
   for (int i = 0; i < kThinMeasures; ++i) impulse[i] = all_lanes(0.0f);
   const Lanes* gain = gains.gain;
@@ -523,7 +527,7 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, con
 }  // namespace
 
 SweepReport sweep_cells(const SweepArrays& arrays, const SweepColours& colours) {
-  Worst worst{all_lanes(0.0f), all_lanes(1.0f)};
+  Worst worst{all_lanes(0.0f), all_lanes(0.0f), all_lanes(1.0f)};
   for (int i = 0; i < kSweepColours; ++i) {
     const int colour = arrays.backward ? kSweepColours - 1 - i : i;
     for (size_t k = colours.full_begin[colour]; k < colours.full_begin[colour + 1]; ++k) {
@@ -552,7 +556,7 @@ SweepReport sweep_cells(const SweepArrays& arrays, const SweepColours& colours) 
       }
     }
   }
-  return {largest_lane(worst.strain), smallest_lane(worst.volume)};
+  return {largest_lane(worst.strain), largest_lane(worst.bent), smallest_lane(worst.volume)};
 }
 
 }  // namespace livegs

@@ -77,7 +77,8 @@ struct SweepArrays {
 };
 // How far from rest the worst cell was.
 struct SweepReport {
-  float strain_squared = 0;  // |S - I|^2
+  float strain_squared = 0;  // |S - I|², of thin cells with bending
+  float bent_squared = 0;    // with bending, counted as the strain of a full cell's faces
   float volume_ratio = 1;    // least det F
 };
 SweepReport sweep_cells(const SweepArrays& arrays, const SweepColours& colours);

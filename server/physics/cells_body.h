@@ -27,8 +27,8 @@
 //             surface points against colliders; after elasticity, so that nothing is cells_contact.cpp
 //             left inside
 //   advance   velocity = predicted + corrections / h_e, never a difference of positions; momentum ledger
-// Once a frame: plastic flow (cells_flow.cpp), the body's own untangling (cells_untangle.cpp)
-// and rest (cells_rest.cpp).
+// Once a frame: plastic flow (cells_flow.cpp), the body's own untangling (cells_untangle.cpp), whether it
+// is stuck on another (cells_impaled.cpp) and rest (cells_rest.cpp).
 
 namespace livegs {
 
@@ -44,6 +44,7 @@ class CellsBody final : public ElasticBody {
   int begin_substep(const SubstepContext& context) override;
   void begin_step(const SubstepPart& part, const SubstepContext& context) override;
   void list_contacts(const SubstepPart& part, const SubstepContext& context, std::vector<TouchRow>& rows) override;
+  void take_rows(std::span<const TouchRow> rows) override;
   void end_step(const SubstepPart& part, const SubstepContext& context) override;
   void end_substep(const SubstepContext& context) override;
   void end_frame(double frame_s) override;
@@ -69,6 +70,8 @@ class CellsBody final : public ElasticBody {
   double element_reach_m() const override;
   ContactSpot spot_at(uint32_t element, const Vector3d& point_m) const override;
   ContactSide& contact_side(double step_s) override;
+  bool comes_off(uint64_t contact_id) const override;
+  void push_whole(const Vector3d& impulse_n_s, double step_s) override;
   void wait_for_company(bool wait) override { rest_clock_.wait(wait); }
   bool rested() const override { return rest_clock_.rested(); }
   void sleep() override;
@@ -124,6 +127,15 @@ class CellsBody final : public ElasticBody {
     NodeSample sample;
     Vector3d impulse_n_s;
   };
+  // A body whose contact pushes this one from opposite sides while it is strained beyond all proportion.
+  struct Impaler {
+    uint64_t contact_id = 0;
+    // In this frame: sizes of impulses and their sum, sizes and impulses times points.
+    double pushed_n_s = 0.0, apart = 0.0;
+    Vector3d net_n_s = Vector3d::Zero(), moment = Vector3d::Zero();
+    double stuck_s = 0.0;
+    bool parting = false, overlaps = false;  // no contact with it until they no longer overlap
+  };
   // A body that flies without deforming visibly moves as a rigid one.
   struct RigidMotion {
     Pose world_from_body;  // of the shape frozen in shape_m
@@ -174,6 +186,11 @@ class CellsBody final : public ElasticBody {
   void touch_rigid(ContactSide& side, const SubstepContext& context, std::vector<TouchRow>& rows);
   void be_touched(MovingBody& body, ContactSide& side, std::vector<TouchRow>& rows);
   void touch_elastic(const ElasticNeighbour& other, ContactSide& side, double h, std::vector<TouchRow>& rows);
+  // cells_impaled.cpp
+  Impaler& impaler(uint64_t contact_id);
+  bool comes_off() const;  // any
+  void see_impalers(double frame_s);
+  void come_off(const SubstepPart& part, const SubstepContext& context, size_t begin, std::vector<TouchRow>& rows);
   void take_contact(uint32_t sample, const Vector3d& point_m, const Vector3d& pull_kg_m, double step_s);
 
   struct CellShape {
@@ -186,6 +203,7 @@ class CellsBody final : public ElasticBody {
   double energy_of(size_t index, const CellShape& shape) const;
   void flow();
   void begin_plastic();
+  void forget_flow();
   void set_all_plastic();
   void set_plastic_lanes(size_t index);
   void untangle(double frame_s);
@@ -269,10 +287,12 @@ class CellsBody final : public ElasticBody {
   double touch_margin_m_ = 0.0;
   std::vector<SpotTouch> spot_touches_;  // of this step, with what moves
 
+  std::vector<Impaler> impalers_;  // ascending id
+
   double reach_m_ = 0.0;        // radius about the centre that holds every node
   double deviation_m_s_ = 0.0;  // root mean square of velocities relative to the body as a whole
   double spin_rad_s_ = 0.0;     // of the body as a whole
-  double strain_squared_ = 0.0; // of the worst cell
+  double strain_squared_ = 0.0, bent_squared_ = 0.0;  // of the worst cell
   // Of surface_cells_ and all of them, with what rides outside; as the nodes are now, where they are known.
   mutable std::vector<Eigen::AlignedBox3d> cell_boxes_;
   mutable Eigen::AlignedBox3d surface_box_;
@@ -280,6 +300,7 @@ class CellsBody final : public ElasticBody {
   std::unique_ptr<ContactSide> side_;
   bool second_order_ = false, in_step_ = false;  // of the step that is being taken
   bool first_step_ = true, strained_ = false, tangled_ = false, untangling_ = false, touching_ = false, backward_ = false;
+  double gravity_m_s2_ = 0.0;  // of the last substep
   bool supported_ = false, forced_ = false;  // for the sleep test: held up or in no gravity; pushed
   Quaterniond orientation_;  // world from object, of the body as a whole
   std::optional<RigidMotion> rigid_;

@@ -47,6 +47,7 @@ void CellsBody::turn(size_t index, CellShape& shape) const {
 }
 
 void CellsBody::flow() {
+  if (untangling_) return;
   if (*std::max_element(plasticities_.begin(), plasticities_.end()) <= 0.0) return;
   YieldSurface surface;  // of the last cell: most bodies are of one material
   double surface_plasticity = NAN, surface_poisson_ratio = NAN;
@@ -119,6 +120,17 @@ void CellsBody::begin_plastic() {
   if (!plastic_parts_.empty()) return;
   plastic_parts_.assign(lattice_.cells.size(), Matrix3d::Identity());
   plastic_modes_.assign(lattice_.cells.size(), {Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()});
+  const double h = gains_step_s_;
+  rebuild_cells();
+  if (h > 0.0) set_gains(h);
+}
+
+// A tangle made it flow, which says nothing about its shape.
+void CellsBody::forget_flow() {
+  plastic_parts_.clear();
+  plastic_modes_.clear();
+  plastic_.clear();
+  thin_plastic_.clear();
   const double h = gains_step_s_;
   rebuild_cells();
   if (h > 0.0) set_gains(h);

@@ -37,13 +37,14 @@ void CellsBody::end_frame(double frame_s) {
   candidate_margin_m_ -= 1e-6 * reach_m_;  // rounding of the shift
   touch_margin_m_ -= 1e-6 * reach_m_;
 
+  see_impalers(frame_s);
   flow();
   untangle(frame_s);
   rest(frame_s);
 }
 
 void CellsBody::rest(double frame_s) {
-  const bool unstrained = free() && may_rest_ && !touching_ && !forced_ && region_loads_.empty() &&
+  const bool unstrained = free() && may_rest_ && !touching_ && !forced_ && !comes_off() && region_loads_.empty() &&
                           strain_squared_ < kVisibleStrain * kVisibleStrain;
   unstrained_s_ = unstrained ? unstrained_s_ + frame_s : 0.0;
   if (unstrained_s_ >= kUnstrainedTime_s) {
@@ -53,7 +54,7 @@ void CellsBody::rest(double frame_s) {
   // What is held or loaded is measured: it sleeps in equilibrium, not while it still creeps there. What lies on
   // something trembles more.
   const double calm = held_ || !region_loads_.empty() ? kMeasuredCalm : 1.0;
-  if (rest_clock_.tick(frame_s, calm * fastest_m_s(), supported_, forced_)) sleep();
+  if (rest_clock_.tick(frame_s, calm * fastest_m_s(), supported_, forced_ || comes_off())) sleep();
 }
 
 void CellsBody::sleep() {

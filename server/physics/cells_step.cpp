@@ -61,6 +61,7 @@ int CellsBody::begin_substep(const SubstepContext& context) {
 }
 
 void CellsBody::end_substep(const SubstepContext& context) {
+  gravity_m_s2_ = context.gravity_m_s2.norm();
   supported_ = touching_ || held_ || context.gravity_m_s2.squaredNorm() == 0.0;
 }
 
@@ -103,6 +104,7 @@ void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& contex
   sweep.paired = batches_.paired;
   const SweepReport report = sweep_cells(sweep, batches_.colours);
   strain_squared_ = report.strain_squared;
+  bent_squared_ = report.bent_squared;
   strained_ = report.strain_squared > kLargeStrainSquared || report.volume_ratio < kSmallVolume;
   tangled_ = tangled_ || strained_;
 

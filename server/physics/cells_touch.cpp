@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "physics/cells_body.h"
+#include "physics/contact_id.h"
 #include "physics/moving_body.h"
 
 namespace livegs {
@@ -355,9 +356,13 @@ void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& con
   }
   touch_margin_m_ -= 1.5 * part.duration_s * (own_speed_m_s() + fastest);
   if (touch_margin_m_ <= 0.0 || !same) find_touchable(context);
+  const size_t begin = rows.size();
   touch_rigid(side, context, rows);
   for (MovingBody* body : context.bodies) be_touched(*body, side, rows);
-  for (const ElasticNeighbour& other : context.others) touch_elastic(other, side, part.duration_s, rows);
+  for (const ElasticNeighbour& other : context.others) {
+    if (!other.body->comes_off(contact_id_of(object_id_))) touch_elastic(other, side, part.duration_s, rows);
+  }
+  if (comes_off()) come_off(part, context, begin, rows);
 }
 
 }  // namespace livegs

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A body wound twice round an axis is in a true local minimum: every cell is upright and nearly at rest, and nothing a
 // cell can see leads out (elastic-study.md 4). A folded edge may be another. The body as a whole can tell: its best
-// affine fit is far from upright, or it is strained, alone and has come to rest all the same.
+// affine fit is far from upright, or it is strained, alone and has come to rest all the same. Of one that lies on something
+// or has flowed only a strain beyond all proportion says so, and what flowed in a tangle is forgotten.
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -21,6 +22,8 @@ constexpr double kPatience_s = 0.5;  // most tangles come apart by themselves
 constexpr double kPull_per_s = 12.0; // of the way to the rigid shape; twice that after each kPatience_s of pulling
 constexpr double kMostDoublings = 10.0;
 constexpr double kStrainedSquared = 0.01;  // |S - I|² of the worst cell
+constexpr double kWildSquared = 1.0;       // of one that touches something or has flowed
+constexpr double kLargestSag = 0.05;       // strain by its own weight
 constexpr double kSettled = 0.02;          // kinetic energy of the deviation over elastic energy
 
 double uprightness(const Matrix3d& a) {
@@ -39,8 +42,11 @@ Matrix3d nearest_rotation(const Matrix3d& a) {
 
 void CellsBody::untangle(double frame_s) {
   if (!tangled_) return;
-  // Not while something presses it: then being strained is right.
-  const bool alone = free() && !touching_ && !forced_ && region_loads_.empty() && plastic_parts_.empty();
+  // Not while something presses it, or it sags under its own weight: then being strained is right.
+  const double youngs_modulus_pa = cell_materials_.materials[0].youngs_modulus_pa, weight_n = mass_kg_ * gravity_m_s2_;
+  const double sag = densities_kg_m3_[0] * gravity_m_s2_ * (extent_.max_m - extent_.min_m).norm() / youngs_modulus_pa;
+  const bool pressed = touching_ && (carried_n_ > weight_n || sag > kLargestSag), flowed = !plastic_parts_.empty();
+  const bool alone = free() && !pressed && !forced_ && !comes_off() && region_loads_.empty();
   if (!alone) {
     tangled_s_ = 0.0;
     return;
@@ -57,17 +63,21 @@ void CellsBody::untangle(double frame_s) {
   if (!fit.allFinite()) return;
   const double upright = uprightness(fit);
   // A spinning body is strained by that alone, by rho (omega L)² / E.
-  const double wave_squared = cell_materials_.materials[0].youngs_modulus_pa / densities_kg_m3_[0];
+  const double wave_squared = youngs_modulus_pa / densities_kg_m3_[0];
   const double spun = std::pow(motion_.angular_velocity_rad_s().norm() * reach_m_, 2) / wave_squared;
-  const bool strained = strain_squared_ > kStrainedSquared + 4.0 * spun * spun;
+  const bool wild = touching_ || flowed;
+  const bool strained = bent_squared_ > (wild ? kWildSquared : kStrainedSquared) + 4.0 * spun * spun;
   if (!untangling_) {
     if (upright > kUpright && !strained) tangled_ = false;
-    const bool settled = strained && deviation_m_s_ * deviation_m_s_ < kSettled * strain_squared_ * wave_squared;
+    const bool settled = strained && deviation_m_s_ * deviation_m_s_ < kSettled * bent_squared_ * wave_squared;
     // A tangle that does not come to rest either counts half: first-order steps should have calmed it long since.
-    const double weight = upright < kTangled || settled ? 1.0 : strained_ ? 0.5 : -1.0;
+    const double weight = upright < kTangled || settled ? 1.0 : (wild ? strained : strained_) ? 0.5 : -1.0;
     tangled_s_ = std::max(0.0, tangled_s_ + weight * frame_s);
     untangling_ = tangled_s_ > kPatience_s;
-    if (untangling_) ++untangled_;
+    if (untangling_) {
+      ++untangled_;
+      if (flowed) forget_flow();
+    }
   }
   if (!untangling_) return;
   if (upright > kUpright && !strained) {

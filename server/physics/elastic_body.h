@@ -132,10 +132,12 @@ class ElasticBody {
   void substep(const SubstepContext& context);  // of a body without neighbours
   // The same in parts, for bodies that take it together (step_elastic_bodies.h): begin_substep tells how many steps the
   // body needs, 0 when there is no more to do (it sleeps, or has flown on as a rigid body). Each step of as many or more
-  // is begin_step (all but contact), list_contacts with what moves, end_step (colliders, and what they all did).
+  // is begin_step (all but contact), list_contacts with what moves, take_rows, end_step (colliders, and what they all did).
   virtual int begin_substep(const SubstepContext& context) = 0;
   virtual void begin_step(const SubstepPart& part, const SubstepContext& context) = 0;
   virtual void list_contacts(const SubstepPart& part, const SubstepContext& context, std::vector<TouchRow>& rows) = 0;
+  // The rows it listed, solved. After list_contacts, before end_step.
+  virtual void take_rows(std::span<const TouchRow> rows) { (void)rows; }
   virtual void end_step(const SubstepPart& part, const SubstepContext& context) = 0;
   virtual void end_substep(const SubstepContext& context) = 0;
   virtual void end_frame(double frame_s) = 0;  // plasticity and the sleep test happen here
@@ -157,6 +159,14 @@ class ElasticBody {
   virtual ContactSpot spot_at(uint32_t element, const Eigen::Vector3d& point_m) const;
   // Takes impulses in a step of `step_s`: in the middle of its own, or as a sleeper, which wakes. Valid for that step.
   virtual ContactSide& contact_side(double step_s);  // is not asked of a body without elements
+
+  // Whether it is stuck on that body, by MovingBody::contact_id, and comes off without contact meanwhile.
+  virtual bool comes_off(uint64_t contact_id) const {
+    (void)contact_id;
+    return false;
+  }
+  // An impulse to all of it alike, which deforms nothing; in a step of `step_s` or between two.
+  virtual void push_whole(const Eigen::Vector3d& impulse_n_s, double step_s) { (void)impulse_n_s, (void)step_s; }
 
   // Sleep in company: with `wait` the body does not fall asleep by itself when it has been still for long enough, but
   // says so, until it is told to.

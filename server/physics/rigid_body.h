@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/pose.h"
+#include "physics/contact_id.h"
 #include "physics/rigid_contact.h"
 #include "physics/rigid_shape.h"
 
@@ -14,9 +15,6 @@ namespace livegs {
 
 class JointGroup;
 struct RigidSpring;
-
-// Fragments of one object, at most.
-inline constexpr uint32_t kMaxBodiesOfObject = 256;
 
 // Impulses added up: how much, where and which way. Body axes, from the centre of mass.
 struct ImpulseSum {
@@ -83,7 +81,7 @@ struct RigidBody {
   double carried_speed_m_s = 0.0;  // what the supports of its own weight took of its speed in this substep
 
   // Unique in a world and ascending as its list of bodies; below kColliderBit.
-  uint64_t contact_id() const { return uint64_t{object_id} * kMaxBodiesOfObject + body_index; }
+  uint64_t contact_id() const { return contact_id_of(object_id, body_index); }
 
   // Where a material point (object frame, at rest) is, from the centre of mass, world axes.
   Eigen::Vector3d arm_of(const Eigen::Vector3d& rest_point_m) const {

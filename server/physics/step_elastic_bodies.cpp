@@ -42,11 +42,12 @@ void step_elastic_bodies(std::span<SteppedBody> bodies) {
       row_ends[i] = rows.size();
     }
     if (!rows.empty()) solve_rows(rows, part.duration_s);
-    for (size_t i = 0, row = 0; i < bodies.size(); ++i) {
-      for (; row < row_ends[i]; ++row) {
-        if (bodies[i].context.met && rows[row].normal_impulse_n_s > 0.0) {
-          bodies[i].context.met->push_back(rows[row].met_id);
-        }
+    for (size_t i = 0, begin = 0; i < bodies.size(); begin = row_ends[i++]) {
+      const std::span listed(rows.begin() + static_cast<std::ptrdiff_t>(begin), rows.begin() + static_cast<std::ptrdiff_t>(row_ends[i]));
+      if (bodies[i].steps > 0) bodies[i].body->take_rows(listed);
+      if (!bodies[i].context.met) continue;
+      for (const TouchRow& row : listed) {
+        if (row.normal_impulse_n_s > 0.0) bodies[i].context.met->push_back(row.met_id);
       }
     }
     for (SteppedBody& stepped : bodies) {

@@ -119,8 +119,8 @@ std::vector<std::vector<World::State::SteppedTogether>> World::State::meet(doubl
       if (!may_meet(body, *other.body, elastic_boxes[k], room)) continue;
       elastic.body->expect_contact();
       other.body->expect_contact();
-      elastic.near_elastic.push_back({other.body.get(), elastic_contact_id(other.object_id)});
-      other.near_elastic.push_back({elastic.body.get(), elastic_contact_id(elastic.object_id)});
+      elastic.near_elastic.push_back({other.body.get(), contact_id_of(other.object_id)});
+      other.near_elastic.push_back({elastic.body.get(), contact_id_of(elastic.object_id)});
       together.join(static_cast<uint32_t>(i), static_cast<uint32_t>(k));
       sets.join(static_cast<uint32_t>(i), static_cast<uint32_t>(k));
     }
@@ -215,7 +215,7 @@ void World::State::rest_company(double tick_s) {
   }
   std::vector<uint64_t> ids;
   for (const RigidBody* body : rigid_bodies) ids.push_back(body->contact_id());
-  for (const ElasticObject* elastic : elastic_objects) ids.push_back(elastic_contact_id(elastic->object_id));
+  for (const ElasticObject* elastic : elastic_objects) ids.push_back(contact_id_of(elastic->object_id));
   std::sort(ids.begin(), ids.end());
   const auto place_of = [&](uint64_t id) { return std::lower_bound(ids.begin(), ids.end(), id) - ids.begin(); };
   DisjointSets sets(ids.size());
@@ -226,7 +226,7 @@ void World::State::rest_company(double tick_s) {
       elastic->met.swap(elastic->met_now);
     }
     elastic->met_now.clear();
-    const auto own = place_of(elastic_contact_id(elastic->object_id));
+    const auto own = place_of(contact_id_of(elastic->object_id));
     for (const uint64_t id : elastic->met) {
       const auto other = place_of(id);
       if (other < std::ssize(ids) && ids[other] == id) sets.join(static_cast<uint32_t>(own), static_cast<uint32_t>(other));
@@ -235,7 +235,7 @@ void World::State::rest_company(double tick_s) {
   const auto root_of = [&](uint64_t id) { return sets.root(static_cast<uint32_t>(place_of(id))); };
   std::vector<char> restless(ids.size(), 0), company(ids.size(), 0);
   for (const ElasticObject* elastic : elastic_objects) {
-    if (!elastic->body->rested()) restless[root_of(elastic_contact_id(elastic->object_id))] = 1;
+    if (!elastic->body->rested()) restless[root_of(contact_id_of(elastic->object_id))] = 1;
   }
   for (uint32_t i = 0; i < ids.size(); ++i) {
     if (sets.root(i) != i) company[sets.root(i)] = 1;
@@ -246,7 +246,7 @@ void World::State::rest_company(double tick_s) {
     if (!body->asleep) restless[root_of(body->contact_id())] = 1;
   }
   for (ElasticObject* elastic : elastic_objects) {
-    const uint32_t root = root_of(elastic_contact_id(elastic->object_id));
+    const uint32_t root = root_of(contact_id_of(elastic->object_id));
     elastic->body->wait_for_company(company[root] != 0);
     if (company[root] && !restless[root] && !elastic->body->asleep()) elastic->body->sleep();
   }

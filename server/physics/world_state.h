@@ -60,15 +60,13 @@ struct ElasticObject {
   std::vector<MovingBody*> near_bodies;
   std::vector<ElasticNeighbour> near_elastic;
   std::vector<PointForce> forces;
-  // Bodies it pushed in the last tick it was awake, by RigidBody::contact_id or elastic_contact_id, ascending: they sleep
+  // Bodies it pushed in the last tick it was awake, by contact_id_of, ascending: they sleep
   // and wake together.
   std::vector<uint64_t> met, met_now;
   // Over the tick, from everything it touches.
   double contact_impulse_n_s = 0;
   Eigen::Vector3d contact_moment = Eigen::Vector3d::Zero();
 };
-
-inline uint64_t elastic_contact_id(uint32_t object_id) { return uint64_t{object_id} * kMaxBodiesOfObject; }
 
 struct WorldObject {
   std::variant<StaticObject, RigidObject, ElasticObject> thing;

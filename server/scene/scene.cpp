@@ -179,7 +179,7 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
     scene.note_elastic(one.drawn);
     const SceneObject& drawn = scene.add_drawn(std::move(one.drawn), object_from_asset);
     if (const auto* rigid = std::get_if<RigidBodyDescription>(&one.body)) {
-      scene.cuttable_[drawn.id] = {one.cut_mesh, one.fine_mesh};
+      scene.cuttable_[drawn.id] = {one.cut_mesh, one.fine_mesh, 0, {}};
       if (rigid->material.fragile && options.cut_fragile) scene.begin_cut(drawn);
     }
     log_notes(scene.objects_.back());
