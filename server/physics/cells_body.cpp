@@ -165,7 +165,8 @@ void CellsBody::rebuild_cells() {
   predict_accuracy();
   batches_ = make_cell_batches(lattice_, inverse_masses_, rotations, nodes_.spare(),
                                plastic_parts_.empty(), options_.thin);
-  gains_step_s_ = 0.0;
+  own_gains_ = company_gains_ = {};
+  last_step_s_ = 0.0;
   if (!plastic_parts_.empty()) set_all_plastic();
 }
 
@@ -183,12 +184,17 @@ void CellsBody::predict_accuracy() {
   band_.ratio_high *= kept;
 }
 
-void CellsBody::set_gains(double h) {
-  for (const bool second_order : {false, true}) {
-    gains_[second_order] = make_sweep_gains(lattice_, batches_, inverse_masses_, cell_materials_,
-                                            options_.compensate, second_order ? 2.0 * h / 3.0 : h);
+// A thin cell's take the inverse of a matrix of 18 x 18, and a body may be alone and in company by turns.
+const SweepGains& CellsBody::gains_of(double h, bool second_order) {
+  const auto alike = [&](double other_s) { return std::abs(h - other_s) <= 1e-9 * h; };
+  StepGains& gains = alike(1.0 / (rate_hz_ * choice_.substeps)) ? own_gains_ : company_gains_;
+  if (!alike(gains.step_s)) gains = {h, {}};
+  std::optional<SweepGains>& found = gains.of_order[second_order];
+  if (!found) {
+    found = make_sweep_gains(lattice_, batches_, inverse_masses_, cell_materials_, options_.compensate,
+                             second_order ? 2.0 * h / 3.0 : h);
   }
-  gains_step_s_ = h;
+  return *found;
 }
 
 void CellsBody::make_surface(const ParticleSet& particles) {
@@ -409,8 +415,10 @@ ElasticAccuracy CellsBody::accuracy() const {
   accuracy.particles = particle_points_.size();
   accuracy.bytes = nodes_.bytes() + batches_.bytes() + surface_.capacity() * (sizeof(NodeSample) + sizeof(Eigen::Vector3f)) +
                    face_normals_.capacity() * sizeof(Eigen::Vector3f) +
-                   surface_cells_.capacity() * sizeof(SurfaceCell) +
-                   gains_[0].bytes() + gains_[1].bytes();
+                   surface_cells_.capacity() * sizeof(SurfaceCell);
+  for (const StepGains* gains : {&own_gains_, &company_gains_}) {
+    for (const auto& of_order : gains->of_order) accuracy.bytes += of_order ? of_order->bytes() : 0;
+  }
   return accuracy;
 }
 

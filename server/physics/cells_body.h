@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -150,7 +151,7 @@ class CellsBody final : public ElasticBody {
   void lead_followers(double step_s, const Eigen::Vector3d& gravity_m_s2);
   void rebuild_cells();
   void predict_accuracy();
-  void set_gains(double h);
+  const SweepGains& gains_of(double h, bool second_order);
   void start_motion(const ElasticBodyDescription& description);
   void make_surface(const ParticleSet& particles);
 
@@ -246,8 +247,13 @@ class CellsBody final : public ElasticBody {
   std::vector<Follower> followers_;
   Vector3d origin_m_ = Vector3d::Zero();            // of the nodes' positions
   CellBatches batches_;
-  SweepGains gains_[2];         // of first-order and second-order steps
-  double gains_step_s_ = 0.0;   // the h that gains_ are for; 0: none
+  // What steps of one length multiply by, first-order and second-order ones; each made when it is first asked for.
+  struct StepGains {
+    double step_s = 0.0;  // h; 0: none
+    std::optional<SweepGains> of_order[2];
+  };
+  StepGains own_gains_, company_gains_;  // of its own steps, and of those that it last took beside bodies that need others
+  double last_step_s_ = 0.0;             // h; 0: none, or its cells were others
   std::vector<PlasticCells> plastic_, thin_plastic_;  // as batches_.cut and .thin; empty while nothing has flowed
   std::vector<Matrix3d> plastic_parts_;           // by cell
   std::vector<std::array<Vector3d, kModeCount>> plastic_modes_;  // amplitudes at rest, turned frame

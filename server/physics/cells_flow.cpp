@@ -120,9 +120,9 @@ void CellsBody::begin_plastic() {
   if (!plastic_parts_.empty()) return;
   plastic_parts_.assign(lattice_.cells.size(), Matrix3d::Identity());
   plastic_modes_.assign(lattice_.cells.size(), {Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()});
-  const double h = gains_step_s_;
+  const double h = last_step_s_;
   rebuild_cells();
-  if (h > 0.0) set_gains(h);
+  last_step_s_ = h;
 }
 
 // A tangle made it flow, which says nothing about its shape.
@@ -131,9 +131,9 @@ void CellsBody::forget_flow() {
   plastic_modes_.clear();
   plastic_.clear();
   thin_plastic_.clear();
-  const double h = gains_step_s_;
+  const double h = last_step_s_;
   rebuild_cells();
-  if (h > 0.0) set_gains(h);
+  last_step_s_ = h;
 }
 
 void CellsBody::set_all_plastic() {

@@ -76,8 +76,8 @@ void CellsBody::gather_point_loads(const SubstepContext& context) {
 void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& context) {
   const double h = part.duration_s, time_s = context.start_s + part.began_s + h;
   // Beside bodies that need more steps it takes theirs: the last step is then no basis for one of second order.
-  const bool even = std::abs(h - gains_step_s_) <= 1e-9 * h;
-  if (!even) set_gains(h);
+  const bool even = std::abs(h - last_step_s_) <= 1e-9 * h;
+  last_step_s_ = h;
   const double smallest_m = (extent_.max_m - extent_.min_m).minCoeff();
   const bool quiet = touching_ && deviation_m_s_ < kQuiet * std::sqrt(context.gravity_m_s2.norm() * smallest_m);
   second_order_ = options_.second_order && even && !first_step_ && !strained_ && !quiet;
@@ -96,9 +96,10 @@ void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& contex
   sweep.thin = batches_.thin.data();
   sweep.plastic = plastic_.empty() ? nullptr : plastic_.data();
   sweep.thin_plastic = plastic_parts_.empty() ? nullptr : thin_plastic_.data();
-  sweep.gains = gains_[second_order_].cut.data();
-  sweep.thin_gains = gains_[second_order_].thin.data();
-  sweep.full_gains = gains_[second_order_].full;
+  const SweepGains& gains = gains_of(h, second_order_);
+  sweep.gains = gains.cut.data();
+  sweep.thin_gains = gains.thin.data();
+  sweep.full_gains = gains.full;
   sweep.inverse_four_widths = static_cast<float>(0.25 / lattice_.cell_width_m);
   sweep.backward = backward_;
   sweep.paired = batches_.paired;
