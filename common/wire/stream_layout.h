@@ -43,7 +43,6 @@ class StreamBaseline {
  public:
   uint64_t tick = 0;
   int64_t simulated_ns = 0;
-  uint32_t since_hash = 0;
   std::vector<std::shared_ptr<const GridHistory>> objects;  // ascending ids
 
   const std::shared_ptr<const GridHistory>* find(uint32_t id) const {

@@ -217,6 +217,37 @@ TEST(FrameStream, AReaderThatWentAstrayIsFoundOut) {
   EXPECT_LE(found_out, 5);
 }
 
+// One stream misses a frame. Two frames later both have what they would have had anyway, and take the same bytes; things that
+// fell asleep in the frame that was missed take as long as a straight line is believed.
+TEST(FrameStream, StreamsThatMissedAFrameAreAlikeAgain) {
+  for (const bool falls_asleep : {false, true}) {
+    Motion motion;
+    StreamBaselinePtr whole, gap;
+    StreamReader reader;
+    uint64_t alike_at = 0;
+    for (uint64_t tick = 1; tick <= 40; ++tick) {
+      if (falls_asleep && tick == 11) motion.asleep = {1, 6};
+      const DriverFrame frame = motion.at(tick);
+      if (tick != 11) {
+        const EncodedStreamFrame encoded = encode_stream_frame(frame, gap);
+        gap = encoded.next;
+        const auto read = reader.read(encoded.bytes);
+        ASSERT_TRUE(read) << tick << ": " << read.error().message;
+      }
+      whole = encode_stream_frame(frame, whole).next;
+      if (tick <= 11) continue;
+      if (alike_at == 0 && same_state(*whole, *gap)) alike_at = tick;
+      if (alike_at == 0) continue;
+      // From here on the reader of the one is sent what the other's is.
+      ASSERT_TRUE(same_state(*whole, *gap)) << tick;
+      EXPECT_EQ(encode_stream_frame(motion.at(tick + 1), whole).bytes, encode_stream_frame(motion.at(tick + 1), gap).bytes);
+      gap = whole;
+    }
+    EXPECT_GT(alike_at, 12u);
+    EXPECT_LE(alike_at, falls_asleep ? 11u + 17 : 14u);
+  }
+}
+
 TEST(FrameStream, GivesTheSameBytesFromTheSameBaseline) {
   const Motion motion;
   const StreamBaselinePtr baseline = encode_stream_frame(motion.at(1), nullptr).next;
