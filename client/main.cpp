@@ -110,6 +110,9 @@ int main(int argc, char** argv) {
   auto* reconnect = app.add_option("--reconnect", options.reconnect_s,
                                    "Seconds to look for a server that went away; 10, or with a window no end, when left out")
                         ->check(CLI::Range(0.0, 1e6));
+  app.add_option("--most-mbit-s", options.most_mbit_s,
+                 "What the link can take, megabits a second: the server sends no more, what matters most first. As much as it gives when left out")
+      ->check(CLI::Range(0.1, 1e5));
   app.add_option("--pair", access.pairing_code,
                  "The pairing code that the server shows: its certificate is remembered from then on");
   app.add_option("--token-file", access.token_file,

@@ -41,6 +41,7 @@ struct Options {
   std::string tls = "auto";
   std::string state_dir;
   std::optional<int> metrics_port;
+  std::optional<double> client_mbit_s;
   std::string log_format = "text";
   std::optional<double> rate_hz;
   std::optional<int> substeps;
@@ -110,8 +111,9 @@ std::string wait_for_signal(const sigset_t& signals, const std::function<bool()>
 int run(const Options& options) {
   using namespace livegs;
   // A range check lets NaN through.
-  if (!std::isfinite(options.seconds) || !std::isfinite(options.rate_hz.value_or(1.0))) {
-    return report(invalid_argument("--seconds, --rate: are not numbers"));
+  if (!std::isfinite(options.seconds) || !std::isfinite(options.rate_hz.value_or(1.0)) ||
+      !std::isfinite(options.client_mbit_s.value_or(1.0))) {
+    return report(invalid_argument("--seconds, --rate, --client-mbit-s: are not numbers"));
   }
   const sigset_t signals = block_ending_signals();
   set_log_level(options.verbose ? LogLevel::Debug : LogLevel::Info);
@@ -127,6 +129,7 @@ int run(const Options& options) {
   if (!security) return report(security.error());
   auto server = LiveServer::listen(options.listen, security->get());
   if (!server) return report(server.error());
+  if (options.client_mbit_s) (*server)->cap_clients(*options.client_mbit_s);
   if (!options.publish.empty()) {
     const auto published = (*server)->publish(options.publish);
     if (!published) return report(published.error());
@@ -250,6 +253,9 @@ int main(int argc, char** argv) {
   app.add_option("--metrics", options.metrics_port,
                  "Serve metrics for Prometheus on 127.0.0.1:PORT; 0 lets the system choose; none when left out")
       ->check(CLI::Range(0, 65535));
+  app.add_option("--client-mbit-s", options.client_mbit_s,
+                 "What a client is sent at most, megabits a second; what matters least to it waits. No limit when left out")
+      ->check(CLI::Range(0.1, 1e5));
   app.add_option("--publish", options.publish,
                  "tcp://127.0.0.1:PORT: publish frames to livegs-client --subscribe and others on this machine, without "
                  "tokens; port 0 lets the system choose; none when left out");

@@ -32,4 +32,12 @@ void write_input(const InputSample& sample, v1::Input& message) {
   if (sample.hands[1].active) write_hand(sample.hands[1], *message.mutable_right());
 }
 
+void write_view(const ViewCone& view, v1::View& message) {
+  for (int i = 0; i < 3; ++i) {
+    message.add_position_m(static_cast<float>(view.position_m[i]));
+    message.add_forward(static_cast<float>(view.forward[i]));
+  }
+  message.set_half_angle_rad(static_cast<float>(view.half_angle_rad));
+}
+
 }  // namespace livegs

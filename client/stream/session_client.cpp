@@ -9,6 +9,7 @@
 #include <condition_variable>
 #include <limits>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -75,6 +76,7 @@ struct SessionClient::Connection {
   std::condition_variable changed;
   std::shared_ptr<v1::LiveGs::Stub> stub, asset_stub;
   std::shared_ptr<SessionStream> stream;  // while there is one; shared with who is just sending
+  std::optional<ViewCone> view;           // that was told last
   bool stopping = false;
   Result<void> outcome;
 
@@ -102,6 +104,7 @@ Result<v1::JoinReply> SessionClient::Connection::join(int64_t give_up_ns) {
   request.set_protocol_version(kProtocolVersion);
   request.set_client_name(options.client_name);
   request.set_resumed_session_id(session_id);
+  request.set_most_mbit_s(options.most_mbit_s);
   grpc::Status status;
   std::chrono::seconds deadline = session_id.empty() ? kCallDeadline : kRejoinDeadline;
   for (;;) {
@@ -241,6 +244,16 @@ void SessionClient::send(const InputSample& sample) {
   if (stream) stream->send(sample);
 }
 
+void SessionClient::look(const ViewCone& view) {
+  std::shared_ptr<SessionStream> stream;
+  {
+    std::lock_guard lock(connection_->mutex);
+    connection_->view = view;
+    stream = connection_->stream;
+  }
+  if (stream) stream->look(view);
+}
+
 SessionStream::Outcome SessionClient::Connection::stream_once() {
   const auto used = stub_now();
   const auto opened =
@@ -248,6 +261,7 @@ SessionStream::Outcome SessionClient::Connection::stream_once() {
   {
     std::lock_guard lock(mutex);
     if (stopping) opened->stop();
+    if (view) opened->look(*view);
     stream = opened;
   }
   SessionStream::Outcome done = opened->run();

@@ -7,6 +7,7 @@
 
 #include "core/input_sample.h"
 #include "core/result.h"
+#include "core/view_cone.h"
 #include "stream/asset_cache.h"
 #include "stream/received.h"
 #include "trust/server_access.h"
@@ -17,6 +18,7 @@ struct ConnectOptions {
   double timeout_s = 5.0;  // for the server to be there and its scene to be built
   std::string client_name = "livegs-client";
   std::shared_ptr<const ServerAccess> access;  // null: in the clear
+  double most_mbit_s = 0;  // what the link can take; 0: whatever the server gives
   // How long a server that went away is looked for before the session is over; infinity: until stop().
   double reconnect_s = 10.0;
   // Whether a server that said goodbye is looked for, too.
@@ -48,6 +50,9 @@ class SessionClient {
   void start(StreamSink& sink);
   // A sample to send; any thread. Lost while there is no stream: what hands did then is over.
   void send(const InputSample& sample);
+  // What this client looks at from now on; any thread. What is outside is sent less often. It holds until the next call, for
+  // streams that are opened anew too; without a call everything is seen.
+  void look(const ViewCone& view);
   // Ends the session and waits for its threads. OK when this end wanted it or the server announced it; else
   // why it could not go on. More than once is fine.
   Result<void> stop();

@@ -70,6 +70,11 @@ void SessionStream::send(const InputSample& sample) {
   to_send_.notify_one();
 }
 
+void SessionStream::look(const ViewCone& view) {
+  std::lock_guard lock(mutex_);
+  view_ = view;
+}
+
 void SessionStream::stop() {
   {
     std::lock_guard lock(mutex_);
@@ -93,6 +98,8 @@ void SessionStream::write() {
       message.set_acknowledged_tick(acknowledged_tick_);
       message.set_key_frame_wanted(std::exchange(key_frame_wanted_, false));
       for (const InputSample& sample : samples_) write_input(sample, *message.add_inputs());
+      if (view_) write_view(*view_, *message.mutable_view());
+      view_.reset();
     }
     message.set_sent_ns(now_ns());
     if (!stream_->Write(message)) break;

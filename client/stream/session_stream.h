@@ -13,6 +13,7 @@
 
 #include "core/input_sample.h"
 #include "core/result.h"
+#include "core/view_cone.h"
 #include "livegs/v1/session.grpc.pb.h"
 #include "stream/clock_offset.h"
 #include "stream/known_objects.h"
@@ -52,6 +53,7 @@ class SessionStream {
   // Any thread: a sample to send, meant for the tick that TickAim says; the last three travel in each message. The end: the
   // server answers a half close by ending the stream, and one that does not within a second is left.
   void send(const InputSample& sample);
+  void look(const ViewCone& view);  // travels with the next message
   void stop();
 
  private:
@@ -78,6 +80,7 @@ class SessionStream {
   TickAim aim_;
   std::deque<InputSample> samples_;  // the last three
   bool samples_new_ = false;
+  std::optional<ViewCone> view_;  // that was not sent yet
   uint64_t acknowledged_tick_ = 0;
   bool acknowledgement_new_ = false;
   bool key_frame_wanted_ = false;

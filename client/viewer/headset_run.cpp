@@ -19,6 +19,7 @@
 #include "viewer/load_scene.h"
 #include "viewer/playout.h"
 #include "viewer/render_scale.h"
+#include "viewer/seen_cone.h"
 #include "viewer/touch_feel.h"
 #include "viewer/touch_prediction.h"
 
@@ -172,6 +173,7 @@ Result<void> HeadsetRun::draw(PlannedFrame& planned) {
   if (auto posed = view_.pose(*drivers); !posed) return posed;
   foresee(planned.display_time_ns);
   display_.update_views(planned);  // skinning took its time, and the head moves on
+  client_.look(seen_cone(planned.views));
   const auto image = display_.acquire();
   if (!image) return display_.submit(planned, {});
   if (auto drawn = view_.draw_into(*drivers, planned.views, *image, images_); !drawn) return drawn;

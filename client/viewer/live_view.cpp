@@ -8,6 +8,7 @@ namespace livegs {
 ConnectOptions connect_options(const JoinOptions& options) {
   ConnectOptions connect;
   connect.access = options.access;
+  connect.most_mbit_s = options.most_mbit_s;
   connect.timeout_s = options.connect_timeout_s;
   connect.reconnect_s = options.reconnect_s;
   return connect;

@@ -26,6 +26,7 @@ struct JoinOptions {
   double connect_timeout_s = 5;
   double reconnect_s = std::numeric_limits<double>::infinity();  // how long a server that went away is looked for
   RendererChoice renderer = RendererChoice::Auto;
+  double most_mbit_s = 0;  // what the link can take; 0: whatever the server gives
 };
 
 ConnectOptions connect_options(const JoinOptions& options);

@@ -21,6 +21,7 @@
 #include "viewer/orbit_camera.h"
 #include "viewer/playout.h"
 #include "viewer/render_scale.h"
+#include "viewer/seen_cone.h"
 #include "viewer/study_recording.h"
 #include "xr/window_display.h"
 
@@ -184,7 +185,9 @@ void WindowRun::send_hands(const WindowInput& input) {
   const Eigen::Vector2i size = display_.size_px();
   HandSample& hand = sample_.hands[kRightHand];
   hand.active = true;
-  hand.aim = ray_through(camera_->camera(size.x(), size.y()), input.mouse_px);
+  const Camera window = camera_->camera(size.x(), size.y());
+  client_.look(seen_cone(std::span(&window, 1)));
+  hand.aim = ray_through(window, input.mouse_px);
   hand.grip = hand.aim;
   hand.trigger = input.left ? 1.0f : 0.0f;
   hand.shoot = input.shoot;

@@ -1,10 +1,27 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "session/asset_store.h"
 
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 #include "core/content_hash.h"
 #include "gaussian/asset_file.h"
 
 namespace livegs {
+namespace {
+
+void measure(const GaussianAsset& asset, AssetBytes& encoded) {
+  Eigen::AlignedBox3f box;
+  float log_deviation = -std::numeric_limits<float>::infinity();
+  for (const Eigen::Vector3f& position : asset.positions) box.extend(position);
+  for (const Eigen::Vector3f& log_scale : asset.log_scales) log_deviation = std::max(log_deviation, log_scale.maxCoeff());
+  if (!box.isEmpty()) encoded.diagonal = static_cast<double>(box.diagonal().norm());
+  encoded.deviation = std::exp(static_cast<double>(log_deviation));
+}
+
+}  // namespace
 
 std::shared_ptr<const AssetBytes> AssetStore::add(const std::shared_ptr<const GaussianAsset>& asset) {
   {
@@ -14,6 +31,7 @@ std::shared_ptr<const AssetBytes> AssetStore::add(const std::shared_ptr<const Ga
   auto encoded = std::make_shared<AssetBytes>();
   encoded->bytes = encode_ply(*asset);
   encoded->hash = content_hash(encoded->bytes);
+  measure(*asset, *encoded);
   std::lock_guard lock(mutex_);
   // Those of a scene that another has taken the place of are nobody's any more; their bytes stay for clients that fetch.
   std::erase_if(by_asset_, [](const auto& known) { return known.first.use_count() == 1; });

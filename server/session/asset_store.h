@@ -17,6 +17,8 @@ namespace livegs {
 struct AssetBytes {
   std::string hash;
   std::vector<std::byte> bytes;
+  // In the asset's units: the diagonal of the box around its kernels, and the largest standard deviation of one.
+  double diagonal = 0, deviation = 0;
 };
 
 // Every asset of the scene, encoded and hashed once, whoever asks and however many objects share it. Any

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -60,6 +61,7 @@ class ClientSession {
   const int64_t joined_ns;
   std::atomic<int64_t> heard_ns;  // of the last message, or of Join
   std::atomic<uint64_t> bytes_sent{0};
+  std::atomic<double> most_bytes_s{std::numeric_limits<double>::infinity()};  // as it joined last; holds from its next stream on
 
   enum class State { Joined, Streaming, Parked };
   State state() const {
@@ -120,10 +122,10 @@ class ClientSession {
     window_.acknowledge(tick);
     return true;
   }
-  std::optional<SendWindow::Outgoing> take(uint64_t stream) {
+  std::optional<SendWindow::Outgoing> take(uint64_t stream, bool frames = true) {
     std::lock_guard lock(mutex_);
     if (stream != stream_ || state_ != State::Streaming) return std::nullopt;
-    return window_.take();
+    return window_.take(frames);
   }
   void add_send(double ms) {
     std::lock_guard lock(mutex_);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "session/describe_object.h"
 
+#include <numbers>
+
 #include "scene/elastic_report.h"
 #include "scene/fragile_object.h"
 #include "wire/rest_body_codec.h"
@@ -20,6 +22,13 @@ size_t driver_count(const RestBody& rest) {
   return 0;
 }
 
+// See ObjectDescription.reach_m. Bodies and particles may move any kernel of theirs, so that is the whole asset.
+double reach_m(const RestBody& rest, const AssetBytes& asset) {
+  const double own_m = rest.kind == DriverKind::Lattice ? std::numbers::sqrt3 * rest.cell_width_m
+                                                        : rest.object_from_asset.scale * asset.diagonal;
+  return own_m + 3 * rest.object_from_asset.scale * asset.deviation;
+}
+
 }  // namespace
 
 v1::ObjectDescription describe_object(const SceneObject& object, AssetStore& assets) {
@@ -34,6 +43,7 @@ v1::ObjectDescription describe_object(const SceneObject& object, AssetStore& ass
   description.set_environment(object.environment);
   *description.mutable_physics() = object.physics;
   description.set_mass_kg(object.mass_kg);
+  description.set_reach_m(reach_m(object.rest, *asset));
   description.set_kernel_count(static_cast<uint32_t>(object.asset->size()));
   description.set_driver_count(static_cast<uint32_t>(driver_count(object.rest)));
   if (object.elastic) *description.mutable_elastic() = accuracy_message(*object.elastic);

@@ -79,4 +79,23 @@ Result<std::vector<InputSample>> check_inputs(const v1::ClientMessage& message) 
   return samples;
 }
 
+Result<std::optional<ViewCone>> check_view(const v1::ClientMessage& message) {
+  if (!message.has_view()) return std::optional<ViewCone>();
+  const v1::View& said = message.view();
+  if (said.position_m_size() != 3) return invalid_argument("view.position_m: has not three numbers");
+  if (said.forward_size() != 3) return invalid_argument("view.forward: has not three numbers");
+  ViewCone view;
+  for (int i = 0; i < 3; ++i) {
+    if (!(std::abs(said.position_m(i)) <= kLargestHandPosition_m))
+      return invalid_argument("view.position_m: is not a finite place within 1000 m");
+    view.position_m[i] = said.position_m(i);
+    view.forward[i] = said.forward(i);
+  }
+  if (!(std::abs(view.forward.norm() - 1.0) <= 0.01)) return invalid_argument("view.forward: is not of length 1");
+  view.forward.normalize();
+  if (!(said.half_angle_rad() >= 0 && said.half_angle_rad() <= 3.1416f)) return invalid_argument("view.half_angle_rad: is outside 0..pi");
+  view.half_angle_rad = said.half_angle_rad();
+  return std::optional(view);
+}
+
 }  // namespace livegs

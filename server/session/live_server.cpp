@@ -153,6 +153,8 @@ void LiveServer::open(const Scene& scene, InputSink& inputs) {
   open(scene.name(), scene.world().settings().rate_hz, objects, inputs);
 }
 
+void LiveServer::cap_clients(double mbit_s) { parts_->service.set_cap(mbit_s * 1e6 / 8); }
+
 Result<std::string> LiveServer::publish(const std::string& address) {
   auto bound = FrameFanOut::bind(address);
   if (!bound) return bound.error();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "session/live_service.h"
 
+#include <algorithm>
 #include <cctype>
 
 #include "core/clock.h"
@@ -18,6 +19,9 @@ namespace livegs {
 namespace {
 
 constexpr size_t kMaxClientName = 64;
+constexpr double kBytesPerMbit = 1e6 / 8;
+// A client that wishes for less would wait seconds for its first frame.
+constexpr double kLeastMbit_s = 0.1;
 
 // A client's name goes to the log: printable ASCII only.
 std::string printable(const std::string& name) {
@@ -70,6 +74,10 @@ grpc::Status LiveService::join(const grpc::CallbackServerContext& context, const
                 " and this server, livegs " + kVersion + ", speaks " + std::to_string(kProtocolVersion) +
                 "; update the older one"};
   }
+  const double wish_mbit_s = request.most_mbit_s();
+  if (wish_mbit_s != 0 && !(wish_mbit_s >= kLeastMbit_s)) {  // NaN too
+    return {grpc::StatusCode::INVALID_ARGUMENT, "most_mbit_s: is not 0.1 or more; leave it out, or 0, for whatever the server gives"};
+  }
   auto grant = grant_of(context, tokens_);
   if (!grant) return to_status(grant.error());  // it ended between the gate and here
   const v1::Scope scope = grant->scope;
@@ -77,6 +85,7 @@ grpc::Status LiveService::join(const grpc::CallbackServerContext& context, const
   const std::string name = printable(request.client_name()), peer = context.peer();
   auto joined = table_.join(request.resumed_session_id(), {std::move(*grant), name, peer});
   if (!joined) return to_status(joined.error());
+  joined->session->most_bytes_s = wish_mbit_s == 0 ? cap_bytes_s_ : std::min(cap_bytes_s_, wish_mbit_s * kBytesPerMbit);
   const SessionTable::Status status = table_.status();
   reply.set_session_id(joined->session->id);
   reply.set_rate_hz(status.rate_hz);

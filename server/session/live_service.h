@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <limits>
 
 #include "livegs/v1/session.grpc.pb.h"
 #include "session/analysis_control.h"
@@ -53,6 +54,8 @@ class LiveService final
                                        const v1::ApplyForceRequest* request,
                                        v1::ApplyForceReply* reply) override;
 
+  // What a client's stream may take, bytes a second, if it does not wish for less. Before the first one joins.
+  void set_cap(double bytes_s) { cap_bytes_s_ = bytes_s; }
   // From now on clients may halt, step and reset; nullptr: no more. It outlives the calls.
   void set_run(RunControl* run) { run_ = run; }
   // From now on clients may analyse and edit; nullptr: no more. It outlives the calls.
@@ -68,6 +71,7 @@ class LiveService final
   SessionTable& table_;
   const AssetStore& assets_;
   const TokenStore* const tokens_;
+  double cap_bytes_s_ = std::numeric_limits<double>::infinity();
   std::atomic<AnalysisControl*> analysis_ = nullptr;
   std::atomic<RunControl*> run_ = nullptr;
 };

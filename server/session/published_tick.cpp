@@ -3,6 +3,7 @@
 
 #include <grpc/slice.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "core/clock.h"
@@ -42,19 +43,43 @@ EncodingRecord::Summary EncodingRecord::summary() const {
           ms_.count(),             bytes_.sum(),            ms_.sum()};
 }
 
-EncodedFrame PublishedTick::against(const StreamBaselinePtr& written) const {
-  // A stream's ticks grow; should they not, it begins anew.
-  const StreamBaselinePtr baseline = written && tick_of(*written) < frame_.tick ? written : nullptr;
+EncodedFrame PublishedTick::against(const StreamBaselinePtr& written) const { return encoded(usable(written), {}); }
+
+EncodedFrame PublishedTick::for_client(const StreamBaselinePtr& written, const Onlooker& who, double budget_bytes) const {
+  const StreamBaselinePtr baseline = usable(written);
+  if (!baseline) return encoded(nullptr, {});
+  std::vector<uint32_t> left_out;
+  if (who.view) left_out = unseen(balls(), who, frame_.tick, tick_of(*baseline));
+  const EncodedFrame whole = encoded(baseline, left_out);
+  if (static_cast<double>(whole.bytes) <= budget_bytes) return whole;
+  return encoded(baseline, over_budget(frame_, *baseline, balls(), who, left_out, static_cast<double>(whole.bytes), budget_bytes));
+}
+
+std::span<const ObjectBall> PublishedTick::balls() const {
+  std::call_once(balls_made_, [this] {
+    if (!reaches) return;
+    for (const ObjectDrivers& object : frame_.objects) {
+      const auto reach = reaches->find(object.object_id);
+      if (reach != reaches->end() && reach->second > 0) balls_.push_back(ball_around(object, reach->second));
+    }
+  });
+  return balls_;
+}
+
+EncodedFrame PublishedTick::encoded(const StreamBaselinePtr& baseline, const std::vector<uint32_t>& left_out) const {
   std::lock_guard lock(mutex_);
   for (const Made& made : made_) {
-    if (made.baseline == baseline) return made.frame;
+    if (made.left_out != left_out) continue;
+    if (made.baseline == baseline || (made.baseline && baseline && same_state(*made.baseline, *baseline))) return made.frame;
   }
   const int64_t begun_ns = now_ns();
-  EncodedStreamFrame encoded = encode_stream_frame(frame_, baseline);
-  if (record_) record_->add(encoded.bytes.size(), milliseconds_from_ns(now_ns() - begun_ns));
-  EncodedFrame frame{std::make_shared<const FrameTail>(make_frame_tail(encoded.bytes)),
-                     std::move(encoded.next)};
-  made_.push_back({baseline, frame});
+  StreamOptions options;
+  if (!left_out.empty())
+    options.leave_out = [&](uint32_t id) { return std::binary_search(left_out.begin(), left_out.end(), id); };
+  EncodedStreamFrame made = encode_stream_frame(frame_, baseline, options);
+  if (record_) record_->add(made.bytes.size(), milliseconds_from_ns(now_ns() - begun_ns));
+  EncodedFrame frame{std::make_shared<const FrameTail>(make_frame_tail(made.bytes)), std::move(made.next), made.bytes.size()};
+  made_.push_back({baseline, left_out, frame});
   return frame;
 }
 

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <vector>
 
 #include "session/duration_histogram.h"
+#include "session/frame_selection.h"
 #include "session/stepped_tick.h"
 #include "wire/frame_stream.h"
 
@@ -38,10 +41,14 @@ class EncodingRecord {
 struct EncodedFrame {
   std::shared_ptr<const FrameTail> tail;
   StreamBaselinePtr next;
+  size_t bytes = 0;
 };
 
-// A tick, for any number of clients: encoded when the first of those that have the same baseline is written
-// to. Immutable to who looks at it; any thread.
+// By object id, v1::ObjectDescription.reach_m.
+using ObjectReaches = std::map<uint32_t, double>;
+
+// A tick, for any number of clients: encoded when the first of those that have the same is written to. One that missed a
+// frame is encoded for by itself, and two frames later has what the others have. Immutable to who looks at it; any thread.
 class PublishedTick {
  public:
   PublishedTick(DriverFrame frame, std::shared_ptr<EncodingRecord> record)
@@ -52,19 +59,33 @@ class PublishedTick {
   double step_ms = 0;
   RunStatus run;
   std::vector<SessionHands> hands;  // ascending session
+  std::shared_ptr<const ObjectReaches> reaches;  // null: everything is seen by everybody
 
-  // `written`: the baseline of what a stream has been written so far; null for a key frame.
+  // With all that moved. `written`: the baseline of what a stream has been written so far; null for a key frame.
   EncodedFrame against(const StreamBaselinePtr& written) const;
+  // Without what this client does not see, nor what does not fit; proto/frame_format.md, "What a frame leaves out".
+  EncodedFrame for_client(const StreamBaselinePtr& written, const Onlooker& who,
+                          double budget_bytes = std::numeric_limits<double>::infinity()) const;
 
  private:
+  EncodedFrame encoded(const StreamBaselinePtr& baseline, const std::vector<uint32_t>& left_out) const;
+  std::span<const ObjectBall> balls() const;
+  // A stream's ticks grow; should they not, it begins anew.
+  StreamBaselinePtr usable(const StreamBaselinePtr& written) const {
+    return written && tick_of(*written) < frame_.tick ? written : nullptr;
+  }
+
   const DriverFrame frame_;
   const std::shared_ptr<EncodingRecord> record_;
   struct Made {
     StreamBaselinePtr baseline;
+    std::vector<uint32_t> left_out;
     EncodedFrame frame;
   };
   mutable std::mutex mutex_;        // held while one is encoded: the others of that baseline wait for it
-  mutable std::vector<Made> made_;  // few: clients that keep up have the same
+  mutable std::once_flag balls_made_;
+  mutable std::vector<ObjectBall> balls_;
+  mutable std::vector<Made> made_;  // few: clients that keep up are alike
 };
 
 }  // namespace livegs

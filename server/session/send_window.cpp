@@ -18,9 +18,9 @@ void SendWindow::acknowledge(uint64_t tick) {
   while (!in_flight_.empty() && in_flight_.front() <= tick) in_flight_.pop_front();
 }
 
-std::optional<SendWindow::Outgoing> SendWindow::take() {
+std::optional<SendWindow::Outgoing> SendWindow::take(bool frames) {
   Outgoing outgoing;
-  if (waiting_ && in_flight_.size() < kMaxFramesInFlight) {
+  if (frames && waiting_ && in_flight_.size() < kMaxFramesInFlight) {
     in_flight_.push_back(waiting_->tick());
     outgoing.tick = std::move(waiting_);
     waiting_.reset();

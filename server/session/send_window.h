@@ -35,8 +35,8 @@ class SendWindow {
     std::shared_ptr<const PublishedTick> tick;  // nullptr: events only
     std::vector<v1::SessionEvent> events;
   };
-  // What to write now, if there is anything that may be; it counts as sent.
-  std::optional<Outgoing> take();
+  // What to write now, if there is anything that may be; it counts as sent. Without `frames`, events only.
+  std::optional<Outgoing> take(bool frames = true);
 
   // As for a stream that begins: nothing waits, nothing is in flight. Counts go on.
   void restart();

@@ -30,6 +30,7 @@ void SessionTable::open(std::string scene, double rate_hz, std::vector<Object> o
   scene_ = std::move(scene);
   rate_hz_ = rate_hz;
   objects_ = std::move(objects);
+  note_reaches();
   inputs_ = &inputs;
   open_ = true;
 }
@@ -149,7 +150,13 @@ Result<std::string> SessionTable::end_session(std::string_view id_begin, const E
   return found->id;
 }
 
-uint64_t SessionTable::deliver(std::shared_ptr<const PublishedTick> tick, std::span<const Object> added,
+void SessionTable::note_reaches() {
+  auto reaches = std::make_shared<ObjectReaches>();
+  for (const Object& object : objects_) reaches->emplace(object->object_id(), object->reach_m());
+  reaches_ = std::move(reaches);
+}
+
+uint64_t SessionTable::deliver(std::shared_ptr<PublishedTick> tick, std::span<const Object> added,
                                std::span<const Object> changed, std::span<const uint32_t> removed) {
   uint64_t event_number = 0;
   std::vector<std::shared_ptr<ClientSession>> sessions;
@@ -175,6 +182,8 @@ uint64_t SessionTable::deliver(std::shared_ptr<const PublishedTick> tick, std::s
       events.emplace_back().mutable_object_removed()->set_object_id(id);
     }
     event_number = event_number_ += events.size();
+    if (!events.empty()) note_reaches();
+    tick->reaches = reaches_;
     for (const auto& [id, session] : sessions_) {
       sessions.push_back(session);
       for (const v1::SessionEvent& event : events) {

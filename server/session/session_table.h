@@ -63,7 +63,7 @@ class SessionTable {
   Result<std::string> end_session(std::string_view id_begin, const Error& why);
 
   // A new tick for everybody, with what came, changed and went in it. The event number from then on.
-  uint64_t deliver(std::shared_ptr<const PublishedTick> tick, std::span<const Object> added,
+  uint64_t deliver(std::shared_ptr<PublishedTick> tick, std::span<const Object> added,
                    std::span<const Object> changed, std::span<const uint32_t> removed);
   // Ends streams that went silent and drops sessions that were parked or never opened a stream for too long; sees to it
   // that the others hear something.
@@ -98,6 +98,7 @@ class SessionTable {
   Totals totals() const;  // over sessions that have ended
 
  private:
+  void note_reaches();  // under the lock, when objects_ changed
   void remove(const ClientSession& session);
   void end(ClientSession& session, const Error& why);
 
@@ -112,6 +113,7 @@ class SessionTable {
   uint64_t event_number_ = 0;
   InputSink* inputs_ = nullptr;
   std::vector<Object> objects_;  // the environment first
+  std::shared_ptr<const ObjectReaches> reaches_;  // of objects_
   std::map<std::string, std::shared_ptr<ClientSession>, std::less<>> sessions_;
   SessionNumber next_number_ = 1;
   int64_t grants_checked_ns_ = 0;

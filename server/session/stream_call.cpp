@@ -19,6 +19,24 @@ void write_floats(google::protobuf::RepeatedField<float>& out, const Eigen::Vect
   for (int i = 0; i < 3; ++i) out.Add(static_cast<float>(value[i]));
 }
 
+// What a session's hands hold in a tick; null: nothing is known of them.
+const SessionHands* hands_of(const PublishedTick& tick, SessionNumber session) {
+  const auto own = std::lower_bound(
+      tick.hands.begin(), tick.hands.end(), session,
+      [](const SessionHands& hands, SessionNumber number) { return hands.session < number; });
+  return own == tick.hands.end() || own->session != session ? nullptr : &*own;
+}
+
+std::vector<uint32_t> held_by(const SessionHands* hands) {
+  std::vector<uint32_t> held;
+  if (!hands) return held;
+  for (const HeldPoint& point : hands->hands) {
+    if (point.holding) held.push_back(point.object_id);
+  }
+  std::sort(held.begin(), held.end());
+  return held;
+}
+
 // Everything of a message but its frame, the moments it was made at and what it echoes.
 v1::ServerMessage header_of(const SendWindow::Outgoing& outgoing, SessionNumber session) {
   v1::ServerMessage header;
@@ -29,10 +47,8 @@ v1::ServerMessage header_of(const SendWindow::Outgoing& outgoing, SessionNumber 
   header.set_stepped_ns(tick.stepped_ns);
   header.set_step_ms(tick.step_ms);
   write_run(tick.run, *header.mutable_run());
-  const auto own = std::lower_bound(
-      tick.hands.begin(), tick.hands.end(), session,
-      [](const SessionHands& hands, SessionNumber number) { return hands.session < number; });
-  if (own == tick.hands.end() || own->session != session) return header;
+  const SessionHands* const own = hands_of(tick, session);
+  if (!own) return header;
   header.set_input_sequence(own->input_sequence);
   for (uint32_t i = 0; i < own->hands.size(); ++i) {
     const HeldPoint& held = own->hands[i];
@@ -111,9 +127,12 @@ std::optional<grpc::Status> StreamCall::take_message() {
     std::lock_guard lock(mutex_);
     session_ = session;
     stream_ = stream;
+    budget_.set_cap(session->most_bytes_s);
   }
   auto samples = check_inputs(message);
   if (!samples) return to_status(samples.error());
+  const auto view = check_view(message);
+  if (!view) return to_status(view.error());
   if (!session->acknowledge(stream, message.acknowledged_tick())) {
     return grpc::Status(grpc::StatusCode::ABORTED, "the session goes on in another stream");
   }
@@ -122,6 +141,7 @@ std::optional<grpc::Status> StreamCall::take_message() {
     std::lock_guard lock(mutex_);
     echoed_ns_ = message.sent_ns();
     heard_ns_ = heard_ns;
+    if (*view) view_ = *view;
     if (message.key_frame_wanted()) baseline_ = nullptr;
     for (; !unanswered_.empty() && unanswered_.front().tick <= message.acknowledged_tick(); unanswered_.pop_front()) {
       if (const Written& frame = unanswered_.front(); frame.tick == message.acknowledged_tick()) {
@@ -141,7 +161,7 @@ void StreamCall::wake() {
 
 void StreamCall::write_next(const std::lock_guard<std::mutex>& lock) {
   if (writing_ || finish_status_ || !session_) return;
-  if (const auto outgoing = session_->take(stream_)) {
+  if (const auto outgoing = session_->take(stream_, budget_.available_bytes(now_ns()) > 0)) {
     write(*outgoing, lock);
   } else if (finish_when_flushed_) {
     finish_status_ = finish_when_flushed_;
@@ -160,7 +180,8 @@ void StreamCall::write(const SendWindow::Outgoing& outgoing, const std::lock_gua
   std::vector<grpc::Slice> slices(1);
   if (outgoing.tick) {
     header.set_encode_begun_ns(now_ns());
-    const EncodedFrame frame = outgoing.tick->against(baseline_);
+    const Onlooker who{view_, held_by(hands_of(*outgoing.tick, session_->number))};
+    const EncodedFrame frame = outgoing.tick->for_client(baseline_, who, budget_.available_bytes(now_ns()));
     baseline_ = frame.next;
     slices.push_back(frame.tail->slice);  // counted, not copied
   }
@@ -172,6 +193,7 @@ void StreamCall::write(const SendWindow::Outgoing& outgoing, const std::lock_gua
   slices.front() = grpc::Slice(header.SerializeAsString());
   outgoing_ = grpc::ByteBuffer(slices.data(), slices.size());
   session_->bytes_sent += outgoing_.Length();
+  budget_.pay(static_cast<double>(outgoing_.Length()));
   writing_ = true;
   StartWrite(&outgoing_);
 }

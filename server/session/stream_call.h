@@ -12,6 +12,7 @@
 
 #include "session/client_session.h"
 #include "session/rate_limit.h"
+#include "session/send_budget.h"
 #include "session/session_table.h"
 
 namespace livegs {
@@ -72,6 +73,8 @@ class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
   };
   std::deque<Written> unanswered_;          // frames, at most a window of them
   RateLimit messages_{kMaxMessagesPerSecond, 2 * kMaxMessagesPerSecond};
+  SendBudget budget_;
+  std::optional<ViewCone> view_;            // what the client said last
   StreamBaselinePtr baseline_;              // of what was written; null: the next frame is a key frame
   grpc::ByteBuffer outgoing_;               // of the write that is under way: it outlives OnWriteDone
   bool writing_ = false;

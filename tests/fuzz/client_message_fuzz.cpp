@@ -70,6 +70,13 @@ void check_recorded(const std::vector<InputSample>& samples) {
 void look_at(std::span<const std::byte> input) {
   v1::ClientMessage message;
   if (!message.ParseFromArray(input.data(), static_cast<int>(input.size()))) return;
+  if (const auto view = check_view(message); view && *view) {
+    check((*view)->position_m.allFinite() && std::abs((*view)->forward.norm() - 1.0) < 1e-9, "a view is a place and a direction");
+    check((*view)->half_angle_rad >= 0 && (*view)->half_angle_rad < 3.15, "and a cone");
+    v1::ClientMessage again;
+    write_view(**view, *again.mutable_view());
+    check(check_view(again).has_value(), "which can be sent");
+  }
   const auto samples = check_inputs(message);
   if (!samples) return;
   for (const InputSample& sample : *samples) check_sample(sample);
@@ -99,6 +106,7 @@ std::vector<Bytes> seeds() {
       }
       write_input(sample, *message.add_inputs());
     }
+    if (hands == 1) write_view({{1, 2, 3}, {0, 0, -1}, 0.75}, *message.mutable_view());
     const std::string text = message.SerializeAsString();
     const auto bytes = std::as_bytes(std::span(text));
     seeds.emplace_back(bytes.begin(), bytes.end());

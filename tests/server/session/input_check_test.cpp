@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <array>
 #include <functional>
 #include <limits>
 
@@ -76,6 +77,45 @@ TEST(InputCheck, RefusesWhatIsNotPhysicalAndNamesTheField) {
     ASSERT_FALSE(samples) << one.field;
     EXPECT_EQ(samples.error().message.rfind(one.field, 0), 0u) << samples.error().message;
   }
+}
+
+TEST(InputCheck, TakesAViewOrRefusesItByItsField) {
+  v1::ClientMessage message;
+  const auto none = check_view(message);
+  EXPECT_TRUE(none && !*none);
+  v1::View& view = *message.mutable_view();
+  const auto set = [&](std::array<float, 3> position_m, std::array<float, 3> forward, float half_angle_rad) {
+    view.Clear();
+    for (const float value : position_m) view.add_position_m(value);
+    for (const float value : forward) view.add_forward(value);
+    view.set_half_angle_rad(half_angle_rad);
+  };
+  set({1, 2, 3}, {0, 0.995f, 0}, 0.5f);
+  const auto seen = check_view(message);
+  ASSERT_TRUE(seen && *seen);
+  EXPECT_EQ((*seen)->position_m, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ((*seen)->forward, Eigen::Vector3d(0, 1, 0));
+  EXPECT_FLOAT_EQ(static_cast<float>((*seen)->half_angle_rad), 0.5f);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const auto refused = [&] {
+    const auto taken = check_view(message);
+    return taken ? "" : taken.error().message;
+  };
+  set({1, nan, 3}, {0, 1, 0}, 0.5f);
+  EXPECT_EQ(refused(), "view.position_m: is not a finite place within 1000 m");
+  set({1, 1e9f, 3}, {0, 1, 0}, 0.5f);
+  EXPECT_EQ(refused(), "view.position_m: is not a finite place within 1000 m");
+  set({1, 2, 3}, {0, 0, 0}, 0.5f);
+  EXPECT_EQ(refused(), "view.forward: is not of length 1");
+  set({1, 2, 3}, {0, nan, 1}, 0.5f);
+  EXPECT_EQ(refused(), "view.forward: is not of length 1");
+  for (const float angle_rad : {-0.1f, 4.0f, nan}) {
+    set({1, 2, 3}, {0, 1, 0}, angle_rad);
+    EXPECT_EQ(refused(), "view.half_angle_rad: is outside 0..pi");
+  }
+  set({1, 2, 3}, {0, 1, 0}, 0.5f);
+  view.add_forward(0);
+  EXPECT_EQ(refused(), "view.forward: has not three numbers");
 }
 
 TEST(InputCheck, RefusesMoreSamplesThanAMessageMayHold) {

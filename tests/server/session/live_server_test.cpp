@@ -70,6 +70,21 @@ TEST_F(LiveServerTest, AnotherProtocolVersionIsToldSo) {
   EXPECT_NE(status.error_message().find("update the older one"), std::string::npos) << status.error_message();
 }
 
+TEST_F(LiveServerTest, AWishForNoRateIsRefusedByItsField) {
+  open();
+  RawClient client(server_->port());
+  for (const double mbit_s : {-1.0, 0.01, std::numeric_limits<double>::quiet_NaN()}) {
+    grpc::ClientContext context;
+    set_patience(context);
+    v1::JoinRequest request;
+    request.set_protocol_version(kProtocolVersion);
+    request.set_most_mbit_s(mbit_s);
+    const grpc::Status status = client.stub().Join(&context, request, &client.joined);
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << mbit_s;
+    EXPECT_EQ(status.error_message().rfind("most_mbit_s: ", 0), 0u) << status.error_message();
+  }
+}
+
 TEST_F(LiveServerTest, SessionsAreBounded) {
   open();
   RawClient client(server_->port());

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a cap costs a client in what it sees, and what looking elsewhere saves. Prints CSV: `sending_bench >
+// results/<machine>/sending.csv`. The motion of codec_bench (dragged_blocks.h), 6 s at 90 Hz, the first second not counted. A
+// client stands 0.8 m before the first of the four blocks: the fourth is 1.6 m farther off. How far off it sees things is the
+// angle, at its eye, between where the farthest-off driver of an object is and where the client has it, of objects in its cone;
+// a pixel of a headset with 25 a degree is 0.7 mrad. `frames`: the whole frame or none, the yardstick; `objects`: what matters most.
+#include <algorithm>
+#include <cstdio>
+
+#include "bench/dragged_blocks.h"
+#include "core/clock.h"
+#include "session/frame_tail.h"
+#include "session/published_tick.h"
+#include "session/send_budget.h"
+
+using namespace livegs;
+using namespace livegs::bench;
+
+namespace {
+
+constexpr int64_t kTick_ns = 11'111'111;
+constexpr size_t kFirst = 90;
+
+double percentile(std::vector<double>& numbers, double share) {
+  if (numbers.empty()) return 0;
+  const auto at = numbers.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(numbers.size() - 1));
+  std::nth_element(numbers.begin(), at, numbers.end());
+  return *at;
+}
+
+struct Client {
+  const char* looks;
+  std::optional<ViewCone> view;
+};
+
+// `whole_frames`: a frame is sent with all that the client sees, or not at all.
+void run(const std::vector<DriverFrame>& motion, const Client& client, double cap_mbit_s, bool whole_frames) {
+  auto reaches = std::make_shared<ObjectReaches>();
+  for (const ObjectDrivers& object : motion.front().objects)
+    reaches->emplace(object.object_id, object.kind == DriverKind::Lattice ? 0.05 : 0.07);
+  const Onlooker who{client.view, {}};
+  SendBudget budget;
+  budget.set_cap(cap_mbit_s > 0 ? cap_mbit_s * 1e6 / 8 : std::numeric_limits<double>::infinity());
+  StreamBaselinePtr baseline;
+  StreamReader reader;
+  DriverFrame seen;
+  std::vector<double> off_mrad, encode_us;
+  std::vector<size_t> bytes(motion.size(), 0);
+  size_t sent = 0;
+  for (size_t i = 0; i < motion.size(); ++i) {
+    const double available = budget.available_bytes(static_cast<int64_t>(i + 1) * kTick_ns);
+    if (available > 0) {
+      PublishedTick tick(motion[i], nullptr);
+      tick.reaches = reaches;
+      const int64_t begun_ns = now_ns();
+      const EncodedFrame frame = whole_frames ? tick.for_client(baseline, who) : tick.for_client(baseline, who, available);
+      if (i >= kFirst) encode_us.push_back(1e-3 * static_cast<double>(now_ns() - begun_ns));
+      baseline = frame.next;
+      budget.pay(static_cast<double>(frame.bytes));
+      bytes[i] = frame.bytes;
+      const auto* const end = reinterpret_cast<const std::byte*>(frame.tail->slice.end());
+      auto read = reader.read({end - frame.bytes, end});
+      if (!read) std::fprintf(stderr, "%s\n", read.error().message.c_str());
+      if (read) seen = std::move(*read);
+      sent += i >= kFirst ? 1 : 0;
+    }
+    if (i < kFirst) continue;
+    const Eigen::Vector3d eye = client.view ? client.view->position_m : Eigen::Vector3d(0, 0.3, 1.0);
+    for (size_t k = 0; k < motion[i].objects.size(); ++k) {
+      const ObjectDrivers &is = motion[i].objects[k], &has = seen.objects[k];
+      const ObjectBall ball = ball_around(is, 0.05);
+      if (client.view && !client.view->touches(ball.centre_m, ball.radius_m)) continue;
+      double off_m = 0;
+      for (size_t d = 0; d < is.positions_m.size(); ++d)
+        off_m = std::max(off_m, static_cast<double>((is.positions_m[d] - has.positions_m[d]).norm()));
+      for (size_t d = 0; d < is.poses.size(); ++d) off_m = std::max(off_m, (is.poses[d].position_m - has.poses[d].position_m).norm());
+      off_mrad.push_back(1e3 * off_m / std::max(0.25, (ball.centre_m - eye).norm()));
+    }
+  }
+  size_t total = 0, most_a_second = 0;
+  for (size_t i = kFirst; i < bytes.size(); ++i) {
+    total += bytes[i];
+    size_t second = 0;
+    for (size_t k = i; k < std::min(bytes.size(), i + 90); ++k) second += bytes[k];
+    most_a_second = std::max(most_a_second, second);
+  }
+  const double seconds = static_cast<double>(motion.size() - kFirst) / 90;
+  std::printf("%s,%s,%s,%.1f,%.2f,%.2f,%.3f,%.3f,%.3f,%.0f,%.0f\n", client.looks,
+              cap_mbit_s > 0 ? std::to_string(static_cast<int>(cap_mbit_s)).c_str() : "none", whole_frames ? "frames" : "objects",
+              static_cast<double>(sent) / seconds, 8e-6 * static_cast<double>(total) / seconds,
+              8e-6 * static_cast<double>(most_a_second), percentile(off_mrad, 0.5), percentile(off_mrad, 0.95),
+              percentile(off_mrad, 0.99), percentile(encode_us, 0.5), percentile(encode_us, 0.99));
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int main() {
+  World world = dragged_blocks();
+  std::vector<DriverFrame> motion;
+  for (int i = 0; i < 540; ++i) {
+    drag(world, world.tick());
+    world.step();
+    motion.push_back(world.drivers());
+  }
+  std::printf(
+      "looks,cap_mbit_s,leaves_out,frames_a_second,mbit_s,most_mbit_s_over_a_second,off_mrad_p50,off_mrad_p95,off_mrad_p99,"
+      "encode_us_p50,encode_us_p99\n");
+  const Eigen::Vector3d eye(0, 0.3, 1.0);
+  const Client everywhere{"everywhere", std::nullopt};
+  const Client at_all{"at all of it", ViewCone{eye, Eigen::Vector3d(0.5, 0, -1).normalized(), 1.4}};
+  const Client at_one{"at one block of four", ViewCone{eye, Eigen::Vector3d(-0.3, 0, -1).normalized(), 0.35}};
+  const Client away{"away", ViewCone{eye, Eigen::Vector3d(0, 0, 1), 0.5}};
+  for (const Client& client : {everywhere, at_all, at_one, away}) run(motion, client, 0, false);
+  for (const double cap_mbit_s : {8, 4, 2, 1}) {
+    for (const bool whole_frames : {true, false}) run(motion, at_all, cap_mbit_s, whole_frames);
+  }
+  return 0;
+}
