@@ -63,6 +63,7 @@ class CellsBody final : public ElasticBody {
   Vector3d centre_m() const override { return origin_m_ + motion_.centre_m; }
   double mass_kg() const override { return mass_kg_; }
   ContactTally take_contacts() override { return std::exchange(contact_tally_, {}); }
+  bool takes_springs() const override { return true; }
   double reach_m() const override { return reach_m_; }
   Eigen::AlignedBox3d bounds_m() const override;
   Eigen::AlignedBox3d surface_bounds_m(const Eigen::AlignedBox3d& within) const override;
@@ -103,6 +104,7 @@ class CellsBody final : public ElasticBody {
   struct Load {
     NodeSample sample;
     Vector3d force_n;  // world
+    PointSpring* spring = nullptr;
   };
   struct SurfaceCell {
     std::array<uint32_t, 8> nodes;
@@ -168,6 +170,7 @@ class CellsBody final : public ElasticBody {
   void measure(const NodeSums& sums, double h);
 
   void gather_point_loads(const SubstepContext& context);
+  void draw_springs(const SubstepPart& part);
   Ball ball_around(const SurfaceCell& cell) const;
   void find_candidates(const SubstepContext& context);
   void resolve_colliders(double step_s, const SubstepContext& context);
@@ -208,6 +211,7 @@ class CellsBody final : public ElasticBody {
   void set_all_plastic();
   void set_plastic_lanes(size_t index);
   void untangle(double frame_s);
+  double wild_part() const;
   void restart_motion();  // after nodes were set: the motion of the whole anew, a first-order step next
   bool rigid_substep(const SubstepContext& context);
   void become_rigid();

@@ -47,7 +47,7 @@ Vector3d vector_of(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
 int CellsBody::begin_substep(const SubstepContext& context) {
   boxes_known_ = false;
   forced_ = false;
-  for (const PointForce& force : context.forces) forced_ = forced_ || force.force_n.squaredNorm() > 0.0;
+  for (const PointForce& force : context.forces) forced_ = forced_ || force.spring || force.force_n.squaredNorm() > 0.0;
   if (asleep()) {
     const bool touched = forced_ || meets_awake(context);
     if (!touched) return 0;
@@ -69,7 +69,26 @@ void CellsBody::end_substep(const SubstepContext& context) {
 void CellsBody::gather_point_loads(const SubstepContext& context) {
   point_loads_ = region_loads_;
   for (const PointForce& force : context.forces) {
-    point_loads_.push_back({sample_at(lattice_.embed(force.point_m)), force.force_n});
+    point_loads_.push_back({sample_at(lattice_.embed(force.point_m)), force.force_n, force.spring});
+  }
+}
+
+// What a spring asks for at the end of a step depends on the force itself, by the mobility w of its point at most: the force
+// goes by 1 / (1 + w h (k h + c)) of the way there. So none is too stiff, and at rest it is stiffness times stretch.
+void CellsBody::draw_springs(const SubstepPart& part) {
+  const double h = part.duration_s;
+  for (Load& load : point_loads_) {
+    if (!load.spring) continue;
+    PointSpring& spring = *load.spring;
+    const double w = mobility(load.sample), k = spring.stiffness_n_m;
+    // What the point bears: more would only make it tremble.
+    const double c = w > 0.0 ? std::min(spring.damping_n_s_m, 1.0 / (w * h)) : spring.damping_n_s_m;
+    const Vector3d slower = spring.target_velocity_m_s - velocity_of(load.sample);
+    const Vector3d stretch = spring.target_m + part.began_s * spring.target_velocity_m_s - origin_m_ - nodes_.position_m(load.sample);
+    spring.force_n += (k * (stretch + h * slower) + c * slower - spring.force_n) / (1.0 + w * h * (k * h + c));
+    const double size = spring.force_n.norm();
+    if (size > spring.max_force_n) spring.force_n *= spring.max_force_n / size;
+    load.force_n = spring.force_n;
   }
 }
 
@@ -85,6 +104,7 @@ void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& contex
   // one order would drive it sideways; a quiet one keeps one, or it would never be still, and so does a free one, or
   // cells with next to nothing in them would ring.
   backward_ = touching_ && !quiet && !backward_;
+  draw_springs(part);
   predict(h, context);
   if (moved_) move_regions(time_s, h);
 

@@ -23,6 +23,7 @@ constexpr double kPull_per_s = 12.0; // of the way to the rigid shape; twice tha
 constexpr double kMostDoublings = 10.0;
 constexpr double kStrainedSquared = 0.01;  // |S - I|² of the worst cell
 constexpr double kWildSquared = 1.0;       // of one that touches something or has flowed
+constexpr double kLeastWild = 0.02;        // of its volume: not a loose end of a leaf
 constexpr double kLargestSag = 0.05;       // strain by its own weight
 constexpr double kSettled = 0.02;          // kinetic energy of the deviation over elastic energy
 
@@ -39,6 +40,24 @@ Matrix3d nearest_rotation(const Matrix3d& a) {
 }
 
 }  // namespace
+
+// The part of its volume in cells that are strained by their whole size.
+double CellsBody::wild_part() const {
+  double wild_m3 = 0.0;
+  for (size_t i = 0; i < lattice_.cells.size(); ++i) {
+    if (batches_.places[i].kind == CellPlace::Kind::Held) continue;
+    const CellShape shape = shape_of(i);
+    const Matrix3d stretch = shape.rotation.transpose() * shape.f;
+    const bool flowed = !plastic_parts_.empty();
+    double squared = (0.5 * (stretch + stretch.transpose()) - (flowed ? plastic_parts_[i] : Matrix3d::Identity())).squaredNorm();
+    for (int j = 0; j < kModeCount; ++j) {
+      const Vector3d bent = flowed ? Vector3d(shape.modes[j] - plastic_modes_[i][j]) : shape.modes[j];
+      squared += 16.0 / (lattice_.cell_width_m * lattice_.cell_width_m) * bent.squaredNorm();
+    }
+    if (squared > kWildSquared) wild_m3 += lattice_.cells[i].volume_m3;
+  }
+  return wild_m3 / volume_m3_;
+}
 
 void CellsBody::untangle(double frame_s) {
   if (!tangled_) return;
@@ -66,7 +85,8 @@ void CellsBody::untangle(double frame_s) {
   const double wave_squared = youngs_modulus_pa / densities_kg_m3_[0];
   const double spun = std::pow(motion_.angular_velocity_rad_s().norm() * reach_m_, 2) / wave_squared;
   const bool wild = touching_ || flowed;
-  const bool strained = bent_squared_ > (wild ? kWildSquared : kStrainedSquared) + 4.0 * spun * spun;
+  const bool strained = bent_squared_ > (wild ? kWildSquared : kStrainedSquared) + 4.0 * spun * spun &&
+                        (!wild || wild_part() > kLeastWild);
   if (!untangling_) {
     if (upright > kUpright && !strained) tangled_ = false;
     const bool settled = strained && deviation_m_s_ * deviation_m_s_ < kSettled * bent_squared_ * wave_squared;

@@ -51,10 +51,19 @@ struct ElasticBodyDescription {
   CellsOptions cells;
 };
 
-// A force on one material point, constant over the substep. The point is in the object's rest frame.
+// A damped spring from a material point to a moving place, world frame. The body solves it in each of its own steps: the
+// force goes to what positions and velocities at the end of the step ask for, as far as the mass at the point bears it.
+struct PointSpring {
+  Eigen::Vector3d target_m = Eigen::Vector3d::Zero(), target_velocity_m_s = Eigen::Vector3d::Zero();  // as the substep begins
+  double stiffness_n_m = 0.0, damping_n_s_m = 0.0, max_force_n = 0.0;
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  // of the last step; the next one starts from it
+};
+
+// A force on one material point, constant over the substep, or a spring's. The point is in the object's rest frame.
 struct PointForce {
   Eigen::Vector3d point_m;
-  Eigen::Vector3d force_n;  // world frame
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  // world frame
+  PointSpring* spring = nullptr;                      // of a body that takes springs
 };
 
 class ElasticBody;
@@ -143,6 +152,7 @@ class ElasticBody {
   virtual void end_frame(double frame_s) = 0;  // plasticity and the sleep test happen here
 
   virtual ContactTally take_contacts() { return {}; }
+  virtual bool takes_springs() const { return false; }
 
   // For bodies that touch. Defaults: a solver that meets nothing that moves.
   virtual double reach_m() const { return 0.0; }  // about the centre; nothing of it is farther away

@@ -51,11 +51,21 @@ void World::State::gather_springs(double duration_s) {
     body.wake();
     body.springs.push_back(&row);
   };
+  // Critically damped for `mass_kg`. Gives the force, of a body that takes springs that of the last step.
   const auto draw = [&](ElasticObject& elastic, const World::Spring& spring, const Eigen::Vector3d& velocity,
-                        double mass_kg) {
-    const Eigen::Vector3d force = spring_force(spring, velocity, *elastic.body, mass_kg, duration_s);
-    elastic.forces.push_back({spring.rest_point_m, force});
-    return force;
+                        double mass_kg, PointSpring& point) {
+    if (!elastic.body->takes_springs()) {
+      point.force_n = spring_force(spring, velocity, *elastic.body, mass_kg, duration_s);
+      elastic.forces.push_back({spring.rest_point_m, point.force_n});
+      return point.force_n;
+    }
+    point.target_m = spring.target_m;
+    point.target_velocity_m_s = velocity;
+    point.stiffness_n_m = spring.stiffness_n_m;
+    point.damping_n_s_m = 2.0 * std::sqrt(spring.stiffness_n_m * mass_kg);
+    point.max_force_n = spring.max_force_n;
+    elastic.forces.push_back({spring.rest_point_m, Eigen::Vector3d::Zero(), &point});
+    return point.force_n;
   };
   for (auto& [id, held] : springs) {
     held.force_n.setZero();
@@ -69,7 +79,7 @@ void World::State::gather_springs(double duration_s) {
       hold(rigid->body_with(held.spring.rest_point_m), held.row);
     } else {
       ElasticObject& elastic = *object->elastic();
-      held.force_n = draw(elastic, held.spring, Eigen::Vector3d::Zero(), elastic.body->mass_kg());
+      held.force_n = draw(elastic, held.spring, Eigen::Vector3d::Zero(), elastic.body->mass_kg(), held.point);
     }
   }
   for (auto& [id, held] : grabs) {
@@ -107,11 +117,11 @@ void World::State::gather_springs(double duration_s) {
       ElasticObject& elastic = *object->elastic();
       const double share = 1.0 / static_cast<double>(held.places.size());
       const double mass_kg = share * elastic.body->mass_kg();
-      for (const HeldPlace& place : held.places) {
+      for (HeldPlace& place : held.places) {
         const Eigen::Vector3d arm = hand.orientation * place.hand_point_m;
         const World::Spring spring{place.rest_point_m, hand.position_m + arm, mass_kg * squared(rate),
                                    share * held.grip.max_force_n};
-        held.force_n += draw(elastic, spring, held.velocity_m_s + held.spin_rad_s.cross(arm), mass_kg);
+        held.force_n += draw(elastic, spring, held.velocity_m_s + held.spin_rad_s.cross(arm), mass_kg, place.point);
       }
     }
   }

@@ -93,12 +93,14 @@ struct HeldSpring {
   World::Spring spring;
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  // of the last substep
   RigidSpring row;                                    // of a rigid object; with its own force
+  PointSpring point = {};                             // of an elastic one
 };
 
 // What a hand holds of an elastic object: one of the points near it.
 struct HeldPlace {
   Eigen::Vector3d rest_point_m;
   Eigen::Vector3d hand_point_m;  // where it belongs, in the hand's frame
+  PointSpring point = {};
 };
 
 struct HeldGrab {

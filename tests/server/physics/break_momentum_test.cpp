@@ -39,8 +39,8 @@ TEST(Breaking, MassMomentumAndEnergyAreKeptOverAHundredSeeds) {
 
 // In free space a cup meets a plate that comes towards it, turning, or a ball. Blow, recoil and what fragments give back are
 // in the sum: they are between bodies, so nothing may be missing.
-TEST(Breaking, ACupThatIsStruckKeepsMassAndMomentumOverTwentyFourSeeds) {
-  for (uint64_t seed = 1; seed <= 24; ++seed) {
+TEST(Breaking, ACupThatIsStruckKeepsMassAndMomentumOverAHundredSeeds) {
+  for (uint64_t seed = 1; seed <= 100; ++seed) {
     SCOPED_TRACE(seed);
     RigidBodyDescription cup = cup_at(0.0);
     cup.world_from_object.orientation = rotation_about(static_cast<int>(seed));

@@ -208,9 +208,7 @@ TEST(SceneRun, APullHoldsByItsSpringAndLetsGoAtItsEnd) {
     const auto height_m = [&] { return scene->world().world_point(id, Eigen::Vector3d::Zero()).y(); };
     for (int tick = 0; tick < 350; ++tick) scene->step();
     const double below_m = 9.81 / std::pow(2 * M_PI * 3, 2);
-    // Of an elastic one the spring acts explicitly, no stiffer than the cell it took can bear in a substep: 0.46 of it here.
-    const bool soft = physics[1] == 'E';
-    EXPECT_NEAR(height_m(), 0.6 - below_m, soft ? 0.035 : 1e-3) << physics << ", goal 1e-3";
+    EXPECT_NEAR(height_m(), 0.6 - below_m, 1e-3) << physics;
     for (int tick = 0; tick < 30; ++tick) scene->step();
     EXPECT_LT(height_m(), 0.5) << physics;
   }
