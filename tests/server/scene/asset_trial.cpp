@@ -44,8 +44,9 @@ v1::Object object_of(const std::string& path, double scale, TrialBody body) {
   } else {
     physics.set_behavior(v1::Physics::RIGID);
   }
+  // Said either way, or the analysis decides: it called a pot fragile.
+  physics.set_fragile(body == TrialBody::Fragile);
   if (body == TrialBody::Fragile) {
-    physics.set_fragile(true);
     physics.set_break_impulse_n_s(1.0);
     physics.set_fracture_pieces(16);
   }
