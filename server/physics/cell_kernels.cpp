@@ -270,7 +270,7 @@ LIVEGS_INLINE void report(Mask used, Lanes strain, Lanes bending, Lanes volume, 
   worst.volume = used & (volume < worst.volume) ? volume : worst.volume;
 }
 
-// S in Mandel's notation, and the worst of the eight cells for the report.
+// S in Mandel's notation, what it lacks of I, and det F.
 LIVEGS_INLINE Symmetric strain_of(const Matrix& m, Symmetric& lack, Lanes& volume) {
   const Lanes one = all_lanes(1.0f), up = all_lanes(kHalfRoot2);
   const Symmetric s = {{m.m[0][0], m.m[1][1], m.m[2][2], up * (m.m[1][2] + m.m[2][1]), up * (m.m[0][2] + m.m[2][0]),

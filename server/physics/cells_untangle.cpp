@@ -68,6 +68,7 @@ void CellsBody::untangle(double frame_s) {
   const bool alone = free() && !pressed && !forced_ && !comes_off() && region_loads_.empty();
   if (!alone) {
     tangled_s_ = 0.0;
+    untangling_ = false;  // or nothing would flow while a hand holds it
     return;
   }
   Vector3d rest_centre = Vector3d::Zero();

@@ -152,7 +152,7 @@ class ElasticBody {
   virtual void end_frame(double frame_s) = 0;  // plasticity and the sleep test happen here
 
   virtual ContactTally take_contacts() { return {}; }
-  virtual bool takes_springs() const { return false; }
+  virtual bool takes_springs() const { return false; }  // PointForce::spring; one that does not gets forces alone
 
   // For bodies that touch. Defaults: a solver that meets nothing that moves.
   virtual double reach_m() const { return 0.0; }  // about the centre; nothing of it is farther away

@@ -178,7 +178,7 @@ bool World::State::wake_body(uint64_t contact_id, bool awake) {
     if (awake && (*found)->asleep) (*found)->wake();
     return !(*found)->asleep;
   }
-  WorldObject* object = find(static_cast<uint32_t>(contact_id / kMaxBodiesOfObject));
+  WorldObject* object = find(object_of(contact_id));
   if (!object || !object->elastic()) return awake;
   if (awake && object->asleep()) object->wake();
   return !object->asleep();

@@ -60,8 +60,7 @@ struct ElasticObject {
   std::vector<MovingBody*> near_bodies;
   std::vector<ElasticNeighbour> near_elastic;
   std::vector<PointForce> forces;
-  // Bodies it pushed in the last tick it was awake, by contact_id_of, ascending: they sleep
-  // and wake together.
+  // Bodies it pushed in the last tick it was awake, by contact_id_of, ascending: they sleep and wake together.
   std::vector<uint64_t> met, met_now;
   // Over the tick, from everything it touches.
   double contact_impulse_n_s = 0;
