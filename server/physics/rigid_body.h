@@ -8,6 +8,7 @@
 
 #include "core/pose.h"
 #include "physics/contact_id.h"
+#include "physics/rigid_blow.h"
 #include "physics/rigid_contact.h"
 #include "physics/rigid_shape.h"
 
@@ -15,21 +16,6 @@ namespace livegs {
 
 class JointGroup;
 struct RigidSpring;
-
-// Impulses added up: how much, where and which way. Body axes, from the centre of mass.
-struct ImpulseSum {
-  double impulse_n_s = 0.0;                          // sum of sizes
-  Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // impulse times point
-  Eigen::Vector3d push_n_s = Eigen::Vector3d::Zero();
-  bool from_colliders = true;  // all of it, from things that do not move
-  double restitution = 0.0;    // the largest of them; 1: of something that takes no energy, as a force
-
-  void add(double size_n_s, const Eigen::Vector3d& direction, const Eigen::Vector3d& point_m) {
-    impulse_n_s += size_n_s;
-    moment += size_n_s * point_m;
-    push_n_s += size_n_s * direction;
-  }
-};
 
 // One rigid body or ball in motion. World frame unless a name says body; the body's origin is its centre of mass.
 // One thread at a time. The velocity solver reads and writes velocity, angular velocity and angular momentum together
@@ -72,13 +58,13 @@ struct RigidBody {
   std::vector<RigidSpring*> springs;  // that hands hold it by, in this substep
   JointGroup* joints = nullptr;  // the bodies it hangs together with by joints; nullptr: none
 
-  // Over the tick, for events.
+  // Over the tick: from all that touches it, and, for its object's events, without what other bodies of the object gave.
   double contact_impulse_n_s = 0.0;
-  Eigen::Vector3d contact_moment = Eigen::Vector3d::Zero();  // impulse times point
-  ImpulseSum blow;  // over the tick, what may break it
+  double outer_impulse_n_s = 0.0;
+  Eigen::Vector3d outer_moment = Eigen::Vector3d::Zero();  // impulse times point
+  double felt_impulse_n_s = 0.0;                           // contact_impulse_n_s of the last tick
+  RigidBlows blows;
   double tick_energy_j = 0.0;  // of its motion and its weight, at the start of the tick
-  ImpulseSum substep_blow;
-  double carried_speed_m_s = 0.0;  // what the supports of its own weight took of its speed in this substep
 
   // Unique in a world and ascending as its list of bodies; below kColliderBit.
   uint64_t contact_id() const { return contact_id_of(object_id, body_index); }

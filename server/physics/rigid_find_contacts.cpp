@@ -15,6 +15,9 @@ namespace {
 
 constexpr double kMaxPushSpeed_m_s = 1.0;  // several in a row add up: ten boxes, three metres a second
 constexpr double kPushSizesPerSecond = 5.0;       // bounding diameters a second
+constexpr double kDeepPart = 0.005;  // of the smaller bounding radius; what rests is a tenth of that deep
+constexpr double kOpposite = 0.5;    // less cosine of two normals than minus this
+constexpr double kOneWay = 0.3;      // depths whose sum is a smaller part of their sizes point nowhere
 constexpr double kRestitutionDrop = 0.01;         // a fall of this part of the smaller bounding radius does not bounce
 
 // A field's distance beyond its grid may exceed the true one by up to the square root of 2 (the way to the grid and
@@ -180,6 +183,28 @@ bool part_coincident(const RigidBody& body, const RigidBody& other, std::vector<
   return true;
 }
 
+// Bodies that are deep in each other, as sherds at the moment they come apart, have points on either side that push
+// opposite ways and hold them there for good. They part one way: where most of the depth points, or away from each other's
+// centre; contacts against that are left out as long as they are so deep.
+void part_one_way(const Eigen::Vector3d& between, double size_m, std::vector<ContactCandidate>& candidates) {
+  const auto depth_m = [](const ContactCandidate& candidate) { return std::max(0.0, -candidate.separation_m); };
+  const double deep_m = kDeepPart * size_m;
+  bool stuck = false;
+  Eigen::Vector3d out = Eigen::Vector3d::Zero();
+  double sum_m = 0.0;
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    if (depth_m(candidates[i]) <= deep_m) continue;
+    out += depth_m(candidates[i]) * candidates[i].normal;
+    sum_m += depth_m(candidates[i]);
+    for (size_t k = 0; k < i && !stuck; ++k) {
+      stuck = depth_m(candidates[k]) > deep_m && candidates[i].normal.dot(candidates[k].normal) < -kOpposite;
+    }
+  }
+  if (!stuck) return;
+  if (out.norm() < kOneWay * sum_m) out = between;
+  std::erase_if(candidates, [&](const ContactCandidate& one) { return depth_m(one) > 0.0 && one.normal.dot(out) < 0.0; });
+}
+
 void find_pair_contacts(RigidBody& body, RigidBody& other, double gravity_m_s2, double duration_s,
                         std::vector<ContactCandidate>& candidates) {
   if (joined(body, other)) return;
@@ -204,6 +229,7 @@ void find_pair_contacts(RigidBody& body, RigidBody& other, double gravity_m_s2, 
     polyhedron_candidates(moving_polyhedron(body), moving_polyhedron(other), search, candidates);
   } else if (!part_coincident(body, other, candidates)) {
     mesh_candidates(body, other, search, candidates);
+    part_one_way(between, smaller, candidates);
     std::vector<ContactCandidate> cores = core_candidates_of_pair(body, other, search);
     if (!cores.empty()) append_patches(body, pair, duration_s, cores);
   }

@@ -93,8 +93,8 @@ double earlier_impulse(const RigidBody& body, uint64_t other_id, uint64_t featur
   return 0.0;
 }
 
-// The closing speed the point will have at the moment of touch, from the constant acceleration of the substep, and how
-// much of the substep is left then.
+// The closing speed the point will have at the moment of touch, from the constant acceleration of the substep, and the one
+// that this would give from then on.
 void foresee_touch(const RigidBody& body, const RigidBody* other, const ContactCandidate& candidate,
                    double duration_s, ContactPoint& point) {
   Eigen::Vector3d velocity = body.point_velocity(candidate.point_m - body.world_from_body.position_m);
@@ -109,7 +109,7 @@ void foresee_touch(const RigidBody& body, const RigidBody* other, const ContactC
   const double at_touch = std::sqrt(std::max(0.0, closing * closing - 2.0 * normal_acceleration * gap));
   point.impact_speed_m_s = closing > 0.0 ? at_touch : 0.0;
   const double until_touch = gap > 0.0 && closing + at_touch > 0.0 ? 2.0 * gap / (closing + at_touch) : 0.0;
-  point.touching_s = std::clamp(duration_s - until_touch, 0.0, duration_s);
+  point.carried_speed_m_s = -std::min(0.0, normal_acceleration) * std::clamp(duration_s - until_touch, 0.0, duration_s);
 }
 
 // Friction acts where the pressure of the substep before had its centre.

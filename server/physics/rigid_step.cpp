@@ -43,7 +43,7 @@ bool wake_groups(std::span<RigidBody* const> bodies) {
   return true;
 }
 
-// Whether the patch will press within the substep.
+// Whether the patch will press within the substep; the last relaxing sweep looks a step farther.
 bool will_press(const RigidBody& owner, const ContactPatch& patch, double duration_s) {
   for (int i = 0; i < patch.point_count; ++i) {
     const ContactPoint& point = patch.points[i];
@@ -52,7 +52,8 @@ bool will_press(const RigidBody& owner, const ContactPatch& patch, double durati
       const Eigen::Vector3d between = owner.world_from_body.position_m - patch.other->world_from_body.position_m;
       velocity -= patch.other->point_velocity(point.arm_a_m + between);
     }
-    if (point.separation_m + duration_s * point.normal.dot(velocity) < 0.0) return true;
+    const double ahead_s = duration_s + duration_s / kSolverSteps;
+    if (point.separation_m + ahead_s * point.normal.dot(velocity) < 0.0) return true;
   }
   return false;
 }
@@ -79,31 +80,14 @@ void accelerate(RigidBody& body, const RigidLoad& load, const Eigen::Vector3d& g
   body.velocity_m_s += duration_s * body.substep_acceleration_m_s2;
 }
 
-void tally_blow(RigidBody& body, const ContactPatch& patch, const ContactPoint& point, const Eigen::Vector3d& normal,
-                const Eigen::Vector3d& where) {
-  if (point.impulse_n_s <= 0.0) return;
-  body.substep_blow.restitution = std::max(body.substep_blow.restitution, patch.restitution);
-  const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
-  body.substep_blow.add(point.impulse_n_s, body_from_world * normal,
-                        body_from_world * (where - body.world_from_body.position_m));
-  body.carried_speed_m_s =
-      std::max(body.carried_speed_m_s, -point.touching_s * normal.dot(body.substep_acceleration_m_s2));
-}
-
-// The impulse that carries a body's own weight is no blow: without it a drop gives m v (1 + e), whenever in the tick it
-// lands and however long the substep is.
-void add_blows(RigidBody& body) {
-  ImpulseSum& last = body.substep_blow;
-  if (last.impulse_n_s > 0.0) {
-    const double share = std::max(0.0, 1.0 - body.mass_kg * body.carried_speed_m_s / last.impulse_n_s);
-    body.blow.impulse_n_s += share * last.impulse_n_s;
-    body.blow.moment += share * last.moment;
-    body.blow.push_n_s += share * last.push_n_s;
-    body.blow.from_colliders = body.blow.from_colliders && last.from_colliders;
-    body.blow.restitution = std::max(body.blow.restitution, last.restitution);
+void tally_point(RigidBody& body, const ContactPatch& patch, const RigidBody* from, const ContactPoint& point,
+                 const Eigen::Vector3d& normal, const Eigen::Vector3d& where) {
+  body.contact_impulse_n_s += point.impulse_n_s;
+  if (!from || from->object_id != body.object_id) {
+    body.outer_impulse_n_s += point.impulse_n_s;
+    body.outer_moment += point.impulse_n_s * where;
   }
-  last = {};
-  body.carried_speed_m_s = 0.0;
+  body.blows.note_contact(body, patch, point, normal, where - body.world_from_body.position_m);
 }
 
 void tally(RigidBody& body, ContactPatch& patch) {
@@ -111,16 +95,8 @@ void tally(RigidBody& body, ContactPatch& patch) {
   for (int i = 0; i < patch.point_count; ++i) {
     ContactPoint& point = patch.points[i];
     const Eigen::Vector3d where = body.world_from_body.position_m + point.arm_a_m;
-    body.contact_impulse_n_s += point.impulse_n_s;
-    body.contact_moment += point.impulse_n_s * where;
-    tally_blow(body, patch, point, point.normal, where);
-    if (patch.other && point.impulse_n_s > 0.0) body.substep_blow.from_colliders = false;
-    if (patch.other && !patch.other->asleep) {
-      if (point.impulse_n_s > 0.0) patch.other->substep_blow.from_colliders = false;
-      tally_blow(*patch.other, patch, point, -point.normal, where);
-      patch.other->contact_impulse_n_s += point.impulse_n_s;
-      patch.other->contact_moment += point.impulse_n_s * where;
-    }
+    if (!body.asleep) tally_point(body, patch, patch.other, point, point.normal, where);
+    if (patch.other && !patch.other->asleep) tally_point(*patch.other, patch, &body, point, -point.normal, where);
     // The impulse of an impact is no forecast of the next substep's.
     if (point.impact_speed_m_s >= patch.restitution_speed_m_s) {
       point.impulse_n_s = 0.0;
@@ -202,7 +178,9 @@ void solve_island(RigidIsland& island, double duration_s) {
     }
     each(tally);
   }
-  for (RigidBody* body : island.bodies) add_blows(*body);
+  double struck_share = 0.0;
+  for (const RigidBody* body : island.bodies) struck_share = std::max(struck_share, body->blows.struck_share());
+  for (RigidBody* body : island.bodies) body->blows.end_substep(struck_share, duration_s);
 }
 
 }  // namespace

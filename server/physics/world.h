@@ -95,8 +95,8 @@ struct WorldEvent {
   uint64_t tick = 0;
   WorldEventKind kind = WorldEventKind::Contact;
   uint32_t object_id = 0;
-  double impulse_n_s = 0;  // Contact: summed over the tick, when above kReportedImpulse. Fracture: the blow's, over
-                           // the tick, without what carried the body's own weight; 0 when broken at will
+  double impulse_n_s = 0;  // Contact: from other objects, summed over the tick, when above kReportedImpulse. Fracture: of
+                           // blows in the tick and of what lasted, see rigid_blow.h; 0 when broken at will
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
 };
 
@@ -173,8 +173,9 @@ class World {
   };
   std::optional<GrabState> grab_state(uint64_t grab_id) const;  // nothing: it holds nothing (any more)
 
-  // The sum of the sizes of the impulses that contacts gave an object in the last tick, N s; resting is a contact.
-  double contact_impulse_n_s(uint32_t object_id) const;
+  // The sum of the sizes of the impulses that contacts gave in the last tick, N s, to the body that has this point (rest
+  // object frame): the fragment of a broken object, else the whole. Resting is a contact.
+  double contact_impulse_n_s(uint32_t object_id, const Eigen::Vector3d& rest_point_m) const;
 
   // The object that is nearest to a point and no farther than `reach_m`, static ones left out; `distance_m` is 0 inside.
   std::optional<RayHit> nearest(const Eigen::Vector3d& point_m, double reach_m) const;

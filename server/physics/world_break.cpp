@@ -54,7 +54,7 @@ void become_fragment(RigidBody& body, const RigidBody& whole, const RigidObject&
   body.restitution = object.material.restitution;
   body.asleep = false;
   body.still_s = 0.0;
-  body.blow = {};
+  body.blows = {};
   body.set_angular_velocity(spin);
 }
 
@@ -182,12 +182,12 @@ void World::State::break_struck() {
     const size_t count = object->body_count();
     for (uint32_t index = 0; index < count; ++index) {
       RigidBody& body = object->body_at(index);
-      const ImpulseSum sum = std::exchange(body.blow, {});
+      const ImpulseSum sum = body.blows.take(1.0 / settings.rate_hz);
       if (!object->pieces || !object->material.fragile) continue;
       if (sum.impulse_n_s < kFaintBlow * object->bonds.break_impulse_n_s) continue;
       Blow blow;
       blow.point_m = body.rest_centre_m + sum.moment / sum.impulse_n_s;
-      blow.impulse_n_s = sum.impulse_n_s * sum.push_n_s.normalized();
+      blow.impulse_n_s = sum.impulse_n_s * direction_of(sum);
       blow.piece = nearest_piece(*object, index, blow.point_m);
       const Eigen::Vector3d where = body.world_from_body * Eigen::Vector3d(blow.point_m - body.rest_centre_m);
       // What the bonds did not bear was never passed on: of a blow from the floor, fragments keep the velocity they had

@@ -154,7 +154,8 @@ void World::State::take_impulses(double duration_s) {
     loads[i].implicit_impulse_n_s += blow;
     loads[i].angular_impulse += copy.angular_impulse;
     body.contact_impulse_n_s += size;
-    body.contact_moment += copy.contact_moment;
+    body.outer_impulse_n_s += size;
+    body.outer_moment += copy.contact_moment;
     const double struck = blow.norm();
     // Where the copy was: impulses that came later in the substep moved it less. Those that balance come evenly.
     const double steps = copy.steps_n_s / size, even = 0.5 * (steps - 1.0) / steps * duration_s;
@@ -162,11 +163,8 @@ void World::State::take_impulses(double duration_s) {
     const double turned = struck / std::max(copy.impulse_n_s.norm(), struck);
     body.world_from_body.orientation = (rotation_exp(-turned * copy.late_rad) * body.world_from_body.orientation).normalized();
     body.update_turning();
-    if (struck > 0.0) {
-      const Pose body_from_world = body.world_from_body.inverse();
-      body.blow.add(struck, body_from_world.orientation * (blow / struck), body_from_world * Vector3d(copy.contact_moment / size));
-      body.blow.from_colliders = false;
-    }
+    // What is soft takes its time: its push is a force, however it came.
+    body.blows.note_force(body, copy.impulse_n_s, copy.contact_moment / size - body.world_from_body.position_m);
   }
 }
 

@@ -209,9 +209,11 @@ std::optional<World::GrabState> World::grab_state(uint64_t grab_id) const {
   return state;
 }
 
-double World::contact_impulse_n_s(uint32_t object_id) const {
+double World::contact_impulse_n_s(uint32_t object_id, const Eigen::Vector3d& rest_point_m) const {
   const WorldObject* object = state_->find(object_id);
-  return object ? object->contact_impulse_n_s : 0.0;
+  if (!object) return 0.0;
+  if (const RigidObject* rigid = object->rigid()) return rigid->body_with(rest_point_m).felt_impulse_n_s;
+  return object->elastic() ? object->elastic()->felt_impulse_n_s : 0.0;
 }
 
 std::optional<RayHit> World::nearest(const Eigen::Vector3d& point_m, double reach_m) const {

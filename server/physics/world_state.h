@@ -65,12 +65,12 @@ struct ElasticObject {
   // Over the tick, from everything it touches.
   double contact_impulse_n_s = 0;
   Eigen::Vector3d contact_moment = Eigen::Vector3d::Zero();
+  double felt_impulse_n_s = 0;  // contact_impulse_n_s of the last tick
 };
 
 struct WorldObject {
   std::variant<StaticObject, RigidObject, ElasticObject> thing;
   bool reported_asleep = false;
-  double contact_impulse_n_s = 0;  // of the last tick
 
   StaticObject* fixed() { return std::get_if<StaticObject>(&thing); }
   RigidObject* rigid() { return std::get_if<RigidObject>(&thing); }

@@ -29,12 +29,7 @@ void World::State::gather_loads(double duration_s) {
       RigidBody& body = rigid->body_with(rest_point);
       RigidLoad& load = loads[index_of(rigid_bodies, body)];
       load.impulse_n_s += duration_s * force;
-      if (!force.isZero(0.0)) {
-        const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
-        body.blow.add(duration_s * force.norm(), body_from_world * force.normalized(), rest_point - body.rest_centre_m);
-        body.blow.from_colliders = false;
-        body.blow.restitution = 1.0;
-      }
+      body.blows.note_force(body, duration_s * force, body.arm_of(rest_point));
       load.angular_impulse += duration_s * body.arm_of(rest_point).cross(force);
     }
   };
@@ -89,13 +84,10 @@ void World::State::step_rigid(double duration_s) {
 }
 
 void World::State::report_contacts() {
-  const auto report = [&](uint32_t id, double& impulse, Eigen::Vector3d& moment) {
-    objects.at(id).contact_impulse_n_s = impulse;
+  const auto report = [&](uint32_t id, double impulse, const Eigen::Vector3d& moment) {
     if (impulse > kReportedImpulse_n_s) {
       events.push_back({tick, WorldEventKind::Contact, id, impulse, moment / impulse});
     }
-    impulse = 0.0;
-    moment.setZero();
   };
   for (auto& [id, object] : objects) {
     if (RigidObject* rigid = object.rigid()) {
@@ -103,15 +95,17 @@ void World::State::report_contacts() {
       Eigen::Vector3d moment = Eigen::Vector3d::Zero();
       for (size_t i = 0; i < rigid->body_count(); ++i) {
         RigidBody& body = rigid->body_at(i);
-        impulse += std::exchange(body.contact_impulse_n_s, 0.0);
-        moment += std::exchange(body.contact_moment, Eigen::Vector3d::Zero());
+        body.felt_impulse_n_s = std::exchange(body.contact_impulse_n_s, 0.0);
+        impulse += std::exchange(body.outer_impulse_n_s, 0.0);
+        moment += std::exchange(body.outer_moment, Eigen::Vector3d::Zero());
       }
       report(id, impulse, moment);
     } else if (ElasticObject* elastic = object.elastic()) {
       const ContactTally tally = elastic->body->take_contacts();
       elastic->contact_impulse_n_s += tally.impulse_n_s;
       elastic->contact_moment += tally.moment;
-      report(id, elastic->contact_impulse_n_s, elastic->contact_moment);
+      elastic->felt_impulse_n_s = std::exchange(elastic->contact_impulse_n_s, 0.0);
+      report(id, elastic->felt_impulse_n_s, std::exchange(elastic->contact_moment, Eigen::Vector3d::Zero()));
     }
   }
 }

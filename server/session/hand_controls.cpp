@@ -92,6 +92,7 @@ void HandControls::apply_grab(Scene& scene, uint64_t grab_id, Hand& hand, const 
         let_go(scene, grab_id, hand);
         hand.grabbing = world.grab(grab_id, met->object_id, input.grip, hand_grip(object->mass_kg)).has_value();
         hand.object_id = met->object_id;
+        hand.rest_point_m = met->rest_point_m;
       }
     }
   }
@@ -138,7 +139,7 @@ std::array<HeldPoint, 2> HandControls::held_points(const Scene& scene, SessionNu
   for (size_t i = 0; i < points.size(); ++i) {
     const Hand& hand = found->second[i];
     const World& world = scene.world();
-    const double felt_n_s = world.contact_impulse_n_s(hand.object_id);
+    const double felt_n_s = world.contact_impulse_n_s(hand.object_id, hand.rest_point_m);
     if (hand.grabbing) {
       if (const auto state = world.grab_state(spring_id(session, i))) {
         points[i] = {true, hand.object_id, state->point_m, state->force_n, true, state->torque_n_m, felt_n_s};

@@ -73,7 +73,9 @@ TEST(World, FastBallDoesNotPassABody) {
       world.step();
       // The plate turns, struck off its centre: look from its own frame, while the ball is over it.
       const Vector3d seen = body_state(world, 1).world_from_body.inverse() * body_state(world, 2).world_from_body.position_m;
-      if (std::abs(seen.x()) < 0.15 && std::abs(seen.y()) < 0.15) EXPECT_GT(seen.z(), 0.035) << speed << " tick " << i;
+      if (std::abs(seen.x()) < 0.15 && std::abs(seen.y()) < 0.15) {
+        EXPECT_GT(seen.z(), 0.035) << speed << " tick " << i;
+      }
     }
     EXPECT_LT(body_state(world, 1).velocity_m_s.z(), 0.0);
   }

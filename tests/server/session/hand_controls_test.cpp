@@ -103,7 +103,7 @@ TEST(HandControls, TwoHandsHoldOneObjectAndFeelTheTable) {
   for (int i = 0; i < 30; ++i) {
     move(-0.02, 1);
     EXPECT_EQ(hands.held(0).contact_impulse_n_s, hands.held(1).contact_impulse_n_s);
-    EXPECT_EQ(hands.held(1).contact_impulse_n_s, hands.scene.world().contact_impulse_n_s(hands.id("box")));
+    EXPECT_EQ(hands.held(1).contact_impulse_n_s, hands.scene.world().contact_impulse_n_s(hands.id("box"), Eigen::Vector3d::Zero()));
     largest = std::max(largest, hands.held(1).contact_impulse_n_s);
   }
   EXPECT_GT(largest, 0.5);  // 1 kg that came down at up to 1.8 m/s

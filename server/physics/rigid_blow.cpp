@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "physics/rigid_blow.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <utility>
+
+#include "physics/rigid_body.h"
+
+namespace livegs {
+
+void ImpulseSum::add(double size_n_s, const Eigen::Vector3d& direction, const Eigen::Vector3d& point_m) {
+  impulse_n_s += size_n_s;
+  moment += size_n_s * point_m;
+  push_n_s += size_n_s * direction;
+  spread += size_n_s * direction * direction.transpose();
+}
+
+void ImpulseSum::add(const ImpulseSum& other, double share) {
+  if (!(share * other.impulse_n_s > 0.0)) return;
+  impulse_n_s += share * other.impulse_n_s;
+  moment += share * other.moment;
+  push_n_s += share * other.push_n_s;
+  spread += share * other.spread;
+  from_colliders = from_colliders && other.from_colliders;
+  restitution = std::max(restitution, other.restitution);
+}
+
+void RigidBlows::note_force(const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& point_m) {
+  const double size = impulse_n_s.norm();
+  if (!(size > 0.0)) return;
+  const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
+  forces_.add(size, body_from_world * (impulse_n_s / size), body_from_world * point_m);
+  forces_.from_colliders = false;
+  forces_.restitution = 1.0;
+}
+
+void RigidBlows::note_contact(const RigidBody& body, const ContactPatch& patch, const ContactPoint& point,
+                              const Eigen::Vector3d& normal, const Eigen::Vector3d& point_m) {
+  if (point.impulse_n_s <= 0.0) return;
+  const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
+  contacts_.add(point.impulse_n_s, body_from_world * normal, body_from_world * point_m);
+  contacts_.restitution = std::max(contacts_.restitution, patch.restitution);
+  if (patch.other) contacts_.from_colliders = false;
+  if (point.impact_speed_m_s < patch.restitution_speed_m_s) return;
+  const double ended = point.impact_speed_m_s * (1.0 + patch.restitution);
+  struck_share_ = std::max(struck_share_, ended / (ended + point.carried_speed_m_s));
+}
+
+void RigidBlows::end_substep(double island_share, double duration_s) {
+  const double size = contacts_.impulse_n_s;
+  double struck = 0.0;
+  if (island_share > 0.0) {
+    // What it bore before, it bears on. What is passed on to it came from elsewhere in the island.
+    struck = (struck_share_ > 0.0 ? struck_share_ : island_share) * std::max(0.0, size - duration_s * borne_n_);
+    blow_.add(contacts_, struck / std::max(size, 1e-300));
+  } else {
+    borne_n_ = size / duration_s;
+  }
+  pressed_.add(contacts_, 1.0 - struck / std::max(size, 1e-300));
+  if (kBlowTime_s / duration_s * forces_.impulse_n_s > pushed_.impulse_n_s) {
+    pushed_ = {};
+    pushed_.add(forces_, kBlowTime_s / duration_s);
+  }
+  contacts_ = forces_ = {};
+  struck_share_ = 0.0;
+}
+
+ImpulseSum RigidBlows::take(double tick_s) {
+  ImpulseSum sum = std::exchange(blow_, {});
+  const double struck_n_s = sum.impulse_n_s, restitution = sum.restitution;
+  sum.add(std::exchange(pressed_, {}), kBlowTime_s / tick_s);
+  sum.add(std::exchange(pushed_, {}), 1.0);
+  sum.restitution = 2.0 * struck_n_s > sum.impulse_n_s ? restitution : 1.0;
+  return sum;
+}
+
+Eigen::Vector3d direction_of(const ImpulseSum& sum) {
+  constexpr double kOneSided = 0.5;
+  const double push = sum.push_n_s.norm();
+  if (push > kOneSided * sum.impulse_n_s) return sum.push_n_s / push;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(sum.spread);
+  const Eigen::Vector3d axis = axes.eigenvectors().col(2);
+  return axis.dot(sum.moment) > 0.0 ? Eigen::Vector3d(-axis) : axis;  // inwards
+}
+
+}  // namespace livegs
