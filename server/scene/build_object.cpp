@@ -271,6 +271,10 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       }
     }
   }
+  if (object.physics().fragile() && material.behavior != Behavior::Rigid) {
+    built.drawn.warnings.push_back("physics.fragile: has no effect, only what is RIGID breaks, and this is " +
+                                   v1::Physics::Behavior_Name(parameters->behavior()));
+  }
   const auto place = [&](auto& body) {
     body.material = material;
     body.world_from_object =

@@ -77,6 +77,12 @@ void log_built(const BuiltObject& built) {
            built.build_ms, drawn.surface_note.empty() ? "" : "; ", drawn.surface_note.c_str());
 }
 
+// The world knows objects by their numbers; here the name stands before it.
+std::string without_id(const std::string& message, uint32_t object_id) {
+  const std::string by_id = "object " + std::to_string(object_id) + ": ";
+  return message.starts_with(by_id) ? message.substr(by_id.size()) : message;
+}
+
 // What is known of the body once it is in the world.
 void log_notes(const SceneObject& drawn) {
   if (drawn.elastic) log_info("%s: %s", drawn.name.c_str(), accuracy_line(*drawn.elastic).c_str());
@@ -261,7 +267,7 @@ void Scene::take_cut(FragileTask& task) {
   if (world_->revision(object.id) > 0) return;  // it broke as it was cut before
   const auto set = fragile ? world_->set_pieces(object.id, fragile->pieces) : Result<void>(fragile.error());
   if (!set) {
-    object.warnings.push_back("cannot break: " + set.error().message);
+    object.warnings.push_back("cannot break: " + without_id(set.error().message, object.id));
     log_warn("%s: %s", object.name.c_str(), object.warnings.back().c_str());
     return;
   }

@@ -80,7 +80,7 @@ TEST(VoronoiPieces, AddUpToTheWholeOverAHundredSeeds) {
   const std::vector<TriangleMesh> shapes{sphere_mesh(0.1, 3), box_mesh({0.2, 0.1, 0.05}), cup_mesh(48, 10),
                                          hollow_ball()};
   for (const TriangleMesh& mesh : shapes) {
-    for (uint64_t seed = 1; seed <= 25; ++seed) {
+    for (uint64_t seed = 1; seed <= 100; ++seed) {
       SCOPED_TRACE(::testing::Message() << mesh.triangles.size() << " triangles, seed " << seed);
       const VoronoiPieces pieces = cut(mesh, seed % 5 == 0 ? 64 : 16, seed);
       expect_whole(mesh, pieces);

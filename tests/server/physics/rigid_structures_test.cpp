@@ -117,21 +117,33 @@ TEST(RigidStructures, HalfOverlappedBoxesPartSlowly) {
 // A half circle of wedges on two blocks: thickness over radius 0.3, far above the 0.107 it needs (Heyman 1969).
 TEST(RigidStructures, ArchStands) {
   for (const double rate : kRates_hz) {
-    World world = world_at(rate, 4);
-    add_arch(world);
-    const Settled settled = settled_after(world, 30.0);
-    EXPECT_LT(settled.strayed_m, 5e-3) << rate;  // scene 17
-    EXPECT_TRUE(settled.asleep) << rate;
+    for (const bool sleep : {true, false}) {
+      SCOPED_TRACE(::testing::Message() << rate << " Hz, may sleep: " << sleep);
+      WorldSettings settings;
+      settings.rate_hz = rate;
+      settings.sleep = sleep;
+      World world(settings);
+      add_arch(world);
+      const Settled settled = settled_after(world, 30.0);
+      EXPECT_LT(settled.strayed_m, 5e-3);  // scene 17
+      EXPECT_EQ(settled.asleep, sleep);
+    }
   }
 }
 
 TEST(RigidStructures, CardHouseStands) {
   for (const double rate : kRates_hz) {
-    World world = world_at(rate, 4);
-    add_card_house(world);
-    const Settled settled = settled_after(world, 30.0);
-    EXPECT_LT(settled.strayed_m, 5e-3) << rate;  // scene 17
-    EXPECT_TRUE(settled.asleep) << rate;
+    for (const bool sleep : {true, false}) {
+      SCOPED_TRACE(::testing::Message() << rate << " Hz, may sleep: " << sleep);
+      WorldSettings settings;
+      settings.rate_hz = rate;
+      settings.sleep = sleep;
+      World world(settings);
+      add_card_house(world);
+      const Settled settled = settled_after(world, 30.0);
+      EXPECT_LT(settled.strayed_m, 5e-3);  // scene 17
+      EXPECT_EQ(settled.asleep, sleep);
+    }
   }
 }
 

@@ -172,5 +172,16 @@ TEST(FragileScene, AShellThatCannotBeHollowedSaysSo) {
   EXPECT_NE(all.find("too thin"), std::string::npos) << all;
 }
 
+TEST(FragileScene, WhatIsNotRigidSaysThatItDoesNotBreak) {
+  v1::Physics physics = fragile(0);
+  physics.set_behavior(v1::Physics::ELASTIC);
+  physics.set_youngs_modulus_pa(1e5);
+  const auto scene = Scene::build(one_object(physics, false), "", "box", {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  std::string all;
+  for (const std::string& warning : scene->find("thing")->warnings) all += warning;
+  EXPECT_NE(all.find("physics.fragile: has no effect, only what is RIGID breaks, and this is ELASTIC"), std::string::npos) << all;
+}
+
 }  // namespace
 }  // namespace livegs
