@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A room of eight objects that hands pull at without end: `pull_soak [MINUTES] > results/<machine>/pull_soak.csv`, an hour
-// (simulated) if not told. The sample scene's six objects, a box and a soft block; every half second on average a spring
-// takes a random point of a random object and draws it somewhere else in the room for up to a second, now and then a ball
-// is shot. One row a simulated minute; fixed seed, so the motion is the same every time, the times are not. `tick_cpu`: of
+// (simulated) if not told. The sample scene's six objects, a box and a soft block; every half second on average a hand
+// takes a random point of a random object and draws it somewhere else in the room for up to a second: by turns with the ray
+// and with the grip that people have, and with a spring of 20 to 200 N/m and up to 50 N, which is three to thirty times as
+// fierce. Now and then a ball is shot. One row a simulated minute; fixed seed, so the motion is the same every time, the times are not. `tick_cpu`: of
 // all threads, milliseconds; 11.1 are a frame. `object_most_j`: motion and shape of one elastic object, the most of every
 // tenth tick; a hand can give one 784 J (200 N/m across the room's 2.8 m). Leaves with 1 at the first number that is not
 // finite, or over that. Progress goes to the error stream.
@@ -19,6 +20,7 @@
 #include "gaussian/asset_file.h"
 #include "sample/sample_scene.h"
 #include "scene/scene.h"
+#include "scene/scripted_grabs.h"
 #include "scratch_folder.h"
 
 using namespace livegs;
@@ -72,8 +74,11 @@ class Hands {
   void act(Scene& scene, int tick) {
     World& world = scene.world();
     for (Pull& pull : pulls_) {
-      if (pull.until != tick) continue;
-      world.clear_spring(pull.id);
+      if (pull.until > tick) {
+        if (pull.grip) world.move_grab(pull.id, pull.hand_at(tick), pull.hand_m_s(), Vector3d::Zero());
+        continue;
+      }
+      pull.grip ? world.release_grab(pull.id) : world.clear_spring(pull.id);
       pull.until = -1;
     }
     std::erase_if(pulls_, [](const Pull& pull) { return pull.until < 0; });
@@ -83,12 +88,17 @@ class Hands {
       const Vector3d from = place(), middle = world.world_point(id, Vector3d::Zero());
       const auto hit = world.ray_cast(from, (middle - from).normalized(), 5.0);
       if (hit) {
-        World::Spring spring;
+        const double mass_kg = scene.find(hit->object_id)->mass_kg;
+        const Kind kind = static_cast<Kind>(pulled % 3);
+        World::Spring spring = ray_spring(mass_kg);
+        if (kind == Kind::Fierce) spring = {.stiffness_n_m = 20.0 + 180.0 * random()};
         spring.rest_point_m = hit->rest_point_m;
         spring.target_m = place();
-        spring.stiffness_n_m = 20.0 + 180.0 * random();
-        world.set_spring(++last_, hit->object_id, spring);
-        pulls_.push_back({last_, tick + 9 + static_cast<int>(random() * kRate_hz)});
+        Pull pull{++last_, tick, tick + 9 + static_cast<int>(random() * kRate_hz), kind == Kind::Grip,
+                  from + hit->distance_m * (middle - from).normalized(), spring.target_m};
+        if (!pull.grip) world.set_spring(pull.id, hit->object_id, spring);
+        if (pull.grip && !world.grab(pull.id, hit->object_id, pull.hand_at(tick), hand_grip(mass_kg))) return;
+        pulls_.push_back(pull);
         ++pulled;
       }
     }
@@ -101,9 +111,17 @@ class Hands {
   int pulled = 0;
 
  private:
+  enum class Kind { Ray, Grip, Fierce };
   struct Pull {
     uint64_t id;
-    int until;  // tick
+    int since, until;  // ticks
+    bool grip;
+    Vector3d from_m, to_m;
+
+    Pose hand_at(int tick) const {
+      return {from_m + static_cast<double>(tick - since) / (until - since) * (to_m - from_m), Eigen::Quaterniond::Identity()};
+    }
+    Vector3d hand_m_s() const { return static_cast<double>(kRate_hz) / (until - since) * (to_m - from_m); }
   };
   double random() { return static_cast<double>(engine_() >> 11) * 0x1.0p-53; }
   Vector3d place() {
