@@ -50,10 +50,13 @@ void RigidBlows::note_contact(const RigidBody& body, const ContactPatch& patch, 
 void RigidBlows::end_substep(double island_share, double duration_s) {
   const double size = contacts_.impulse_n_s;
   double struck = 0.0;
+  ImpulseSum last = std::exchange(last_, {});
   if (island_share > 0.0) {
     // What it bore before, it bears on. What is passed on to it came from elsewhere in the island.
     struck = (struck_share_ > 0.0 ? struck_share_ : island_share) * std::max(0.0, size - duration_s * borne_n_);
-    blow_.add(contacts_, struck / std::max(size, 1e-300));
+    last_.add(contacts_, struck / std::max(size, 1e-300));
+    if (tick_begins_ && struck > 0.0) blow_.add(last, 1.0);
+    blow_.add(last_, 1.0);
   } else {
     borne_n_ = size / duration_s;
   }
@@ -64,6 +67,7 @@ void RigidBlows::end_substep(double island_share, double duration_s) {
   }
   contacts_ = forces_ = {};
   struck_share_ = 0.0;
+  tick_begins_ = false;
 }
 
 ImpulseSum RigidBlows::take(double tick_s) {
@@ -71,6 +75,7 @@ ImpulseSum RigidBlows::take(double tick_s) {
   const double struck_n_s = sum.impulse_n_s, restitution = sum.restitution;
   sum.add(std::exchange(pressed_, {}), kBlowTime_s / tick_s);
   sum.add(std::exchange(pushed_, {}), 1.0);
+  tick_begins_ = true;
   sum.restitution = 2.0 * struck_n_s > sum.impulse_n_s ? restitution : 1.0;
   return sum;
 }

@@ -56,6 +56,9 @@ class RigidBlows {
   ImpulseSum blow_, pressed_;     // of the tick: contacts that struck and that bore
   ImpulseSum pushed_;             // by forces, the largest of the tick, for kBlowTime_s
   ImpulseSum contacts_, forces_;  // of the substep
+  // The blow of the last substep: one that the end of a tick cuts in two counts whole in the next.
+  ImpulseSum last_;
+  bool tick_begins_ = true;
   double struck_share_ = 0.0;
   double borne_n_ = 0.0;  // by its contacts, in the last substep without an impact
 };

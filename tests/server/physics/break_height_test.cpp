@@ -60,7 +60,9 @@ TEST(Breaking, TheHeightThatBreaksACupLandingOnItsRimIsTheClosedFormForAnySubste
         cup.world_from_object = {{0, fall_m - (tilt * corner).y(), 0}, tilt};
         return breaks_when_dropped(cup, fall_m, world_at(rate, substeps), pieces, 0.0);
       };
-      // At 1 and 2 substeps up to 15 % and 5 % more does not break it, as the landing falls in the tick. Goal 2 %.
+      // At 1 and 2 substeps up to 14 % and 5 % more may not break it: a landing in the last moment of a substep leaves a part of
+      // its impulse to the next one, which has no approach to tell it from weight. As many solver steps more change no bit.
+      // Goal 2 %.
       const double reached = substeps == 1 ? 0.17 : substeps == 2 ? 0.07 : 0.02;
       EXPECT_FALSE(breaks(0.98 * height_m));
       EXPECT_TRUE(breaks((1.0 + reached) * height_m));
