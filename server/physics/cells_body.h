@@ -195,6 +195,8 @@ class CellsBody final : public ElasticBody {
   bool comes_off() const;  // any
   void see_impalers(double frame_s);
   void come_off(const SubstepPart& part, const SubstepContext& context, size_t begin, std::vector<TouchRow>& rows);
+  // By what it touches from this one of touches_ on, which does not move.
+  void resist_rolling(size_t first_touch, double step_s);
   void take_contact(uint32_t sample, const Vector3d& point_m, const Vector3d& pull_kg_m, double step_s);
 
   struct CellShape {
@@ -308,7 +310,7 @@ class CellsBody final : public ElasticBody {
   mutable Eigen::AlignedBox3d surface_box_;
   mutable bool boxes_known_ = false;
   std::unique_ptr<ContactSide> side_;
-  bool second_order_ = false, in_step_ = false;  // of the step that is being taken
+  bool second_order_ = false, quiet_ = false, in_step_ = false;  // of the step that is being taken
   bool first_step_ = true, strained_ = false, tangled_ = false, untangling_ = false, touching_ = false, backward_ = false;
   double gravity_m_s2_ = 0.0;  // of the last substep
   bool supported_ = false, forced_ = false;  // for the sleep test: held up or in no gravity; pushed

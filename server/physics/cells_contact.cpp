@@ -61,6 +61,7 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
 
   if (candidates_.empty()) return;
   if (sides_.empty()) sides_.assign(surface_.size(), Side{});
+  const size_t first_touch = touches_.size();
   const std::vector<ColliderProbe> probes(context.colliders.begin(), context.colliders.end());
   const auto resolve = [&](const ColliderProbe& collider, uint32_t collider_index, double friction, uint32_t i) {
     const NodeSample& sample = surface_[i];
@@ -96,6 +97,7 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
       resolve(collider, candidate.collider, friction, backward_ ? cell.end - 1 - i : cell.begin + i);
     }
   }
+  resist_rolling(first_touch, step_s);
 }
 
 double CellsBody::mobility(const NodeSample& sample) const {

@@ -98,12 +98,12 @@ void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& contex
   const bool even = std::abs(h - last_step_s_) <= 1e-9 * h;
   last_step_s_ = h;
   const double smallest_m = (extent_.max_m - extent_.min_m).minCoeff();
-  const bool quiet = touching_ && deviation_m_s_ < kQuiet * std::sqrt(context.gravity_m_s2.norm() * smallest_m);
-  second_order_ = options_.second_order && even && !first_step_ && !strained_ && !quiet;
+  quiet_ = touching_ && deviation_m_s_ < kQuiet * std::sqrt(context.gravity_m_s2.norm() * smallest_m);
+  second_order_ = options_.second_order && even && !first_step_ && !strained_ && !quiet_;
   // Where a sweep from zero multipliers comes to rest depends on its order a little. A body that lands alternates, or
   // one order would drive it sideways; a quiet one keeps one, or it would never be still, and so does a free one, or
   // cells with next to nothing in them would ring.
-  backward_ = touching_ && !quiet && !backward_;
+  backward_ = touching_ && !quiet_ && !backward_;
   draw_springs(part);
   predict(h, context);
   if (moved_) move_regions(time_s, h);
