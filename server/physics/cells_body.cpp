@@ -175,10 +175,13 @@ void CellsBody::rebuild_cells() {
 void CellsBody::predict_accuracy() {
   const double step_s = (options_.second_order ? 2.0 / 3.0 : 1.0) / (rate_hz_ * choice_.substeps);
   const IsotropicMaterial& own = cell_materials_.materials[0];
-  const double across = (extent_.max_m - extent_.min_m).minCoeff() / lattice_.cell_width_m;
-  const double ceiling = modulus_ceiling_pa(lattice_, densities_kg_m3_[0], step_s);
-  band_ = band_of(mean_sweep_compliance(lattice_, inverse_masses_, own.youngs_modulus_pa, step_s), own.poisson_ratio,
-                  across, ceiling / own.youngs_modulus_pa);
+  const Vector3d cells = (extent_.max_m - extent_.min_m) / lattice_.cell_width_m;
+  band_ = band_of({.mean_sweep_compliance = mean_sweep_compliance(lattice_, inverse_masses_, own.youngs_modulus_pa, step_s),
+                   .poisson_ratio = own.poisson_ratio,
+                   .cells_across = cells.minCoeff(),
+                   .cells_along = cells.maxCoeff(),
+                   .courant = std::sqrt(own.youngs_modulus_pa / densities_kg_m3_[0]) * step_s / lattice_.cell_width_m,
+                   .ceiling_ratio = modulus_ceiling_pa(lattice_, densities_kg_m3_[0], step_s) / own.youngs_modulus_pa});
   const double kept = own.youngs_modulus_pa / material_.effective_youngs_modulus_pa();
   band_.ratio_low *= kept;
   band_.ratio_high *= kept;

@@ -116,7 +116,7 @@ enum class ElasticBand {
   Exact,    // Young's modulus within 4 %
   Band,     // between modulus_ratio_low and modulus_ratio_high
   Clipped,  // the stiffness asked for is out of reach; reached_youngs_modulus_pa is simulated
-  Unknown,  // no law is known for this solver
+  Unknown,  // no law is known: another solver, or cells and steps that never rest
 };
 struct ElasticAccuracy {
   double cell_width_m = 0;

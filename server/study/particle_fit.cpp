@@ -56,6 +56,27 @@ Matrix3d mean_deformation(const ElasticBody& body, const ParticleSet& rest, cons
   return moved * still.inverse();
 }
 
+Vector3d face_to_face(const ElasticBody& body, const ParticleSet& rest) {
+  Vector3d low = rest.positions_m[0], high = low;
+  for (const Vector3d& p : rest.positions_m) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const double layer_m = 0.25 * rest.spacing_m;
+  Vector3d stretches;
+  for (int d = 0; d < 3; ++d) {
+    RestBox first{low, high}, last{low, high};
+    first.min_m.array() -= layer_m;
+    last.max_m.array() += layer_m;
+    first.max_m.array() += layer_m;
+    last.min_m.array() -= layer_m;
+    first.max_m[d] = low[d] + layer_m;
+    last.min_m[d] = high[d] - layer_m;
+    stretches[d] = (pairs_in(body, rest, last).now_mean_m - pairs_in(body, rest, first).now_mean_m).norm() / (high[d] - low[d]);
+  }
+  return stretches;
+}
+
 double twist_rate_rad_m(const ElasticBody& body, const ParticleSet& rest, const RestBox& box) {
   const Pairs all = pairs_in(body, rest, box);
   std::map<int64_t, Pairs> sections;  // by x in micrometres

@@ -61,6 +61,55 @@ INSTANTIATE_TEST_SUITE_P(Cells, Tension,
                            return std::string(name);
                          });
 
+// Blocks and cubes of few cells, given and chosen: what pulls at them pulls at nodes that no other cell holds.
+class TensionOfBlocks : public testing::TestWithParam<std::tuple<int, int>> {};
+
+TEST_P(TensionOfBlocks, IsWhatTheBodySays) {
+  const auto [along, across] = GetParam();
+  const double longest_m = 0.1, width_m = longest_m / std::max(along, across);
+  double least = std::numeric_limits<double>::infinity(), most = 0.0;
+  for (const double youngs_modulus_pa : {1e4, 1e5, 1e6}) {
+    for (const double poisson_ratio : {0.0, 0.3, 0.45}) {
+      for (const double rate_hz : {60.0, 90.0}) {
+        std::vector<study::Setup> setups = {chosen(youngs_modulus_pa, poisson_ratio, rate_hz, width_m)};
+        for (const int substeps : {1, 2, 4, 8, 16}) {
+          setups.push_back(setup_of(youngs_modulus_pa, poisson_ratio, rate_hz, substeps, width_m));
+        }
+        for (study::Setup& setup : setups) {
+          setup.spacing_m = 0.5 * width_m;
+          const Outcome outcome = run(tension_of_block(setup, along * width_m, across * width_m));
+          const ElasticAccuracy& accuracy = outcome.accuracy;
+          const double modulus = outcome["youngs_modulus"].measured;
+          if (accuracy.band == ElasticBand::Exact) {
+            EXPECT_NEAR(modulus, 1.0, 0.05) << text_of(setup, outcome);
+            EXPECT_LE(outcome["poisson_ratio"].error, 0.02) << text_of(setup, outcome);
+            least = std::min(least, modulus);
+            most = std::max(most, modulus);
+          } else if (accuracy.band != ElasticBand::Unknown) {
+            const double slack = accuracy.band == ElasticBand::Band ? 0.01 : 0.1;
+            EXPECT_GT(modulus, accuracy.modulus_ratio_low * (1.0 - slack)) << text_of(setup, outcome);
+            EXPECT_LT(modulus, accuracy.modulus_ratio_high * (1.0 + slack)) << text_of(setup, outcome);
+          } else {
+            EXPECT_FALSE(setup.cells.choose) << text_of(setup, outcome);
+          }
+          if (accuracy.clipped) {
+            EXPECT_NEAR(modulus * youngs_modulus_pa / accuracy.reached_youngs_modulus_pa, 1.0, 0.1) << text_of(setup, outcome);
+          }
+        }
+      }
+    }
+  }
+  EXPECT_LE(most / least - 1.0, 0.05) << least << " to " << most;
+}
+INSTANTIATE_TEST_SUITE_P(Cells, TensionOfBlocks,
+                         testing::Values(std::tuple(1, 1), std::tuple(2, 1), std::tuple(2, 2), std::tuple(3, 1),
+                                         std::tuple(3, 3), std::tuple(4, 2), std::tuple(4, 4), std::tuple(6, 2),
+                                         std::tuple(6, 6), std::tuple(8, 4)),
+                         [](const auto& tested) {
+                           return std::to_string(std::get<0>(tested.param)) + "Along" +
+                                  std::to_string(std::get<1>(tested.param)) + "Across";
+                         });
+
 // What is called exact is no corner: all of 1e4 to 1e6 Pa, with cells and substeps left to the program.
 TEST(TensionChosen, IsExactUpToAMegapascal) {
   for (const double rate_hz : {60.0, 90.0}) {

@@ -60,6 +60,21 @@ TEST(SampledBody, BoxesOfAnySizeShowTheirModulus) {
   }
 }
 
+// Of two cells along, as big cells or coarse particles make them, and of four.
+TEST(SampledBody, CubesOfFewCellsShowTheirModulus) {
+  const Vector3d size = Vector3d::Constant(0.2);
+  for (const int cells : {2, 4}) {
+    for (const double rate_hz : {60.0, 90.0}) {
+      for (const double youngs_modulus_pa : {1e4, 1e5, 1e6}) {
+        auto cube = describe(sample_particles(box_mesh(size)), youngs_modulus_pa, 0.3);
+        cube.cell_width_m = size.x() / cells;
+        EXPECT_NEAR(apparent_modulus(cube, size, rate_hz), 1.0, 0.05)
+            << cells << " cells, " << youngs_modulus_pa << " Pa, " << rate_hz << " Hz";
+      }
+    }
+  }
+}
+
 // Particles on a grid of 12.5 mm, moved by up to three tenths of it each way.
 ParticleSet jittered(const Vector3d& size, double spacing) {
   ParticleSet set = particle_grid(size, spacing);
