@@ -2,12 +2,16 @@
 #include "geometry/sample_particles.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <tuple>
 
 #include "core/assert.h"
+#include "geometry/disjoint_sets.h"
 #include "geometry/inside_grid.h"
 #include "geometry/mesh_topology.h"
 #include "geometry/point_grid.h"
+#include "geometry/triangle_pieces.h"
 
 namespace livegs {
 namespace {
@@ -22,6 +26,13 @@ constexpr double kMostVoxels = 1 << 20;
 // Each particle has at least this part of a voxel before volumes are scaled to the body's: no particle is
 // massless.
 constexpr double kLeastVolume = 0.01;
+
+// What carries a body hangs together when the voxels about two particles nearly touch, or, where particles stand for less
+// than a voxel each, the cubes of their volume: cells are at least one and a half of those wide.
+constexpr double kJointVoxels = 1.5, kJointCubes = 2.0;
+// Points on triangles are this far apart at first, in voxels, and this much closer at each further try.
+constexpr double kCoverVoxels = 0.75, kCloser = 0.7;
+constexpr size_t kMostCovering = 20000;
 
 RegularGrid cell_centres(const Eigen::AlignedBox3d& bounds, double cell_m) {
   RegularGrid grid;
@@ -59,12 +70,10 @@ std::vector<double> share_volume(const TriangleMesh& mesh, const Eigen::AlignedB
   if (missed_m3 > 0.0) {
     double area_m2 = 0.0;
     std::vector<double> areas_m2(particles.size(), 0.0);
-    for (const auto& [a, b, c] : mesh.triangles) {
-      const Eigen::Vector3d &p = mesh.vertices_m[a], &q = mesh.vertices_m[b], &r = mesh.vertices_m[c];
-      const double triangle_m2 = 0.5 * (q - p).cross(r - p).norm();
-      areas_m2[particles.nearest((p + q + r) / 3.0)] += triangle_m2;
-      area_m2 += triangle_m2;
-    }
+    for_each_triangle_piece(mesh, sample_m, [&](const Eigen::Vector3d& point_m, double piece_m2) {
+      areas_m2[particles.nearest(point_m)] += piece_m2;
+      area_m2 += piece_m2;
+    });
     for (size_t i = 0; i < volumes_m3.size(); ++i) volumes_m3[i] += missed_m3 * areas_m2[i] / area_m2;
   }
   const double least_m3 =
@@ -78,6 +87,41 @@ std::vector<double> share_volume(const TriangleMesh& mesh, const Eigen::AlignedB
   return volumes_m3;
 }
 
+// Pieces that particles make when those nearer than joint_m are joined.
+int piece_count(const std::vector<Eigen::Vector3d>& points_m, double joint_m) {
+  Eigen::AlignedBox3d bounds;
+  for (const Eigen::Vector3d& point : points_m) bounds.extend(point);
+  const auto cell_of = [&](const Eigen::Vector3d& point) -> Eigen::Vector3i {
+    return ((point - bounds.min()) / joint_m).array().floor().cast<int>();
+  };
+  struct Place {
+    std::array<int, 3> cell;  // z, y, x
+    uint32_t point;
+    bool operator<(const Place& other) const { return std::tie(cell, point) < std::tie(other.cell, other.point); }
+  };
+  std::vector<Place> places;
+  for (uint32_t i = 0; i < points_m.size(); ++i) {
+    const Eigen::Vector3i cell = cell_of(points_m[i]);
+    places.push_back({{cell.z(), cell.y(), cell.x()}, i});
+  }
+  std::sort(places.begin(), places.end());
+  DisjointSets sets(points_m.size());
+  for (const Place& own : places) {
+    for (int row = 0; row < 9; ++row) {  // cells of one row follow each other
+      const std::array<int, 3> first = {own.cell[0] + row / 3 - 1, own.cell[1] + row % 3 - 1, own.cell[2] - 1};
+      auto other = std::lower_bound(places.begin(), places.end(), Place{first, 0});
+      for (; other != places.end() && other->cell[0] == first[0] && other->cell[1] == first[1] &&
+             other->cell[2] <= own.cell[2] + 1;
+           ++other) {
+        if ((points_m[own.point] - points_m[other->point]).norm() <= joint_m) sets.join(own.point, other->point);
+      }
+    }
+  }
+  int count = 0;
+  for (uint32_t i = 0; i < points_m.size(); ++i) count += sets.find(i) == i;
+  return count;
+}
+
 }  // namespace
 
 ParticleSet sample_particles(const TriangleMesh& mesh, int density, double spacing_m) {
@@ -88,14 +132,17 @@ ParticleSet sample_particles(const TriangleMesh& mesh, int density, double spaci
 
   ParticleSet particles;
   particles.spacing_m = spacing_m;
+  const double volume_m3 = std::max(signed_volume_m3(mesh), 0.0);
   const double least_distance_m = 0.5 * std::sqrt(3.0) * spacing_m * (1.0 - kSlack);
-  PointGrid taken({bounds.min(), bounds.max().array() + spacing_m}, spacing_m);
+  const PointGrid none({bounds.min(), bounds.max().array() + spacing_m}, spacing_m);
+  PointGrid taken = none;
   const auto take = [&](const Eigen::Vector3d& point_m, bool on_surface) {
     taken.insert(point_m);
     particles.positions_m.push_back(point_m);
     particles.on_surface.push_back(on_surface);
   };
   for_each_inside(mesh, cell_centres(bounds, spacing_m), [&](const Eigen::Vector3d& p) { take(p, false); });
+  const size_t voxels = particles.positions_m.size();
   std::vector<bool> used(mesh.vertices_m.size(), false);
   for (const auto& triangle : mesh.triangles) {
     for (uint32_t vertex : triangle) used[vertex] = true;
@@ -104,7 +151,27 @@ ParticleSet sample_particles(const TriangleMesh& mesh, int density, double spaci
     if (used[v]) particles.mesh_vertices_m.push_back(mesh.vertices_m[v]);
     if (used[v] && !taken.any_nearer(mesh.vertices_m[v], least_distance_m)) take(mesh.vertices_m[v], true);
   }
-  particles.volumes_m3 = share_volume(mesh, bounds, spacing_m, std::max(signed_volume_m3(mesh), 0.0), taken);
+
+  const std::vector<int> pieces = mesh_pieces(mesh);
+  particles.piece_count = 1 + *std::max_element(pieces.begin(), pieces.end());
+  const bool thin = static_cast<double>(voxels) * std::pow(spacing_m, 3) < 0.5 * volume_m3;
+  const auto hang_together = [&] {
+    const double cube_m = std::cbrt(volume_m3 / static_cast<double>(particles.positions_m.size()));
+    const double joint_m = thin ? std::min(kJointVoxels * spacing_m, kJointCubes * cube_m) : kJointVoxels * spacing_m;
+    return joint_m <= 0.0 || piece_count(particles.positions_m, joint_m) <= particles.piece_count;
+  };
+  const ParticleSet bare = particles;
+  for (double apart_m = kCoverVoxels * spacing_m; !hang_together() && particles.positions_m.size() < kMostCovering;
+       apart_m *= kCloser) {
+    particles = bare;
+    particles.surface_carries = true;
+    taken = none;
+    for (const Eigen::Vector3d& point : bare.positions_m) taken.insert(point);
+    for_each_triangle_piece(mesh, 0.5 * apart_m, [&](const Eigen::Vector3d& point_m, double) {
+      if (particles.positions_m.size() < kMostCovering && !taken.any_nearer(point_m, apart_m)) take(point_m, true);
+    });
+  }
+  particles.volumes_m3 = share_volume(mesh, bounds, spacing_m, volume_m3, taken);
   return particles;
 }
 

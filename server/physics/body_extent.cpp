@@ -69,7 +69,7 @@ Bounds surface_bounds(const ParticleSet& particles, const Matrix3d& lattice_from
 // plant fails the second test: its leaves hold no voxel centre, and the pot must not be stretched over them.
 bool voxels_fill(const ParticleSet& particles, double volume, const Matrix3d& lattice_from_object,
                  const Bounds& surface) {
-  if (particles.on_surface.size() != particles.positions_m.size()) return false;
+  if (particles.surface_carries || particles.on_surface.size() != particles.positions_m.size()) return false;
   Bounds voxels;
   size_t count = 0;
   for (size_t i = 0; i < particles.positions_m.size(); ++i) {

@@ -40,6 +40,11 @@ CellsBody::CellsBody(const ElasticBodyDescription& description, double rate_hz, 
   set_up_materials();
   choose(description.cell_width_m);
   lattice_ = build_lattice(extent_, choice_.cell_width_m, description.regions);
+  if (const int pieces = piece_count(lattice_), own = description.particles.piece_count; own > 0 && pieces > own) {
+    log_warn("object %u: its cells are in %d pieces and its surface in %d: it comes apart; a smaller spacing_m than %.3g m "
+             "holds it together",
+             object_id_, pieces, own, extent_.spacing_m);
+  }
   for (const Vector3d& particle : particle_rest_m_) particle_points_.push_back(lattice_.embed(particle));
 
   nodes_ = CellNodes(lattice_.node_coordinates.size(), lattice_.cell_width_m);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "physics/disjoint_sets.h"
 #include "physics/lattice_order.h"
 #include "skin/cell_fill.h"
 
@@ -40,6 +41,16 @@ std::array<Vector3d, 8> trilinear_gradients(const Vector3d& local, double cell_w
 
 Vector3d Lattice::node_position_m(size_t node) const {
   return object_from_lattice * (cell_width_m * node_coordinates[node].cast<double>());
+}
+
+int piece_count(const Lattice& lattice) {
+  DisjointSets parts(lattice.node_coordinates.size());
+  for (const LatticeCell& cell : lattice.cells) {
+    for (const uint32_t node : cell.nodes) parts.join(cell.nodes[0], node);
+  }
+  int count = 0;
+  for (uint32_t i = 0; i < lattice.node_coordinates.size(); ++i) count += parts.root(i) == i;
+  return count;
 }
 
 EmbeddedPoint Lattice::embed(const Vector3d& object_point_m) const {

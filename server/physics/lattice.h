@@ -106,6 +106,9 @@ struct Lattice {
 // How many cells each node belongs to; one with fewer than eight is on the outside.
 std::vector<uint8_t> cells_around_nodes(const Lattice& lattice);
 
+// Parts of it that share no node.
+int piece_count(const Lattice& lattice);
+
 // Where the lattice lies along the object's axes, a lattice plane is snapped to the inner face of the first fixed or
 // moved region along each axis, and materials meet exactly at the faces of their regions (else within an eighth of a
 // box edge). Where regions with a material overlap, the last counts.

@@ -72,12 +72,28 @@ TEST(SampleParticles, KeepTheRuleOnARoundBody) {
 }
 
 TEST(SampleParticles, ASheetThinnerThanAVoxelIsCarriedByItsSurface) {
-  // A plate whose only voxel layer has its centres outside of it.
-  TriangleMesh mesh = box_mesh({1.0, 0.01, 1.0});
-  const ParticleSet set = sample_particles(mesh);
+  // A plate whose only voxel layer has its centres outside of it, and whose corners are a metre apart.
+  const ParticleSet set = sample_particles(box_mesh({1.0, 0.01, 1.0}));
   EXPECT_EQ(std::count(set.on_surface.begin(), set.on_surface.end(), false), 0);
-  EXPECT_EQ(set.positions_m.size(), 4u);  // of the corners above each other one stays
+  EXPECT_TRUE(set.surface_carries);
+  EXPECT_EQ(set.piece_count, 1);
   EXPECT_NEAR(volume_sum(set), 0.01, 1e-15);
+  // No place of it is farther from a particle than a voxel, and no particle has much more than its share.
+  const double share_m3 = 0.01 / static_cast<double>(set.positions_m.size());
+  EXPECT_LT(*std::max_element(set.volumes_m3.begin(), set.volumes_m3.end()), 4.0 * share_m3);
+  for (double x = -0.49; x < 0.5; x += 0.07) {
+    for (double z = -0.49; z < 0.5; z += 0.07) {
+      double nearest_m = 1.0;
+      for (const auto& p : set.positions_m) nearest_m = std::min(nearest_m, (p - Eigen::Vector3d(x, 0, z)).norm());
+      EXPECT_LT(nearest_m, set.spacing_m) << x << ' ' << z;
+    }
+  }
+}
+
+TEST(SampleParticles, WhatHangsTogetherAnywayIsLeftAsItWas) {
+  for (const TriangleMesh& mesh : {box_mesh({0.4, 0.1, 0.1}), sphere_mesh(0.1, 3), cylinder_mesh(0.05, 0.2), capsule_mesh(0.05, 0.2)}) {
+    EXPECT_FALSE(sample_particles(mesh).surface_carries);
+  }
 }
 
 TEST(SampleParticles, NeverNone) {

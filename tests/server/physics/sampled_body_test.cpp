@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <random>
 
+#include "geometry/sample_particles.h"
 #include "geometry/shape_mesh.h"
+#include "physics/lattice.h"
 #include "server/physics/elastic_bodies.h"
 
 namespace livegs::test {
@@ -71,6 +73,36 @@ TEST(SampledBody, CubesOfFewCellsShowTheirModulus) {
         EXPECT_NEAR(apparent_modulus(cube, size, rate_hz), 1.0, 0.05)
             << cells << " cells, " << youngs_modulus_pa << " Pa, " << rate_hz << " Hz";
       }
+    }
+  }
+}
+
+// Rods and plates thinner than a voxel: as many pieces of lattice as of mesh. By their corners alone a rod was
+// two pieces and a plate four.
+TEST(SampledBody, ThinShapesHangTogether) {
+  struct Case {
+    const char* name;
+    TriangleMesh mesh;
+    double spacing_m;
+  };
+  const std::vector<Case> cases = {{"rod, 10 mm", box_mesh({0.4, 0.01, 0.01}), 0.0},
+                                   {"rod, 4 mm", box_mesh({0.4, 0.004, 0.004}), 0.0},
+                                   {"rod, 1 mm", box_mesh({0.4, 0.001, 0.001}), 0.0},
+                                   {"round rod, 5 mm", cylinder_mesh(0.0025, 0.4), 0.0},
+                                   {"plate, 10 mm", box_mesh({1.0, 0.01, 1.0}), 0.0},
+                                   {"plate, 3 mm", box_mesh({0.3, 0.003, 0.2}), 0.0},
+                                   {"plate, 1 mm", box_mesh({0.3, 0.001, 0.3}), 0.0},
+                                   {"disc, 4 mm", cylinder_mesh(0.15, 0.004), 0.0},
+                                   {"ball in one voxel", sphere_mesh(0.02, 3), 0.1},
+                                   {"bar of half a voxel", box_mesh({0.4, 0.05, 0.05}), 0.1}};
+  for (const Case& one : cases) {
+    const ParticleSet particles = sample_particles(one.mesh, kDefaultSamplingDensity, one.spacing_m);
+    for (const double youngs_modulus_pa : {1e5, 1e7}) {
+      Stage stage;
+      stage.make(describe(particles, youngs_modulus_pa, 0.3));
+      const Lattice lattice = build_lattice(measure_extent(particles), stage.body->accuracy().cell_width_m, {});
+      EXPECT_EQ(piece_count(lattice), 1) << one.name << ", " << particles.positions_m.size() << " particles, cells "
+                                         << lattice.cell_width_m << " m";
     }
   }
 }
