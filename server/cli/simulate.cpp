@@ -52,6 +52,15 @@ ElasticSolver solver_of(const std::string& name) {
   return name == kSolvers[2] ? ElasticSolver::LivegsV1Steady : ElasticSolver::Cells;
 }
 
+void tell_stiffness(const MaterialAccuracy& accuracy, nlohmann::json& summary) {
+  summary["band"] = name_of(accuracy.band);
+  summary["youngs_modulus_pa"] = accuracy.youngs_modulus_pa;
+  summary["reached_youngs_modulus_pa"] = accuracy.reached_youngs_modulus_pa;
+  summary["modulus_ratio_low"] = accuracy.modulus_ratio_low;
+  summary["modulus_ratio_high"] = accuracy.modulus_ratio_high;
+  summary["clipped"] = accuracy.clipped;
+}
+
 nlohmann::json object_summary(const SceneObject& object) {
   nlohmann::json summary = {{"name", object.name},
                             {"kernels", object.asset->size()},
@@ -76,12 +85,12 @@ nlohmann::json object_summary(const SceneObject& object) {
     summary["cell_width_m"] = accuracy.cell_width_m;
     summary["substeps"] = accuracy.substeps;
     summary["courant"] = accuracy.courant;
-    summary["band"] = name_of(accuracy.band);
-    summary["youngs_modulus_pa"] = accuracy.youngs_modulus_pa;
-    summary["reached_youngs_modulus_pa"] = accuracy.reached_youngs_modulus_pa;
-    summary["modulus_ratio_low"] = accuracy.modulus_ratio_low;
-    summary["modulus_ratio_high"] = accuracy.modulus_ratio_high;
-    summary["clipped"] = accuracy.clipped;
+    tell_stiffness(accuracy, summary);
+    for (const RegionAccuracy& region : accuracy.regions) {
+      nlohmann::json& own = summary["regions"].emplace_back();
+      own["name"] = region.name;
+      tell_stiffness(region, own);
+    }
   }
   return summary;
 }

@@ -34,8 +34,11 @@ CellsBody::CellsBody(const ElasticBodyDescription& description, double rate_hz, 
       may_rest_(may_sleep),
       rest_clock_(may_sleep) {
   for (const double volume : particle_volumes_m3_) volume_m3_ += volume;
-  for (const BodyRegion& region : description.regions) {
-    if (region.material) region_materials_.push_back(*region.material);
+  for (size_t i = 0; i < description.regions.size(); ++i) {
+    const BodyRegion& region = description.regions[i];
+    if (!region.material) continue;
+    region_materials_.push_back(*region.material);
+    region_names_.push_back(region.name.empty() ? "region " + std::to_string(i) : region.name);
   }
   set_up_materials();
   choose(description.cell_width_m);
@@ -74,6 +77,11 @@ void CellsBody::set_up_materials() {
         region.poisson_ratio.value_or(material_.poisson_ratio), region.density_kg_m3.value_or(own_density),
         region.plasticity.value_or(material_.plasticity));
   }
+}
+
+double CellsBody::asked_modulus_pa(size_t material) const {
+  const double own = material_.effective_youngs_modulus_pa();
+  return material == 0 ? own : region_materials_[material - 1].youngs_modulus_pa.value_or(own);
 }
 
 // Cells and substeps follow from the fastest wave among the body's materials.
@@ -175,21 +183,26 @@ void CellsBody::rebuild_cells() {
   if (!plastic_parts_.empty()) set_all_plastic();
 }
 
-// Of the body's own material, for second-order steps, which motion that is not yet at rest takes. Where the stiffness is
-// clipped, what is simulated is as exact as its own band says; against what was asked for it is the ratio of the two.
+// For second-order steps, which motion that is not yet at rest takes. Where the stiffness is clipped, what is simulated is as
+// exact as its own band says; against what was asked for it is the ratio of the two.
 void CellsBody::predict_accuracy() {
   const double step_s = (options_.second_order ? 2.0 / 3.0 : 1.0) / (rate_hz_ * choice_.substeps);
-  const IsotropicMaterial& own = cell_materials_.materials[0];
   const Vector3d cells = (extent_.max_m - extent_.min_m) / lattice_.cell_width_m;
-  band_ = band_of({.mean_sweep_compliance = mean_sweep_compliance(lattice_, inverse_masses_, own.youngs_modulus_pa, step_s),
-                   .poisson_ratio = own.poisson_ratio,
-                   .cells_across = cells.minCoeff(),
-                   .cells_along = cells.maxCoeff(),
-                   .courant = std::sqrt(own.youngs_modulus_pa / densities_kg_m3_[0]) * step_s / lattice_.cell_width_m,
-                   .ceiling_ratio = modulus_ceiling_pa(lattice_, densities_kg_m3_[0], step_s) / own.youngs_modulus_pa});
-  const double kept = own.youngs_modulus_pa / material_.effective_youngs_modulus_pa();
-  band_.ratio_low *= kept;
-  band_.ratio_high *= kept;
+  bands_.clear();
+  for (size_t k = 0; k < densities_kg_m3_.size(); ++k) {
+    const IsotropicMaterial& one = cell_materials_.materials[k];
+    ModulusBand band = band_of(
+        {.mean_sweep_compliance = mean_sweep_compliance(lattice_, inverse_masses_, one.youngs_modulus_pa, step_s),
+         .poisson_ratio = one.poisson_ratio,
+         .cells_across = cells.minCoeff(),
+         .cells_along = cells.maxCoeff(),
+         .courant = std::sqrt(one.youngs_modulus_pa / densities_kg_m3_[k]) * step_s / lattice_.cell_width_m,
+         .ceiling_ratio = modulus_ceiling_pa(lattice_, densities_kg_m3_[k], step_s) / one.youngs_modulus_pa});
+    const double kept = one.youngs_modulus_pa / asked_modulus_pa(k);
+    band.ratio_low *= kept;
+    band.ratio_high *= kept;
+    bands_.push_back(band);
+  }
 }
 
 // A thin cell's take the inverse of a matrix of 18 x 18, and a body may be alone and in company by turns.
@@ -412,12 +425,19 @@ ElasticAccuracy CellsBody::accuracy() const {
   accuracy.cell_width_m = choice_.cell_width_m;
   accuracy.substeps = choice_.substeps;
   accuracy.courant = choice_.courant;
-  accuracy.youngs_modulus_pa = material_.effective_youngs_modulus_pa();
-  accuracy.reached_youngs_modulus_pa = std::min(accuracy.youngs_modulus_pa, choice_.youngs_modulus_pa);
-  accuracy.clipped = choice_.clipped;
-  accuracy.band = choice_.clipped ? ElasticBand::Clipped : band_.band;
-  accuracy.modulus_ratio_low = band_.ratio_low;
-  accuracy.modulus_ratio_high = band_.ratio_high;
+  const auto tell = [&](size_t k, MaterialAccuracy& of_material) {
+    of_material.youngs_modulus_pa = asked_modulus_pa(k);
+    of_material.reached_youngs_modulus_pa = cell_materials_.materials[k].youngs_modulus_pa;
+    of_material.clipped = of_material.reached_youngs_modulus_pa < of_material.youngs_modulus_pa;
+    of_material.band = of_material.clipped ? ElasticBand::Clipped : bands_[k].band;
+    of_material.modulus_ratio_low = bands_[k].ratio_low;
+    of_material.modulus_ratio_high = bands_[k].ratio_high;
+  };
+  tell(0, accuracy);
+  for (size_t k = 1; k < bands_.size(); ++k) {
+    accuracy.regions.push_back({{}, region_names_[k - 1]});
+    tell(k, accuracy.regions.back());
+  }
   accuracy.nodes = nodes_.count();
   accuracy.cells = lattice_.cells.size();
   accuracy.particles = particle_points_.size();

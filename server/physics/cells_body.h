@@ -153,6 +153,7 @@ class CellsBody final : public ElasticBody {
   void lead_followers(double step_s, const Eigen::Vector3d& gravity_m_s2);
   void rebuild_cells();
   void predict_accuracy();
+  double asked_modulus_pa(size_t material) const;
   const SweepGains& gains_of(double h, bool second_order);
   void start_motion(const ElasticBodyDescription& description);
   void make_surface(const ParticleSet& particles);
@@ -238,6 +239,7 @@ class CellsBody final : public ElasticBody {
   std::vector<double> particle_volumes_m3_;
   std::vector<EmbeddedPoint> particle_points_;
   std::vector<RegionMaterial> region_materials_;
+  std::vector<std::string> region_names_;  // of those
   CellMaterials cell_materials_;
   std::vector<double> densities_kg_m3_, plasticities_;  // by material
   double volume_m3_ = 0.0, mass_kg_ = 0.0;
@@ -246,7 +248,7 @@ class CellsBody final : public ElasticBody {
   double rate_hz_;
   int scene_substeps_;
   CellChoice choice_;
-  ModulusBand band_{};
+  std::vector<ModulusBand> bands_;  // by material, of what is simulated
 
   CellNodes nodes_;
   std::vector<double> masses_kg_, inverse_masses_;  // inverse 0: held

@@ -118,15 +118,21 @@ enum class ElasticBand {
   Clipped,  // the stiffness asked for is out of reach; reached_youngs_modulus_pa is simulated
   Unknown,  // no law is known: another solver, or cells and steps that never rest
 };
-struct ElasticAccuracy {
-  double cell_width_m = 0;
-  int substeps = 0;                 // a frame, of this body
-  double courant = 0;               // sqrt(E*/rho) h / a
+struct MaterialAccuracy {
   ElasticBand band = ElasticBand::Unknown;
   double youngs_modulus_pa = 0;          // E*, asked for
   double reached_youngs_modulus_pa = 0;  // predicted; less than asked for when clipped
   double modulus_ratio_low = 0, modulus_ratio_high = 0;  // E_app / E*, predicted
   bool clipped = false;
+};
+struct RegionAccuracy : MaterialAccuracy {
+  std::string name;  // of the region, or "region 2" by its place
+};
+struct ElasticAccuracy : MaterialAccuracy {  // of the body's own material
+  std::vector<RegionAccuracy> regions;       // those with a material
+  double cell_width_m = 0;
+  int substeps = 0;                 // a frame, of this body
+  double courant = 0;               // sqrt(E/rho) h / a, of the material with the fastest waves
   size_t nodes = 0, cells = 0, particles = 0;
   size_t bytes = 0;                 // of solver state: nodes, cells, contact samples
 };

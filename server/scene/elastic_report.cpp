@@ -20,6 +20,15 @@ v1::ElasticAccuracy::Band band_message(ElasticBand band) {
   return v1::ElasticAccuracy::UNKNOWN;
 }
 
+std::string material_text(const MaterialAccuracy& material) {
+  std::string text = format_text("E %.3g Pa %s", material.youngs_modulus_pa, name_of(material.band));
+  if (material.clipped) text += format_text(" to %.3g Pa", material.reached_youngs_modulus_pa);
+  if (material.modulus_ratio_high > 0) {
+    text += format_text(" (%.3g to %.3g of it)", material.modulus_ratio_low, material.modulus_ratio_high);
+  }
+  return text;
+}
+
 }  // namespace
 
 v1::ElasticAccuracy accuracy_message(const ElasticAccuracy& accuracy) {
@@ -40,10 +49,9 @@ v1::ElasticAccuracy accuracy_message(const ElasticAccuracy& accuracy) {
 }
 
 std::string accuracy_line(const ElasticAccuracy& accuracy) {
-  std::string line = format_text("E %.3g Pa %s", accuracy.youngs_modulus_pa, name_of(accuracy.band));
-  if (accuracy.clipped) line += format_text(" to %.3g Pa", accuracy.reached_youngs_modulus_pa);
-  if (accuracy.modulus_ratio_high > 0) {
-    line += format_text(" (%.3g to %.3g of it)", accuracy.modulus_ratio_low, accuracy.modulus_ratio_high);
+  std::string line = material_text(accuracy);
+  for (const RegionAccuracy& region : accuracy.regions) {
+    line += "; in " + region.name + ' ' + material_text(region);
   }
   if (accuracy.cell_width_m > 0) line += format_text("; cells %.3g mm", 1e3 * accuracy.cell_width_m);
   line += format_text("%s %d substeps", accuracy.cell_width_m > 0 ? "," : ";", accuracy.substeps);
@@ -53,13 +61,18 @@ std::string accuracy_line(const ElasticAccuracy& accuracy) {
   return line;
 }
 
-std::optional<std::string> accuracy_warning(const ElasticAccuracy& accuracy) {
-  if (!accuracy.clipped) return std::nullopt;
-  return format_text(
-      "stiffness clipped from %.3g to %.3g Pa, the most that cells of %.3g mm reach in %d substeps; a higher "
-      "rate or a rigid body would be stiffer",
-      accuracy.youngs_modulus_pa, accuracy.reached_youngs_modulus_pa, 1e3 * accuracy.cell_width_m,
-      accuracy.substeps);
+std::vector<std::string> accuracy_warnings(const ElasticAccuracy& accuracy) {
+  std::vector<std::string> warnings;
+  const auto warn = [&](const MaterialAccuracy& material, const std::string& where) {
+    if (!material.clipped) return;
+    warnings.push_back(where + format_text("stiffness clipped from %.3g to %.3g Pa, the most that cells of %.3g mm reach in %d "
+                                           "substeps; a higher rate or a rigid body would be stiffer",
+                                           material.youngs_modulus_pa, material.reached_youngs_modulus_pa,
+                                           1e3 * accuracy.cell_width_m, accuracy.substeps));
+  };
+  warn(accuracy, "");
+  for (const RegionAccuracy& region : accuracy.regions) warn(region, region.name + ": ");
+  return warnings;
 }
 
 }  // namespace livegs

@@ -216,7 +216,9 @@ void Scene::note_elastic(SceneObject& drawn) const {
 
 std::vector<std::string> SceneObject::all_warnings() const {
   std::vector<std::string> all = warnings;
-  if (const auto clipped = elastic ? accuracy_warning(*elastic) : std::nullopt) all.push_back(*clipped);
+  if (elastic) {
+    for (std::string& clipped : accuracy_warnings(*elastic)) all.push_back(std::move(clipped));
+  }
   return all;
 }
 

@@ -64,6 +64,44 @@ TEST(ElasticReport, AClippedStiffnessIsAWarning) {
   EXPECT_EQ(warnings[0].find("stiffness clipped from 1e+09 to "), 0u) << warnings[0];
 }
 
+// Its cells and substeps are chosen for the stiffest of its materials; what is out of reach is told of that one.
+TEST(ElasticReport, AStiffFootIsClippedAndTheBodyIsNot) {
+  const Scene scene = one_object(R"({ "name": "cube", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } },
+      "physics": { "behavior": "ELASTIC", "density_kg_m3": 1000, "youngs_modulus_pa": 2e4 },
+      "regions": [ { "name": "foot", "box": { "min_m": [-0.1, -0.1, -0.1], "max_m": [0.1, -0.05, 0.1] },
+                     "material": { "youngs_modulus_pa": 1e9 } } ] })");
+  const SceneObject& object = scene.objects()[0];
+  ASSERT_TRUE(object.elastic);
+  const ElasticAccuracy& accuracy = *object.elastic;
+  EXPECT_FALSE(accuracy.clipped);
+  EXPECT_EQ(accuracy.band, ElasticBand::Exact);
+  EXPECT_EQ(accuracy.youngs_modulus_pa, 2e4);
+  EXPECT_EQ(accuracy.reached_youngs_modulus_pa, 2e4);
+  ASSERT_EQ(accuracy.regions.size(), 1u);
+  const RegionAccuracy& foot = accuracy.regions[0];
+  EXPECT_EQ(foot.name, "foot");
+  EXPECT_TRUE(foot.clipped);
+  EXPECT_EQ(foot.band, ElasticBand::Clipped);
+  EXPECT_EQ(foot.youngs_modulus_pa, 1e9);
+  // sqrt(E / rho) h / a is the Courant number that is told.
+  const double wave_m_s = accuracy.courant * 60 * accuracy.substeps * accuracy.cell_width_m;
+  EXPECT_NEAR(foot.reached_youngs_modulus_pa / (1000 * wave_m_s * wave_m_s), 1.0, 1e-9);
+  EXPECT_NEAR(foot.modulus_ratio_high * 1e9 / foot.reached_youngs_modulus_pa, 1.0, 0.1);
+  const auto warnings = object.all_warnings();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].find("foot: stiffness clipped from 1e+09 to "), 0u) << warnings[0];
+  EXPECT_NE(accuracy_line(accuracy).find("; in foot E 1e+09 Pa clipped to "), std::string::npos) << accuracy_line(accuracy);
+  // A soft part of a stiff body the other way round.
+  const Scene soft = one_object(R"({ "name": "cube", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } },
+      "physics": { "behavior": "ELASTIC", "density_kg_m3": 1000, "youngs_modulus_pa": 1e9 },
+      "regions": [ { "box": { "min_m": [-0.1, -0.1, -0.1], "max_m": [0.1, -0.05, 0.1] },
+                     "material": { "youngs_modulus_pa": 2e4 } } ] })");
+  const ElasticAccuracy& stiff = *soft.objects()[0].elastic;
+  EXPECT_TRUE(stiff.clipped);
+  EXPECT_FALSE(stiff.regions.at(0).clipped);
+  EXPECT_EQ(stiff.regions.at(0).reached_youngs_modulus_pa, 2e4);
+}
+
 // 100 MPa is below the limit above which the paper calls everything rigid, but a 50 mm cube at 60 Hz reaches
 // a fiftieth of it: even one cell across in 32 substeps has rho (Co rate n a)^2 = 1000 (0.5 * 60 * 32 *
 // 0.05)^2 = 2.3 MPa.
