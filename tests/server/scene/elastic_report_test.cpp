@@ -86,7 +86,8 @@ TEST(ElasticReport, AStiffFootIsClippedAndTheBodyIsNot) {
   // sqrt(E / rho) h / a is the Courant number that is told.
   const double wave_m_s = accuracy.courant * 60 * accuracy.substeps * accuracy.cell_width_m;
   EXPECT_NEAR(foot.reached_youngs_modulus_pa / (1000 * wave_m_s * wave_m_s), 1.0, 1e-9);
-  EXPECT_NEAR(foot.modulus_ratio_high * 1e9 / foot.reached_youngs_modulus_pa, 1.0, 0.1);
+  // Of one cell, so in a band.
+  EXPECT_NEAR(foot.modulus_ratio_high * 1e9 / foot.reached_youngs_modulus_pa, 1.0, 0.15);
   const auto warnings = object.all_warnings();
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_EQ(warnings[0].find("foot: stiffness clipped from 1e+09 to "), 0u) << warnings[0];
