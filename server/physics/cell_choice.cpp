@@ -9,7 +9,7 @@ namespace livegs {
 namespace {
 
 // A compact body gets at least this many cells along its longest side and through its thinnest; with two through the
-// thickness torsion is 12 % too stiff. A sheet or a cord needs one through the thickness, since bending and twisting of a
+// thickness torsion is 12 % soft. A sheet or a cord needs one through the thickness, since bending and twisting of a
 // single cell are exact.
 constexpr double kCellsAlongCompact = 6.0, kLayersCompact = 3.0;
 constexpr double kCellsAlongThin = 8.0;
@@ -35,7 +35,7 @@ Candidate assess(const CellDemand& demand, double width_m) {
   candidate.detailed = longest / width_m > (thin ? kCellsAlongThin : kCellsAlongCompact) - 1e-6 &&
                        (thin || thinnest / width_m > kLayersCompact - 1e-6);
   const double wave_m_s = std::sqrt(demand.youngs_modulus_pa / demand.density_kg_m3);
-  const double limit = courant_limit(demand.poisson_ratio, thinnest / width_m, longest / width_m);
+  const double limit = courant_limit(demand.poisson_ratio, thinnest / width_m);
   candidate.substeps_needed = scene_multiple(wave_m_s / (limit * demand.rate_hz * width_m), demand.substeps);
   double nodes = 1.0;
   for (int d = 0; d < 3; ++d) nodes *= std::ceil(demand.size_m[d] / width_m - 1e-6) + 1.0;
@@ -61,15 +61,13 @@ std::vector<double> candidate_widths(const CellDemand& demand) {
 
 }  // namespace
 
-double courant_limit(double poisson_ratio, double cells_across, double cells_along) {
+double courant_limit(double poisson_ratio, double cells_across) {
   // Statics and vibrations would allow 0.75 (0.55 at nu = .45); but a cube that lands gains energy above 0.6: dropped
   // 0.1 m, 2 % at 0.65, 6 % at 0.69, nothing up to 0.6.
   // Waves of pressure are faster the nearer Poisson's ratio is to a half, 4.1 times those of a bar at 0.49: there 0.26 gave a
   // cube that landed its energy 27 times over, and 0.19 nothing.
   const double limit = 0.6 - std::max(0.0, poisson_ratio - 0.35) - 7.25 * std::max(0.0, poisson_ratio - 0.45);
-  // Of few cells along a body shows more than E: it is held to what is still called exact, with h_e = 2/3 h.
-  const double ends = 1.5 * std::sqrt(0.5 * kMostEndExcess * cells_along);
-  return std::min({limit, ends, cells_across < 1.5 ? 0.5 : limit});
+  return cells_across < 1.5 ? std::min(limit, 0.5) : limit;
 }
 
 CellChoice choose_cells(const CellDemand& demand) {
@@ -94,8 +92,7 @@ CellChoice choose_cells(const CellDemand& demand) {
   CellChoice choice;
   choice.cell_width_m = chosen->width_m;
   choice.substeps = std::min(chosen->substeps_needed, cap);
-  const double reach = courant_limit(demand.poisson_ratio, demand.size_m.minCoeff() / chosen->width_m,
-                                     demand.size_m.maxCoeff() / chosen->width_m) *
+  const double reach = courant_limit(demand.poisson_ratio, demand.size_m.minCoeff() / chosen->width_m) *
                        demand.rate_hz * choice.substeps * chosen->width_m;
   const double ceiling_pa = demand.density_kg_m3 * reach * reach;
   choice.clipped = chosen->substeps_needed > cap;

@@ -33,9 +33,9 @@ struct CellChoice {
   bool clipped = false;         // it is less than the one asked for
 };
 
-// The largest Courant number, sqrt(E/rho) h / a, at which statics, dynamics and contact are all within their stated errors,
-// with the thinnest side `cells_across` cells wide and the longest `cells_along`.
-double courant_limit(double poisson_ratio, double cells_across, double cells_along);
+// The largest Courant number, sqrt(E/rho) h / a, at which dynamics and contact are within their stated errors, with the
+// thinnest side `cells_across` cells wide; statics too in bodies of eight cells along or more.
+double courant_limit(double poisson_ratio, double cells_across);
 
 CellChoice choose_cells(const CellDemand& demand);
 
@@ -70,11 +70,12 @@ struct BandDemand {
 struct ModulusBand {
   ElasticBand band;
   double ratio_low, ratio_high;  // E_app / E of a body pulled along its longest side
+  double ends = 0.0;             // end_excess
 };
 // Exact (within 4 %) above Ybar 4 and .9 / (1 - 2 nu) where the end excess is small; a band down to 1.1, as wide as the
 // measured figures spread there; clipped below, between 0.45 and 1.1 of the ceiling in long bodies; unknown where so few
 // cells along take so long a step that what pulls at the ends never lets them rest. (A body that chooses for itself gets to
-// neither of the last two: it lowers E to what is exact, and says so.)
+// neither of the last two: it lowers E to what eight cells along would show exactly, and says so.)
 ModulusBand band_of(const BandDemand& demand);
 
 }  // namespace livegs

@@ -17,7 +17,7 @@ constexpr double kLeastOfCeiling = 0.45, kMostOfCeiling = 1.1;
 // Of so many cells along a body shows up to this times more than that, measured: 1.4 at 8, 1.7 at 6, 2.1 at 4, 1.8 at 3.
 constexpr double kEndsOverCeiling = 4.5;
 // What pulls at the ends of so few cells in steps so long never lets them rest: there is nothing to tell.
-constexpr double kFewCells = 4.5, kRestlessEnds = 0.25, kMostEnds = 0.5;
+constexpr double kFew = 4.5, kFewInARow = 3.5, kOneAcross = 1.5, kRestlessEnds = 0.25, kMostEnds = 0.5;
 
 // Measured E_app / E against Ybar, with the ends of the band put on: softness from elastic-study.md 3 (each column of
 // Courant numbers turned into Ybar by its thickness), stiffness from this solver, which is stiffer than the study's
@@ -84,7 +84,8 @@ double end_excess(double courant, double cells_along) { return 2.0 * courant * c
 
 ModulusBand band_of(const BandDemand& demand) {
   const double y = demand.mean_sweep_compliance, ends = end_excess(demand.courant, demand.cells_along);
-  if (demand.cells_along < kFewCells && ends > kRestlessEnds) return {ElasticBand::Unknown, 0.0, 0.0};
+  const double few = demand.cells_across < kOneAcross ? kFewInARow : kFew;
+  if (demand.cells_along < few && ends > kRestlessEnds) return {ElasticBand::Unknown, 0.0, 0.0};
   if (y < kLeastBand && demand.ceiling_ratio < 1.0) {
     const double most = kMostOfCeiling * (1.0 + kEndsOverCeiling / demand.cells_along);
     return {ElasticBand::Clipped, kLeastOfCeiling * demand.ceiling_ratio, most * demand.ceiling_ratio};

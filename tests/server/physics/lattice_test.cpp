@@ -167,7 +167,7 @@ TEST(CellChoice, StifferBodiesGetWiderCellsBeforeTheyAreClipped) {
     const CellChoice choice = choose_cells(demand);
     EXPECT_GE(choice.cell_width_m, width);
     EXPECT_EQ(choice.substeps % 4, 0);
-    EXPECT_LE(choice.courant, courant_limit(0.3, 0.1 / choice.cell_width_m, 0.4 / choice.cell_width_m) + 1e-12);
+    EXPECT_LE(choice.courant, courant_limit(0.3, 0.1 / choice.cell_width_m) + 1e-12);
     width = choice.cell_width_m;
   }
 }
