@@ -8,6 +8,11 @@
 #include "physics/rigid_body.h"
 
 namespace livegs {
+namespace {
+
+constexpr double kLoadTime_s = 0.004;  // what is passed on through a body for longer than this is a load
+
+}  // namespace
 
 void ImpulseSum::add(double size_n_s, const Eigen::Vector3d& direction, const Eigen::Vector3d& point_m) {
   impulse_n_s += size_n_s;
@@ -48,17 +53,27 @@ void RigidBlows::note_contact(const RigidBody& body, const ContactPatch& patch, 
 }
 
 void RigidBlows::end_substep(double island_share, double duration_s) {
-  const double size = contacts_.impulse_n_s;
+  const double size = contacts_.impulse_n_s, now_n = size / duration_s;
   double struck = 0.0;
-  ImpulseSum last = std::exchange(last_, {});
   if (island_share > 0.0) {
     // What it bore before, it bears on. What is passed on to it came from elsewhere in the island.
-    struck = (struck_share_ > 0.0 ? struck_share_ : island_share) * std::max(0.0, size - duration_s * borne_n_);
-    last_.add(contacts_, struck / std::max(size, 1e-300));
-    if (tick_begins_ && struck > 0.0) blow_.add(last, 1.0);
-    blow_.add(last_, 1.0);
+    const bool passed_on = struck_share_ == 0.0;
+    if (passed_on && !borne_known_) borne_n_ = now_n;
+    struck = (passed_on ? island_share : struck_share_) * std::max(0.0, size - duration_s * borne_n_);
+    if (passed_on) borne_n_ += std::min(1.0, duration_s / kLoadTime_s) * (now_n - borne_n_);
   } else {
-    borne_n_ = size / duration_s;
+    borne_n_ = now_n;
+  }
+  borne_known_ = borne_known_ || size > 0.0;
+
+  for (Struck& one : recent_) one.age_s += duration_s;
+  std::erase_if(recent_, [](const Struck& one) { return one.age_s > kFrame_s - 1e-9; });
+  if (struck > 0.0) {
+    recent_.push_back({0.0, {}});
+    recent_.back().sum.add(contacts_, struck / size);
+    ImpulseSum together;
+    for (const Struck& one : recent_) together.add(one.sum, 1.0);
+    if (together.impulse_n_s > blow_.impulse_n_s) blow_ = together;
   }
   pressed_.add(contacts_, 1.0 - struck / std::max(size, 1e-300));
   if (kBlowTime_s / duration_s * forces_.impulse_n_s > pushed_.impulse_n_s) {
@@ -67,7 +82,6 @@ void RigidBlows::end_substep(double island_share, double duration_s) {
   }
   contacts_ = forces_ = {};
   struck_share_ = 0.0;
-  tick_begins_ = false;
 }
 
 ImpulseSum RigidBlows::take(double tick_s) {
@@ -75,7 +89,6 @@ ImpulseSum RigidBlows::take(double tick_s) {
   const double struck_n_s = sum.impulse_n_s, restitution = sum.restitution;
   sum.add(std::exchange(pressed_, {}), kBlowTime_s / tick_s);
   sum.add(std::exchange(pushed_, {}), 1.0);
-  tick_begins_ = true;
   sum.restitution = 2.0 * struck_n_s > sum.impulse_n_s ? restitution : 1.0;
   return sum;
 }

@@ -2,8 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
-// What may break a rigid body, over a tick: blows, and what lasts.
+// What may break a rigid body: blows, summed over a frame, and what lasts.
 //
 // A blow is the impulse of an impact: what ends the approach of two surfaces, m v (1 + e) for a body alone, whatever the
 // substep is. Weight, piles and hands press on; what they give in a tick goes with its length and says nothing of how
@@ -19,6 +20,9 @@ struct ContactPoint;
 // How long hard things the size of a cup touch when they strike: Hertz, 2.87 (m² / (R E² v))^(1/5) (Johnson 1985,
 // Contact mechanics, 11.24), is 0.1 to 1 ms for a quarter of a kilogram of ceramics at 3 m/s on wood or stone.
 inline constexpr double kBlowTime_s = 1e-3;
+// Blows count together over the frame of the paper, whenever in it they come and however long a tick is: a cup that rocks
+// from corner to corner lands once.
+inline constexpr double kFrame_s = 1.0 / 60.0;
 
 // Impulses added up: how much, where and which way. Body axes, from the centre of mass.
 struct ImpulseSum {
@@ -48,19 +52,22 @@ class RigidBlows {
   double struck_share() const { return struck_share_; }
   // `island_share`: the largest of its island; 0 where nothing in it struck anything.
   void end_substep(double island_share, double duration_s);
-  // Blows of the tick, and kBlowTime_s of what lasted: of contacts the mean, as a first touch may be abrupt, of forces the
-  // largest.
+  // The strongest kFrame_s of blows that ended within the tick, and kBlowTime_s of what lasted: of contacts the mean, as a
+  // first touch may be abrupt, of forces the largest.
   ImpulseSum take(double tick_s);
 
  private:
-  ImpulseSum blow_, pressed_;     // of the tick: contacts that struck and that bore
+  struct Struck {
+    double age_s;
+    ImpulseSum sum;
+  };
+  std::vector<Struck> recent_;    // blows of the last kFrame_s, by substep
+  ImpulseSum blow_, pressed_;     // of the tick: the strongest sum of them; contacts that bore
   ImpulseSum pushed_;             // by forces, the largest of the tick, for kBlowTime_s
   ImpulseSum contacts_, forces_;  // of the substep
-  // The blow of the last substep: one that the end of a tick cuts in two counts whole in the next.
-  ImpulseSum last_;
-  bool tick_begins_ = true;
   double struck_share_ = 0.0;
-  double borne_n_ = 0.0;  // by its contacts, in the last substep without an impact
+  double borne_n_ = 0.0;  // by its contacts, as long as nothing strikes it
+  bool borne_known_ = false;
 };
 
 }  // namespace livegs

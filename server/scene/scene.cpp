@@ -330,6 +330,11 @@ void Scene::step() {
 
 Result<void> Scene::take_physics(SceneObject& object, v1::PhysicalParameters physics) {
   if (auto set = world_->set_material(object.id, to_material(physics)); !set) return set;
+  if (physics.fragile() && !object.physics.fragile() && physics.behavior() != v1::Physics::RIGID) {
+    object.warnings.push_back("physics.fragile: has no effect, only what is RIGID breaks, and this is " +
+                              v1::Physics::Behavior_Name(physics.behavior()));
+    log_warn("%s: %s", object.name.c_str(), object.warnings.back().c_str());
+  }
   object.physics = std::move(physics);
   object.mass_kg = object.physics.mass_kg().best();
   note_elastic(object);

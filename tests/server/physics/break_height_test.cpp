@@ -63,9 +63,31 @@ TEST(Breaking, TheHeightThatBreaksACupLandingOnItsRimIsTheClosedFormForAnySubste
       // At 1 and 2 substeps up to 14 % and 5 % more may not break it: a landing in the last moment of a substep leaves a part of
       // its impulse to the next one, which has no approach to tell it from weight. As many solver steps more change no bit.
       // Goal 2 %.
-      const double reached = substeps == 1 ? 0.17 : substeps == 2 ? 0.07 : 0.02;
+      const double reached = substeps == 1 ? 0.16 : substeps == 2 ? 0.06 : 0.02;
       EXPECT_FALSE(breaks(0.98 * height_m));
       EXPECT_TRUE(breaks((1.0 + reached) * height_m));
+    }
+  }
+}
+
+// Tilted by a few degrees it rocks from corner to corner within some milliseconds: one landing, wherever ticks end. When blows
+// were summed by the tick, at 9 degrees and 90 Hz it broke and held by turns from 0.32 to 0.65 m. There is no closed form; all ticks
+// and substeps share one threshold.
+TEST(Breaking, ATiltedCupHasOneBreakHeight) {
+  constexpr double kHeight_m = 0.242, kReached = 0.055, kGoal = 0.02;
+  for (const double degrees : {3.0, 9.0}) {
+    for (const double rate : kRates_hz) {
+      for (const int substeps : {4, 32}) {
+        for (int i = 0; i < 24; ++i) {
+          const double fall_m = 0.2 * std::pow(1.045, i);
+          if (std::abs(fall_m / kHeight_m - 1.0) < kReached) continue;
+          RigidBodyDescription cup = cup_at(fall_m);
+          cup.world_from_object.orientation = Eigen::AngleAxisd(degrees * M_PI / 180, Vector3d(1, 0, 0.3).normalized());
+          cup.world_from_object.position_m.y() += 0.04 * std::sin(degrees * M_PI / 180);
+          EXPECT_EQ(breaks_when_dropped(cup, fall_m, world_at(rate, substeps), cup_pieces(), 0.5), fall_m > kHeight_m)
+              << degrees << " degrees, " << substeps << " substeps of " << rate << " Hz, " << fall_m << " m; goal within " << kGoal;
+        }
+      }
     }
   }
 }

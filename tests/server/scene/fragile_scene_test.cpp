@@ -172,6 +172,21 @@ TEST(FragileScene, AShellThatCannotBeHollowedSaysSo) {
   EXPECT_NE(all.find("too thin"), std::string::npos) << all;
 }
 
+TEST(FragileScene, WhatIsNotRigidSaysThatItDoesNotBreakWhenItIsMadeFragile) {
+  v1::Physics physics = fragile(0);
+  physics.set_behavior(v1::Physics::ELASTIC);
+  physics.set_youngs_modulus_pa(1e5);
+  physics.set_fragile(false);
+  auto scene = Scene::build(one_object(physics, false), "", "box", {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  v1::PhysicalParameters now = scene->find("thing")->physics;
+  now.set_fragile(true);
+  ASSERT_TRUE(scene->set_physics(scene->find("thing")->id, now));
+  std::string all;
+  for (const std::string& warning : scene->find("thing")->warnings) all += warning;
+  EXPECT_NE(all.find("only what is RIGID breaks"), std::string::npos) << all;
+}
+
 TEST(FragileScene, WhatIsNotRigidSaysThatItDoesNotBreak) {
   v1::Physics physics = fragile(0);
   physics.set_behavior(v1::Physics::ELASTIC);
