@@ -43,16 +43,22 @@ void RigidBlows::note_force(const RigidBody& body, const Eigen::Vector3d& impuls
 void RigidBlows::note_contact(const RigidBody& body, const ContactPatch& patch, const ContactPoint& point,
                               const Eigen::Vector3d& normal, const Eigen::Vector3d& point_m) {
   if (point.impulse_n_s <= 0.0) return;
+  if (point.impact_speed_m_s >= patch.restitution_speed_m_s) {
+    const double ended = point.impact_speed_m_s * (1.0 + patch.restitution);
+    struck_share_ = std::max(struck_share_, ended / (ended + point.carried_speed_m_s));
+  }
+  if (!body.can_break) return;
   const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
   contacts_.add(point.impulse_n_s, body_from_world * normal, body_from_world * point_m);
   contacts_.restitution = std::max(contacts_.restitution, patch.restitution);
   if (patch.other) contacts_.from_colliders = false;
-  if (point.impact_speed_m_s < patch.restitution_speed_m_s) return;
-  const double ended = point.impact_speed_m_s * (1.0 + patch.restitution);
-  struck_share_ = std::max(struck_share_, ended / (ended + point.carried_speed_m_s));
 }
 
-void RigidBlows::end_substep(double island_share, double duration_s) {
+void RigidBlows::end_substep(const RigidBody& body, double island_share, double duration_s) {
+  if (!body.can_break) {
+    struck_share_ = 0.0;
+    return;
+  }
   const double size = contacts_.impulse_n_s, now_n = size / duration_s;
   double struck = 0.0;
   if (island_share > 0.0) {

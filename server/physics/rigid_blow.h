@@ -40,6 +40,7 @@ struct ImpulseSum {
 // Unit. Of what is squeezed, whose pushes cancel, the axis along which it is.
 Eigen::Vector3d direction_of(const ImpulseSum& sum);
 
+// Sums are kept of bodies that can break only.
 class RigidBlows {
  public:
   // During a substep. `direction` (unit) and `point_m` in world axes, the point from the centre of mass.
@@ -51,7 +52,7 @@ class RigidBlows {
   // pressed on meanwhile.
   double struck_share() const { return struck_share_; }
   // `island_share`: the largest of its island; 0 where nothing in it struck anything.
-  void end_substep(double island_share, double duration_s);
+  void end_substep(const RigidBody& body, double island_share, double duration_s);
   // The strongest kFrame_s of blows that ended within the tick, and kBlowTime_s of what lasted: of contacts the mean, as a
   // first touch may be abrupt, of forces the largest.
   ImpulseSum take(double tick_s);

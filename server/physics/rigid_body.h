@@ -63,6 +63,7 @@ struct RigidBody {
   double outer_impulse_n_s = 0.0;
   Eigen::Vector3d outer_moment = Eigen::Vector3d::Zero();  // impulse times point
   double felt_impulse_n_s = 0.0;                           // contact_impulse_n_s of the last tick
+  bool can_break = false;  // it has pieces: its blows are counted
   RigidBlows blows;
   double tick_energy_j = 0.0;  // of its motion and its weight, at the start of the tick
 

@@ -180,7 +180,7 @@ void solve_island(RigidIsland& island, double duration_s) {
   }
   double struck_share = 0.0;
   for (const RigidBody* body : island.bodies) struck_share = std::max(struck_share, body->blows.struck_share());
-  for (RigidBody* body : island.bodies) body->blows.end_substep(struck_share, duration_s);
+  for (RigidBody* body : island.bodies) body->blows.end_substep(*body, struck_share, duration_s);
 }
 
 }  // namespace

@@ -55,6 +55,7 @@ void become_fragment(RigidBody& body, const RigidBody& whole, const RigidObject&
   body.asleep = false;
   body.still_s = 0.0;
   body.blows = {};
+  body.can_break = true;
   body.set_angular_velocity(spin);
 }
 
@@ -182,8 +183,9 @@ void World::State::break_struck() {
     const size_t count = object->body_count();
     for (uint32_t index = 0; index < count; ++index) {
       RigidBody& body = object->body_at(index);
+      if (!body.can_break) continue;
       const ImpulseSum sum = body.blows.take(1.0 / settings.rate_hz);
-      if (!object->pieces || !object->material.fragile) continue;
+      if (!object->material.fragile) continue;
       if (sum.impulse_n_s < kFaintBlow * object->bonds.break_impulse_n_s) continue;
       Blow blow;
       blow.point_m = body.rest_centre_m + sum.moment / sum.impulse_n_s;
@@ -235,6 +237,7 @@ Result<void> World::set_pieces(uint32_t object_id, std::shared_ptr<const Breakab
   body.set_angular_velocity(spin);
   object->pieces = std::move(pieces);
   object->bonds = bond_graph_of(*object);
+  body.can_break = true;
   return {};
 }
 

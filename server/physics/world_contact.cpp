@@ -164,7 +164,7 @@ void World::State::take_impulses(double duration_s) {
     body.world_from_body.orientation = (rotation_exp(-turned * copy.late_rad) * body.world_from_body.orientation).normalized();
     body.update_turning();
     // What is soft takes its time: its push is a force, however it came.
-    body.blows.note_force(body, copy.impulse_n_s, copy.contact_moment / size - body.world_from_body.position_m);
+    if (body.can_break) body.blows.note_force(body, copy.impulse_n_s, copy.contact_moment / size - body.world_from_body.position_m);
   }
 }
 

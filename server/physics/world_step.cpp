@@ -29,7 +29,7 @@ void World::State::gather_loads(double duration_s) {
       RigidBody& body = rigid->body_with(rest_point);
       RigidLoad& load = loads[index_of(rigid_bodies, body)];
       load.impulse_n_s += duration_s * force;
-      body.blows.note_force(body, duration_s * force, body.arm_of(rest_point));
+      if (body.can_break) body.blows.note_force(body, duration_s * force, body.arm_of(rest_point));
       load.angular_impulse += duration_s * body.arm_of(rest_point).cross(force);
     }
   };
