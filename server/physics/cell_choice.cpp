@@ -9,7 +9,7 @@ namespace livegs {
 namespace {
 
 // A compact body gets at least this many cells along its longest side and through its thinnest; with two through the
-// thickness torsion is 12 % soft. A sheet or a cord needs one through the thickness, since bending and twisting of a
+// thickness torsion is 12 % too stiff. A sheet or a cord needs one through the thickness, since bending and twisting of a
 // single cell are exact.
 constexpr double kCellsAlongCompact = 6.0, kLayersCompact = 3.0;
 constexpr double kCellsAlongThin = 8.0;

@@ -70,7 +70,6 @@ struct BandDemand {
 struct ModulusBand {
   ElasticBand band;
   double ratio_low, ratio_high;  // E_app / E of a body pulled along its longest side
-  double ends = 0.0;             // end_excess
 };
 // Exact (within 4 %) above Ybar 4 and .9 / (1 - 2 nu) where the end excess is small; a band down to 1.1, as wide as the
 // measured figures spread there; clipped below, between 0.45 and 1.1 of the ceiling in long bodies; unknown where so few

@@ -199,7 +199,6 @@ void CellsBody::predict_accuracy() {
          .cells_along = cells.maxCoeff(),
          .courant = courant,
          .ceiling_ratio = modulus_ceiling_pa(lattice_, densities_kg_m3_[k], step_s) / one.youngs_modulus_pa});
-    band.ends = end_excess(courant, cells.maxCoeff());
     const double kept = one.youngs_modulus_pa / asked_modulus_pa(k);
     band.ratio_low *= kept;
     band.ratio_high *= kept;
@@ -432,7 +431,6 @@ ElasticAccuracy CellsBody::accuracy() const {
     of_material.reached_youngs_modulus_pa = cell_materials_.materials[k].youngs_modulus_pa;
     of_material.clipped = of_material.reached_youngs_modulus_pa < of_material.youngs_modulus_pa;
     of_material.band = of_material.clipped ? ElasticBand::Clipped : bands_[k].band;
-    if (of_material.clipped) of_material.reached_youngs_modulus_pa *= 1.0 + bands_[k].ends;
     of_material.modulus_ratio_low = bands_[k].ratio_low;
     of_material.modulus_ratio_high = bands_[k].ratio_high;
   };

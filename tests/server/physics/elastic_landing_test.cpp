@@ -29,7 +29,7 @@ INSTANTIATE_TEST_SUITE_P(Rates, ElasticDrop, testing::Values(60.0, 90.0),
 // Between two touches energy is height and motion, which are exact. In a touch it reads more for some frames: a cell
 // that is squashed within two or three steps stores more than it took, and gives it back before it leaves.
 TEST_P(ElasticDrop, HasLessAfterEveryLandingAndSleeps) {
-  constexpr double kInTouch = 1.55, kInTouchGoal = 1.0005;
+  constexpr double kInTouch = 1.50, kInTouchGoal = 1.0005;
   constexpr double kAsleep_s = 12.0, kAsleepGoal_s = 3.0;
   int cases = 0, soon = 0, sleeping = 0;
   for (const Dropped& thing : dropped()) {

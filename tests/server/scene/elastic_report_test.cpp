@@ -85,12 +85,10 @@ TEST(ElasticReport, AStiffFootIsClippedAndTheBodyIsNot) {
   EXPECT_EQ(foot.youngs_modulus_pa, 1e9);
   // sqrt(E / rho) h / a is the Courant number that is told.
   const double wave_m_s = accuracy.courant * 60 * accuracy.substeps * accuracy.cell_width_m;
-  const double of_courant = foot.reached_youngs_modulus_pa / (1000 * wave_m_s * wave_m_s);
-  // With what few cells along show more (end_excess).
-  EXPECT_GE(of_courant, 1.0);
-  EXPECT_LE(of_courant, 1.25);
+  EXPECT_NEAR(foot.reached_youngs_modulus_pa / (1000 * wave_m_s * wave_m_s), 1.0, 1e-9);
+  // Of few cells along, so in a band that is wider by the excess of its ends.
   EXPECT_GE(foot.modulus_ratio_high * 1e9, foot.reached_youngs_modulus_pa);
-  EXPECT_LE(foot.modulus_ratio_high * 1e9, 1.6 * foot.reached_youngs_modulus_pa);
+  EXPECT_LE(foot.modulus_ratio_high * 1e9, 2.0 * foot.reached_youngs_modulus_pa);
   const auto warnings = object.all_warnings();
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_EQ(warnings[0].find("foot: stiffness clipped from 1e+09 to "), 0u) << warnings[0];
