@@ -15,6 +15,7 @@
 #include "scene/rigid_in_disguise.h"
 #include "scene/scene_values.h"
 #include "scene/shape_asset.h"
+#include "scene/unbreakable.h"
 
 namespace livegs {
 namespace {
@@ -271,9 +272,8 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       }
     }
   }
-  if (object.physics().fragile() && material.behavior != Behavior::Rigid) {
-    built.drawn.warnings.push_back("physics.fragile: has no effect, only what is RIGID breaks, and this is " +
-                                   v1::Physics::Behavior_Name(parameters->behavior()));
+  if (const auto why = unbreakable(*parameters); why && object.physics().fragile()) {
+    built.drawn.warnings.push_back("physics." + *why);
   }
   const auto place = [&](auto& body) {
     body.material = material;

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/built_as.h"
 
+#include "scene/unbreakable.h"
+
 namespace livegs {
 
 std::vector<std::string> hold_as_built(const BuiltAs& built, v1::PhysicalParameters& physics) {
   std::vector<std::string> later;
+  const auto never = unbreakable(physics);
   if (physics.behavior() != built.behavior) {
     later.push_back("behavior: it stays " + v1::Physics::Behavior_Name(built.behavior) +
                     " until the scene is loaded anew, then it is " +
@@ -13,7 +16,7 @@ std::vector<std::string> hold_as_built(const BuiltAs& built, v1::PhysicalParamet
     physics.set_behavior_reason(later.back());
   }
   if (physics.fragile() && !built.can_break) {
-    later.push_back("fragile: it cannot break until the scene is loaded anew");
+    later.push_back(never.value_or("fragile: it cannot break until the scene is loaded anew"));
   }
   return later;
 }

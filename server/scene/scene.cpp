@@ -16,6 +16,7 @@
 #include "scene/scene_values.h"
 #include "scene/scenery.h"
 #include "scene/shape_asset.h"
+#include "scene/unbreakable.h"
 
 namespace livegs {
 namespace {
@@ -330,9 +331,8 @@ void Scene::step() {
 
 Result<void> Scene::take_physics(SceneObject& object, v1::PhysicalParameters physics) {
   if (auto set = world_->set_material(object.id, to_material(physics)); !set) return set;
-  if (physics.fragile() && !object.physics.fragile() && physics.behavior() != v1::Physics::RIGID) {
-    object.warnings.push_back("physics.fragile: has no effect, only what is RIGID breaks, and this is " +
-                              v1::Physics::Behavior_Name(physics.behavior()));
+  if (const auto why = unbreakable(physics); why && !object.physics.fragile()) {
+    object.warnings.push_back("physics." + *why);
     log_warn("%s: %s", object.name.c_str(), object.warnings.back().c_str());
   }
   object.physics = std::move(physics);
