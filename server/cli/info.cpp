@@ -42,7 +42,9 @@ int print_scene(const std::filesystem::path& path) {
     std::printf("body         %s: %s, %.4g kg%s%s\n", name,
                 v1::Physics::Behavior_Name(object.physics.behavior()).c_str(), object.mass_kg,
                 object.elastic ? "; " : "", object.elastic ? accuracy_line(*object.elastic).c_str() : "");
-    if (object.fragility) {
+    if (object.fragility && object.fragility->pieces == 0) {
+      std::printf("fragile      %s: does not break\n", name);
+    } else if (object.fragility) {
       std::printf("fragile      %s: %u pieces, breaks at %.3g N s, a drop of %.2f m\n", name, object.fragility->pieces,
                   object.fragility->break_impulse_n_s, object.fragility->drop_height_m);
     }

@@ -58,6 +58,7 @@ void tell_stiffness(const MaterialAccuracy& accuracy, nlohmann::json& summary) {
   summary["reached_youngs_modulus_pa"] = accuracy.reached_youngs_modulus_pa;
   summary["modulus_ratio_low"] = accuracy.modulus_ratio_low;
   summary["modulus_ratio_high"] = accuracy.modulus_ratio_high;
+  summary["modulus_ratio_across"] = accuracy.modulus_ratio_across;
   summary["clipped"] = accuracy.clipped;
 }
 

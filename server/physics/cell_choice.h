@@ -13,7 +13,8 @@
 
 namespace livegs {
 
-// More substeps a frame than this are not taken; a stiffer body is clipped to what they reach.
+// More substeps a frame than this are not taken; a stiffer body is clipped to what they reach. While it is struck hard it
+// takes struck_steps times as many.
 inline constexpr int kMaxBodySubsteps = 32;
 
 struct CellDemand {
@@ -31,6 +32,9 @@ struct CellChoice {
   double courant = 0;           // sqrt(E/rho) h / a of the modulus that is simulated
   double youngs_modulus_pa = 0; // the one that is simulated
   bool clipped = false;         // it is less than the one asked for
+  int struck_steps = 1;         // in place of one, while the body is struck hard; 1 ... 4
+  // sqrt(E/rho) of what is simulated.
+  double wave_speed_m_s(double rate_hz) const { return courant * rate_hz * substeps * cell_width_m; }
 };
 
 // The largest Courant number, sqrt(E/rho) h / a, at which dynamics and contact are within their stated errors, with the
@@ -70,6 +74,7 @@ struct BandDemand {
 struct ModulusBand {
   ElasticBand band;
   double ratio_low, ratio_high;  // E_app / E of a body pulled along its longest side
+  double ratio_across = 0.0;     // the most that it shows pulled or pressed across its shortest one; 0: unknown
 };
 // Exact (within 4 %) above Ybar 4 and .9 / (1 - 2 nu) where the end excess is small; a band down to 1.1, as wide as the
 // measured figures spread there; clipped below, between 0.45 and 1.1 of the ceiling in long bodies; unknown where so few

@@ -107,13 +107,11 @@ void CellsBody::choose(double cell_width_m) {
     choice_.substeps = scene_substeps_;
     choice_.youngs_modulus_pa = demand.youngs_modulus_pa;
     choice_.clipped = false;
+    choice_.struck_steps = 1;
     choice_.courant = std::sqrt(demand.youngs_modulus_pa / demand.density_kg_m3) /
                       (rate_hz_ * scene_substeps_ * choice_.cell_width_m);
   }
   if (!choice_.clipped) return;
-  log_warn("object %u: stiffness clipped from %.3g to %.3g Pa, the most that %.3g m cells reach in %d substeps; "
-           "wider cells, a higher rate or a rigid body would be stiffer",
-           object_id_, demand.youngs_modulus_pa, choice_.youngs_modulus_pa, choice_.cell_width_m, choice_.substeps);
   const double ceiling = choice_.youngs_modulus_pa / demand.density_kg_m3;
   for (size_t k = 0; k < densities_kg_m3_.size(); ++k) {
     IsotropicMaterial& one = cell_materials_.materials[k];
@@ -178,7 +176,7 @@ void CellsBody::rebuild_cells() {
   predict_accuracy();
   batches_ = make_cell_batches(lattice_, inverse_masses_, rotations, nodes_.spare(),
                                plastic_parts_.empty(), options_.thin);
-  own_gains_ = company_gains_ = {};
+  own_gains_ = struck_gains_ = company_gains_ = {};
   last_step_s_ = 0.0;
   if (!plastic_parts_.empty()) set_all_plastic();
 }
@@ -202,6 +200,7 @@ void CellsBody::predict_accuracy() {
     const double kept = one.youngs_modulus_pa / asked_modulus_pa(k);
     band.ratio_low *= kept;
     band.ratio_high *= kept;
+    band.ratio_across *= kept;
     bands_.push_back(band);
   }
 }
@@ -209,7 +208,8 @@ void CellsBody::predict_accuracy() {
 // A thin cell's take the inverse of a matrix of 18 x 18, and a body may be alone and in company by turns.
 const SweepGains& CellsBody::gains_of(double h, bool second_order) {
   const auto alike = [&](double other_s) { return std::abs(h - other_s) <= 1e-9 * h; };
-  StepGains& gains = alike(1.0 / (rate_hz_ * choice_.substeps)) ? own_gains_ : company_gains_;
+  const double own_s = 1.0 / (rate_hz_ * choice_.substeps);
+  StepGains& gains = alike(own_s) ? own_gains_ : alike(own_s / choice_.struck_steps) ? struck_gains_ : company_gains_;
   if (!alike(gains.step_s)) gains = {h, {}};
   std::optional<SweepGains>& found = gains.of_order[second_order];
   if (!found) {
@@ -433,6 +433,7 @@ ElasticAccuracy CellsBody::accuracy() const {
     of_material.band = of_material.clipped ? ElasticBand::Clipped : bands_[k].band;
     of_material.modulus_ratio_low = bands_[k].ratio_low;
     of_material.modulus_ratio_high = bands_[k].ratio_high;
+    of_material.modulus_ratio_across = bands_[k].ratio_across;
   };
   tell(0, accuracy);
   for (size_t k = 1; k < bands_.size(); ++k) {
@@ -445,7 +446,7 @@ ElasticAccuracy CellsBody::accuracy() const {
   accuracy.bytes = nodes_.bytes() + batches_.bytes() + surface_.capacity() * (sizeof(NodeSample) + sizeof(Eigen::Vector3f)) +
                    face_normals_.capacity() * sizeof(Eigen::Vector3f) +
                    surface_cells_.capacity() * sizeof(SurfaceCell);
-  for (const StepGains* gains : {&own_gains_, &company_gains_}) {
+  for (const StepGains* gains : {&own_gains_, &struck_gains_, &company_gains_}) {
     for (const auto& of_order : gains->of_order) accuracy.bytes += of_order ? of_order->bytes() : 0;
   }
   return accuracy;

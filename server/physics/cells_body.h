@@ -172,6 +172,7 @@ class CellsBody final : public ElasticBody {
 
   void gather_point_loads(const SubstepContext& context);
   void draw_springs(const SubstepPart& part);
+  bool struck_hard(double start_s);
   Ball ball_around(const SurfaceCell& cell) const;
   void find_candidates(const SubstepContext& context);
   void resolve_colliders(double step_s, const SubstepContext& context);
@@ -260,7 +261,8 @@ class CellsBody final : public ElasticBody {
     double step_s = 0.0;  // h; 0: none
     std::optional<SweepGains> of_order[2];
   };
-  StepGains own_gains_, company_gains_;  // of its own steps, and of those that it last took beside bodies that need others
+  // Of its own steps, of those while it is struck, and of those that it last took beside bodies that need others.
+  StepGains own_gains_, struck_gains_, company_gains_;
   double last_step_s_ = 0.0;             // h; 0: none, or its cells were others
   std::vector<PlasticCells> plastic_, thin_plastic_;  // as batches_.cut and .thin; empty while nothing has flowed
   std::vector<Matrix3d> plastic_parts_;           // by cell
@@ -315,6 +317,7 @@ class CellsBody final : public ElasticBody {
   bool second_order_ = false, quiet_ = false, in_step_ = false;  // of the step that is being taken
   bool first_step_ = true, strained_ = false, tangled_ = false, untangling_ = false, touching_ = false, backward_ = false;
   double gravity_m_s2_ = 0.0;  // of the last substep
+  double struck_until_s_ = -1.0;
   bool supported_ = false, forced_ = false;  // for the sleep test: held up or in no gravity; pushed
   Quaterniond orientation_;  // world from object, of the body as a whole
   std::optional<RigidMotion> rigid_;

@@ -25,6 +25,7 @@ constexpr double kStrainedSquared = 0.01;  // |S - I|² of the worst cell
 constexpr double kWildSquared = 1.0;       // of one that touches something or has flowed
 constexpr double kLeastWild = 0.02;        // of its volume: not a loose end of a leaf
 constexpr double kLargestSag = 0.05;       // strain by its own weight
+constexpr double kPressing = 0.01;         // of the force that its strain takes, E eps A: less does not hold it so
 constexpr double kSettled = 0.02;          // kinetic energy of the deviation over elastic energy
 
 double uprightness(const Matrix3d& a) {
@@ -64,7 +65,9 @@ void CellsBody::untangle(double frame_s) {
   // Not while something presses it, or it sags under its own weight: then being strained is right.
   const double youngs_modulus_pa = cell_materials_.materials[0].youngs_modulus_pa, weight_n = mass_kg_ * gravity_m_s2_;
   const double sag = densities_kg_m3_[0] * gravity_m_s2_ * (extent_.max_m - extent_.min_m).norm() / youngs_modulus_pa;
-  const bool pressed = touching_ && (carried_n_ > weight_n || sag > kLargestSag), flowed = !plastic_parts_.empty();
+  const double area_m2 = volume_m3_ / (extent_.max_m - extent_.min_m).maxCoeff();
+  const double holding_n = std::max(weight_n, kPressing * youngs_modulus_pa * std::sqrt(bent_squared_) * area_m2);
+  const bool pressed = touching_ && (carried_n_ > holding_n || sag > kLargestSag), flowed = !plastic_parts_.empty();
   const bool alone = free() && !pressed && !forced_ && !comes_off() && region_loads_.empty();
   if (!alone) {
     tangled_s_ = 0.0;

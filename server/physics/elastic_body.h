@@ -122,7 +122,8 @@ struct MaterialAccuracy {
   ElasticBand band = ElasticBand::Unknown;
   double youngs_modulus_pa = 0;          // E*, asked for
   double reached_youngs_modulus_pa = 0;  // predicted; less than asked for when clipped
-  double modulus_ratio_low = 0, modulus_ratio_high = 0;  // E_app / E*, predicted
+  double modulus_ratio_low = 0, modulus_ratio_high = 0;  // E_app / E*, predicted, pulled along its longest side
+  double modulus_ratio_across = 0;                       // the most that it shows across its shortest one; 0: unknown
   bool clipped = false;
 };
 struct RegionAccuracy : MaterialAccuracy {

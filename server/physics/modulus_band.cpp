@@ -88,13 +88,17 @@ ModulusBand band_of(const BandDemand& demand) {
   if (demand.cells_along < few && ends > kRestlessEnds) return {ElasticBand::Unknown, 0.0, 0.0};
   if (y < kLeastBand && demand.ceiling_ratio < 1.0) {
     const double most = kMostOfCeiling * (1.0 + kEndsOverCeiling / demand.cells_along);
-    return {ElasticBand::Clipped, kLeastOfCeiling * demand.ceiling_ratio, most * demand.ceiling_ratio};
+    const double most_across = kMostOfCeiling * (1.0 + kEndsOverCeiling / demand.cells_across);
+    return {ElasticBand::Clipped, kLeastOfCeiling * demand.ceiling_ratio, most * demand.ceiling_ratio,
+            most_across * demand.ceiling_ratio};
   }
+  const double ends_across = end_excess(demand.courant, demand.cells_across);
+  const double across = 1.0 / (1.0 - std::min(ends_across, kMostEnds));
   if (y > kLeastExact && y > kLeastExactPerBulk / (1.0 - 2.0 * demand.poisson_ratio) && ends <= kMostEndExcess) {
-    return {ElasticBand::Exact, 1.0 - kExactWithin, 1.0 + kExactWithin};
+    return {ElasticBand::Exact, 1.0 - kExactWithin, 1.0 + kExactWithin, std::max(across, 1.0 + kExactWithin)};
   }
-  const double most = stiffest(y, demand.cells_across) / (1.0 - std::min(ends, kMostEnds));
-  return {ElasticBand::Band, softest(y, demand.poisson_ratio), most};
+  const double inside = stiffest(y, demand.cells_across);
+  return {ElasticBand::Band, softest(y, demand.poisson_ratio), inside / (1.0 - std::min(ends, kMostEnds)), inside * across};
 }
 
 }  // namespace livegs

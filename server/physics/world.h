@@ -176,6 +176,8 @@ class World {
   // The sum of the sizes of the impulses that contacts gave in the last tick, N s, to the body that has this point (rest
   // object frame): the fragment of a broken object, else the whole. Resting is a contact.
   double contact_impulse_n_s(uint32_t object_id, const Eigen::Vector3d& rest_point_m) const;
+  // Of that body, kg: what a hand that holds the point has to move. 0 for static and unknown objects.
+  double mass_at_kg(uint32_t object_id, const Eigen::Vector3d& rest_point_m) const;
 
   // The object that is nearest to a point and no farther than `reach_m`, static ones left out; `distance_m` is 0 inside.
   std::optional<RayHit> nearest(const Eigen::Vector3d& point_m, double reach_m) const;

@@ -216,6 +216,13 @@ double World::contact_impulse_n_s(uint32_t object_id, const Eigen::Vector3d& res
   return object->elastic() ? object->elastic()->felt_impulse_n_s : 0.0;
 }
 
+double World::mass_at_kg(uint32_t object_id, const Eigen::Vector3d& rest_point_m) const {
+  const WorldObject* object = state_->find(object_id);
+  if (!object) return 0.0;
+  if (const RigidObject* rigid = object->rigid()) return rigid->body_with(rest_point_m).mass_kg;
+  return object->elastic() ? object->elastic()->body->mass_kg() : 0.0;
+}
+
 std::optional<RayHit> World::nearest(const Eigen::Vector3d& point_m, double reach_m) const {
   std::optional<RayHit> nearest;
   const auto offer = [&](uint32_t id, double distance, const Eigen::Vector3d& rest_point) {

@@ -6,6 +6,8 @@
 namespace livegs {
 namespace {
 
+constexpr double kTold = 1.02;  // so much stiffer across than along
+
 v1::ElasticAccuracy::Band band_message(ElasticBand band) {
   switch (band) {
     case ElasticBand::Exact:
@@ -24,7 +26,11 @@ std::string material_text(const MaterialAccuracy& material) {
   std::string text = format_text("E %.3g Pa %s", material.youngs_modulus_pa, name_of(material.band));
   if (material.clipped) text += format_text(" to %.3g Pa", material.reached_youngs_modulus_pa);
   if (material.modulus_ratio_high > 0) {
-    text += format_text(" (%.3g to %.3g of it)", material.modulus_ratio_low, material.modulus_ratio_high);
+    text += format_text(" (%.3g to %.3g of it", material.modulus_ratio_low, material.modulus_ratio_high);
+    if (material.modulus_ratio_across > kTold * material.modulus_ratio_high) {
+      text += format_text("; across its shortest side up to %.3g", material.modulus_ratio_across);
+    }
+    text += ')';
   }
   return text;
 }
@@ -41,6 +47,7 @@ v1::ElasticAccuracy accuracy_message(const ElasticAccuracy& accuracy) {
   message.set_reached_youngs_modulus_pa(accuracy.reached_youngs_modulus_pa);
   message.set_modulus_ratio_low(accuracy.modulus_ratio_low);
   message.set_modulus_ratio_high(accuracy.modulus_ratio_high);
+  message.set_modulus_ratio_across(accuracy.modulus_ratio_across);
   message.set_nodes(accuracy.nodes);
   message.set_cells(accuracy.cells);
   message.set_particles(accuracy.particles);

@@ -434,7 +434,7 @@ void Scene::apply(const v1::Event& event, uint64_t event_id) {
       const SceneObject* object = find(event.grab().object());
       const double now_s = static_cast<double>(world_->tick()) / world_->settings().rate_hz;
       auto grabbed = grabs_.begin(*world_, kEventForceBit | event_id, object->id, vector_of(event.grab().point_m()),
-                                  object->mass_kg, paths_.at(event_id), now_s);
+                                  paths_.at(event_id), now_s);
       if (!grabbed) {
         log_warn("%s: grab at %.3f s: %s", object->name.c_str(), event.time_s(), grabbed.error().message.c_str());
       }
@@ -443,7 +443,7 @@ void Scene::apply(const v1::Event& event, uint64_t event_id) {
     case v1::Event::kPull: {
       const SceneObject* object = find(event.pull().object());
       const double now_s = static_cast<double>(world_->tick()) / world_->settings().rate_hz;
-      grabs_.begin_pull(*world_, kEventForceBit | event_id, object->id, vector_of(event.pull().point_m()), object->mass_kg,
+      grabs_.begin_pull(*world_, kEventForceBit | event_id, object->id, vector_of(event.pull().point_m()),
                         paths_.at(event_id), now_s);
       break;
     }

@@ -102,17 +102,16 @@ Result<GrabPath> read_grab_path(const std::filesystem::path& path) {
 }
 
 Result<void> ScriptedGrabs::begin(World& world, uint64_t grab_id, uint32_t object_id,
-                                  const Eigen::Vector3d& rest_point_m, double mass_kg, const GrabPath& path,
-                                  double now_s) {
+                                  const Eigen::Vector3d& rest_point_m, const GrabPath& path, double now_s) {
   const Pose hand{world.world_point(object_id, rest_point_m), path.poses.front().orientation};
-  if (auto grabbed = world.grab(grab_id, object_id, hand, hand_grip(mass_kg)); !grabbed) return grabbed;
+  if (auto grabbed = world.grab(grab_id, object_id, hand, hand_grip(world.mass_at_kg(object_id, rest_point_m))); !grabbed) return grabbed;
   running_.push_back({grab_id, path, now_s, std::nullopt});
   return {};
 }
 
 void ScriptedGrabs::begin_pull(World& world, uint64_t spring_id, uint32_t object_id, const Eigen::Vector3d& rest_point_m,
-                               double mass_kg, const GrabPath& path, double now_s) {
-  World::Spring spring = ray_spring(mass_kg);
+                               const GrabPath& path, double now_s) {
+  World::Spring spring = ray_spring(world.mass_at_kg(object_id, rest_point_m));
   spring.rest_point_m = rest_point_m;
   spring.target_m = path.poses.front().position_m;
   world.set_spring(spring_id, object_id, spring);

@@ -48,10 +48,10 @@ class ScriptedGrabs {
  public:
   // Closes a hand on the point of an object. `grab_id` is the caller's and unique.
   Result<void> begin(World& world, uint64_t grab_id, uint32_t object_id, const Eigen::Vector3d& rest_point_m,
-                     double mass_kg, const GrabPath& path, double now_s);
+                     const GrabPath& path, double now_s);
   // A ray takes hold of it instead. `spring_id` is the caller's and unique.
   void begin_pull(World& world, uint64_t spring_id, uint32_t object_id, const Eigen::Vector3d& rest_point_m,
-                  double mass_kg, const GrabPath& path, double now_s);
+                  const GrabPath& path, double now_s);
   // Moves hands to where they are at `now_s`, the start of a tick, and opens those whose path has ended.
   void move(World& world, double now_s);
 

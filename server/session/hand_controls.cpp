@@ -51,9 +51,9 @@ void HandControls::apply_ray(Scene& scene, uint64_t spring, Hand& hand, const Ha
   if (!pressed && hand.holding) let_go(scene, spring, hand);
   if (!hand.holding) return;
 
-  const SceneObject* object = scene.find(hand.object_id);
-  if (object == nullptr || object->mass_kg <= 0) return;  // what never moves is not pulled
-  World::Spring pull = ray_spring(object->mass_kg);
+  const double mass_kg = world.mass_at_kg(hand.object_id, hand.rest_point_m);  // of the sherd, once it has broken
+  if (mass_kg <= 0) return;                                                    // what never moves is not pulled
+  World::Spring pull = ray_spring(mass_kg);
   pull.rest_point_m = hand.rest_point_m;
   pull.target_m = input.aim.position_m + hand.distance_m * ray_direction(input.aim);
   world.set_spring(spring, hand.object_id, pull);
@@ -87,10 +87,9 @@ void HandControls::apply_grab(Scene& scene, uint64_t grab_id, Hand& hand, const 
   World& world = scene.world();
   if (squeezed && !hand.squeezed) {  // a hand that is closed already takes nothing
     if (const auto met = world.nearest(input.grip.position_m, kGrabReach_m)) {
-      const SceneObject* object = scene.find(met->object_id);
-      if (object && object->mass_kg > 0) {
+      if (const double mass_kg = world.mass_at_kg(met->object_id, met->rest_point_m); mass_kg > 0) {
         let_go(scene, grab_id, hand);
-        hand.grabbing = world.grab(grab_id, met->object_id, input.grip, hand_grip(object->mass_kg)).has_value();
+        hand.grabbing = world.grab(grab_id, met->object_id, input.grip, hand_grip(mass_kg)).has_value();
         hand.object_id = met->object_id;
         hand.rest_point_m = met->rest_point_m;
       }

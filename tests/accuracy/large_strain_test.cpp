@@ -66,6 +66,8 @@ TEST(TwoMaterials, ShareTheStrainByTheirModuli) {
   }
 }
 
+// Goal: strain minus yield within 2 %, 0.2 - 0.1 = 0.1. That is the set in one dimension; of a bar that keeps its plastic volume,
+// yields by its deviator and is let go, the closed form (set_of_stretch) is 0.128, 0.108 and 0.099 at these three.
 TEST(PlasticSet, KnowsNeitherSubstepsNorTheRateOfLoading) {
   for (const double poisson_ratio : {0.0, 0.3, 0.45}) {
     for (const double speed : {1.0, 10.0}) {

@@ -248,7 +248,7 @@ TEST(Cli, AStiffPillowRunsWithAWarningAndItsReach) {
   EXPECT_EQ(object["youngs_modulus_pa"], 2e9);
   EXPECT_LT(object["reached_youngs_modulus_pa"], 1e8);
   for (const char* field :
-       {"cell_width_m", "substeps", "courant", "modulus_ratio_low", "modulus_ratio_high", "nodes", "bytes"}) {
+       {"cell_width_m", "substeps", "courant", "modulus_ratio_low", "modulus_ratio_high", "modulus_ratio_across", "nodes", "bytes"}) {
     EXPECT_GT(object[field].get<double>(), 0) << field;
   }
   EXPECT_EQ(summary["warnings"].size(), 2u) << summary["warnings"];

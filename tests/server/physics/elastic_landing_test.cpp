@@ -26,10 +26,10 @@ class ElasticDrop : public testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(Rates, ElasticDrop, testing::Values(60.0, 90.0),
                          [](const auto& one) { return std::to_string(std::lround(one.param)) + "Hz"; });
 
-// Between two touches energy is height and motion, which are exact. In a touch it reads more for some frames: a cell
-// that is squashed within two or three steps stores more than it took, and gives it back before it leaves.
+// While it is struck it takes shorter steps (CellsBody::struck_hard): with its own ones it read up to seven times its energy
+// in a touch, and rubber of nu 0.49 left the floor with 2.6 times what it fell with.
 TEST_P(ElasticDrop, HasLessAfterEveryLandingAndSleeps) {
-  constexpr double kInTouch = 1.50, kInTouchGoal = 1.0005;
+  constexpr double kInTouch = 1.05, kInTouchGoal = 1.0005;
   constexpr double kAsleep_s = 12.0, kAsleepGoal_s = 3.0;
   int cases = 0, soon = 0, sleeping = 0;
   for (const Dropped& thing : dropped()) {
@@ -46,7 +46,7 @@ TEST_P(ElasticDrop, HasLessAfterEveryLandingAndSleeps) {
         body.world_from_object.orientation = Eigen::AngleAxisd(tilt_rad, Vector3d(1, 0, 0.5).normalized());
         stage.make(body, ElasticSolver::Cells, true);
         const double start_j = stage.total_energy_j();
-        double flight_j = start_j, last_flight_j = 1.0005 * start_j, in_touch_j = 0.0, asleep_s = INFINITY;
+        double flight_j = start_j, last_flight_j = start_j, in_touch_j = 0.0, asleep_s = INFINITY;
         bool flies = true;
         for (int frame = 0; frame < kAsleep_s * stage.rate_hz && !stage.body->asleep(); ++frame) {
           stage.frame();
@@ -57,7 +57,7 @@ TEST_P(ElasticDrop, HasLessAfterEveryLandingAndSleeps) {
           const double total_j = stage.total_energy_j();
           if (!flies) in_touch_j = std::max(in_touch_j, total_j);
           if (flies && !flew) {  // it has left the floor
-            EXPECT_LT(total_j, last_flight_j) << "frame " << frame;
+            EXPECT_LT(total_j, 1.0005 * last_flight_j) << "frame " << frame;
             last_flight_j = std::min(last_flight_j, flight_j);
             flight_j = total_j;
           }
@@ -76,33 +76,39 @@ TEST_P(ElasticDrop, HasLessAfterEveryLandingAndSleeps) {
   EXPECT_GE(sleeping, cases - 2) << "goal all " << cases;
 }
 
-// Nearly incompressible and soft, what meets the floor at about its own speed of sound gains, and may leave it faster than it
-// came. Held at what was found until that is understood; it is not the Courant number, which is 0.16 here.
-TEST_P(ElasticDrop, SoftRubberIsHeldToWhatItGains) {
-  constexpr double kInTouch = 7.0, kInFlight = 2.8, kGoal = 1.0005;
-  for (const double height_m : {0.5, 0.6, 0.8}) {
-    for (const bool cube : {true, false}) {
-      SCOPED_TRACE(testing::Message() << (cube ? "cube" : "cylinder") << " from " << height_m << " m");
-      Stage stage;
-      stage.rate_hz = GetParam();
-      stage.gravity_m_s2 = kGravity;
-      stage.add_floor(0.5);
-      ElasticBodyDescription body =
-          describe(sample_particles(cube ? box_mesh(Vector3d::Constant(0.1)) : cylinder_mesh(0.04, 0.12)), 1e4, 0.49);
-      body.material.loss_factor = 0.1;
-      body.world_from_object.position_m = {0, height_m, 0};
-      stage.make(body, ElasticSolver::Cells, true);
-      const double start_j = stage.total_energy_j();
-      double in_touch_j = 0.0, in_flight_j = 0.0;
-      for (int frame = 0; frame < 2 * stage.rate_hz; ++frame) {
-        stage.frame();
-        double lowest_m = INFINITY;
-        for (const ParticleState& particle : stage.body->particles()) lowest_m = std::min(lowest_m, particle.position_m.y());
-        double& most_j = lowest_m > kNear_m ? in_flight_j : in_touch_j;
-        most_j = std::max(most_j, stage.total_energy_j());
+// How fast they meet the floor, as part of the speed of their waves, sqrt(E/rho).
+TEST_P(ElasticDrop, AtItsSpeedOfSoundItGainsNothing) {
+  constexpr double kInTouch = 1.05, kGoal = 1.0005;  // found: 1.03
+  for (const Dropped& thing : dropped()) {
+    for (const double stiffness : {1e4, 1e5}) {
+      for (const double nu : {0.3, 0.45, 0.49}) {
+        for (const double tilt_rad : {0.0, 0.5}) {
+          for (const double mach : {0.2, 0.6, 1.0, 1.3}) {
+            SCOPED_TRACE(testing::Message() << thing.name << ", tilt " << tilt_rad << ", " << stiffness << " Pa, nu " << nu
+                                            << " at " << mach << " of its waves");
+            Stage stage;
+            stage.rate_hz = GetParam();
+            stage.gravity_m_s2 = kGravity;
+            stage.add_floor(0.5);
+            ElasticBodyDescription body = describe(sample_particles(thing.mesh), stiffness, nu);
+            body.material.loss_factor = 0.1;
+            body.world_from_object = {{0, 0.13, 0}, Eigen::Quaterniond(Eigen::AngleAxisd(tilt_rad, Vector3d(1, 0, 0.5).normalized()))};
+            body.velocity_m_s = {0, -mach * std::sqrt(stiffness / 1000.0), 0};
+            stage.make(body, ElasticSolver::Cells, true);
+            const double start_j = stage.total_energy_j();
+            double in_touch_j = 0.0, in_flight_j = 0.0;
+            for (int frame = 0; frame < stage.rate_hz; ++frame) {
+              stage.frame();
+              double lowest_m = INFINITY;
+              for (const ParticleState& particle : stage.body->particles()) lowest_m = std::min(lowest_m, particle.position_m.y());
+              double& most_j = lowest_m > kNear_m ? in_flight_j : in_touch_j;
+              most_j = std::max(most_j, stage.total_energy_j());
+            }
+            EXPECT_LT(in_touch_j, kInTouch * start_j) << "goal " << kGoal;
+            EXPECT_LT(in_flight_j, kGoal * start_j);
+          }
+        }
       }
-      EXPECT_LT(in_touch_j, kInTouch * start_j) << "goal " << kGoal;
-      EXPECT_LT(in_flight_j, kInFlight * start_j) << "goal " << kGoal;
     }
   }
 }

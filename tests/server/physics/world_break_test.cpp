@@ -55,7 +55,7 @@ TEST(Breaking, FragmentsComeToRestAndSleepAndNoneGainsEnergy) {
 }
 
 // Upright, from four times the height that breaks it: its sherds do not stand on as a cup. Mean distance from the axis over that
-// of the same pieces in the whole is 1.65, and the highest corner is at 54 mm; without recoil 1.30, and 103 mm of the 100 it was high.
+// of the same pieces in the whole is 1.7, and the highest corner is at 54 mm; without recoil 1.30, and 103 mm of the 100 it was high.
 TEST(Breaking, ACupThatLandsUprightComesApart) {
   for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);

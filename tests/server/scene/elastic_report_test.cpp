@@ -45,6 +45,7 @@ TEST(ElasticReport, TheObjectTheMessageAndTheLineSayTheSame) {
   EXPECT_EQ(message.reached_youngs_modulus_pa(), accuracy.reached_youngs_modulus_pa);
   EXPECT_EQ(message.modulus_ratio_low(), accuracy.modulus_ratio_low);
   EXPECT_EQ(message.modulus_ratio_high(), accuracy.modulus_ratio_high);
+  EXPECT_EQ(message.modulus_ratio_across(), accuracy.modulus_ratio_across);
   EXPECT_EQ(message.nodes(), accuracy.nodes);
   EXPECT_EQ(message.bytes(), accuracy.bytes);
   // sqrt(E / rho) h / a
