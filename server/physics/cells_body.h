@@ -172,7 +172,7 @@ class CellsBody final : public ElasticBody {
 
   void gather_point_loads(const SubstepContext& context);
   void draw_springs(const SubstepPart& part);
-  bool struck_hard(double start_s);
+  bool struck_hard(const SubstepContext& context);
   Ball ball_around(const SurfaceCell& cell) const;
   void find_candidates(const SubstepContext& context);
   void resolve_colliders(double step_s, const SubstepContext& context);

@@ -29,7 +29,7 @@ INSTANTIATE_TEST_SUITE_P(Rates, ElasticDrop, testing::Values(60.0, 90.0),
 // While it is struck it takes shorter steps (CellsBody::struck_hard): with its own ones it read up to seven times its energy
 // in a touch, and rubber of nu 0.49 left the floor with 2.6 times what it fell with.
 TEST_P(ElasticDrop, HasLessAfterEveryLandingAndSleeps) {
-  constexpr double kInTouch = 1.05, kInTouchGoal = 1.0005;
+  constexpr double kInTouch = 1.02, kInTouchGoal = 1.0005;
   constexpr double kAsleep_s = 12.0, kAsleepGoal_s = 3.0;
   int cases = 0, soon = 0, sleeping = 0;
   for (const Dropped& thing : dropped()) {

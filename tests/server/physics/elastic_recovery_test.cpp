@@ -130,9 +130,9 @@ TEST(ElasticScale, StaysFiniteAndNeverGainsOverMassSizeAndStiffness) {
           const double before = peak(static_cast<int>(std::max(1.0, std::sqrt(2.0 * size / 9.81) + 0.5) * rate_hz));
           ASSERT_TRUE(all_finite(*stage.body));
           EXPECT_GT(stage.body->take_contacts().impulse_n_s, 0.0) << "has not landed";
-          // Goal 2 %: a first-order first step starts g h^2/2 on, and contact at one substep of 17 ms. A body of 10 m that lands
-          // tilted reads up to 7.3 % more while it does.
-          constexpr double kReached = 1.08, kGoal = 1.02;
+          // A first-order first step starts g h^2/2 on, and contact at one substep of 17 ms. A body of 10 m that lands tilted,
+          // far below the speed of its waves, reads up to 5.8 % more while it does.
+          constexpr double kReached = 1.06, kGoal = 1.02;
           EXPECT_LT(before, kReached * start) << "goal " << kGoal;
           // A frame of a whole second, handed over as one step.
           SubstepContext dropped;
