@@ -13,10 +13,14 @@
 #include "geometry/inside_grid.h"
 #include "geometry/mesh_topology.h"
 #include "geometry/regular_grid.h"
+#include "geometry/thin_cells.h"
 #include "geometry/triangle_distance.h"
 
 namespace livegs {
 namespace {
+
+// In cells. A sheet without thickness is not one that anything can be inside of.
+constexpr double kThinnest = 0.01;
 
 class NearestTriangles {
  public:
@@ -98,7 +102,7 @@ class NearestTriangles {
 
 }  // namespace
 
-DistanceField::DistanceField(const TriangleMesh& mesh, double cell_m, double margin_m) {
+DistanceField::DistanceField(const TriangleMesh& mesh, double cell_m, double margin_m, Thin thin) {
   LIVEGS_ASSERT(!mesh.triangles.empty() && cell_m > 0.0 && margin_m >= 0.0);
   const Eigen::AlignedBox3d bounds = mesh_bounds_m(mesh);
   const Eigen::Vector3d size_m = bounds.sizes().array() + 2.0 * margin_m;
@@ -112,6 +116,13 @@ DistanceField::DistanceField(const TriangleMesh& mesh, double cell_m, double mar
   for (size_t node = 0; node < grid.size(); ++node) {
     distances_m_[node] = inside[node] ? -nearest.distance_m(node) : nearest.distance_m(node);
   }
+  thinnest_m_ = 2.0 * cell_m_;
+  if (thin == Thin::ByTheGrid) return;
+  ThinCells cells = thin_cells(mesh, grid);
+  if (cells.is_thin.empty()) return;
+  is_thin_ = std::move(cells.is_thin);
+  triangles_ = std::make_unique<const TriangleTree>(mesh);
+  thinnest_m_ = std::clamp(cells.thinnest_m, kThinnest * cell_m_, thinnest_m_);
 }
 
 DistanceField::Sample DistanceField::sample(const Eigen::Vector3d& point_m) const {
@@ -123,13 +134,24 @@ DistanceField::Sample DistanceField::sample(const Eigen::Vector3d& point_m) cons
   const Eigen::Array3d f = clamped - node.cast<double>();
 
   const size_t dy = counts_.x(), dz = dy * counts_.y();
-  const float* d = distances_m_.data() + node.x() + dy * node.y() + dz * node.z();
+  const size_t cell = node.x() + dy * node.y() + dz * node.z();
+  const float* d = distances_m_.data() + cell;
   const double c000 = d[0], c100 = d[1], c010 = d[dy], c110 = d[dy + 1];
   const double c001 = d[dz], c101 = d[dz + 1], c011 = d[dz + dy], c111 = d[dz + dy + 1];
   const double gx = 1.0 - f.x(), gy = 1.0 - f.y(), gz = 1.0 - f.z();
   const double c00 = gx * c000 + f.x() * c100, c10 = gx * c010 + f.x() * c110;
   const double c01 = gx * c001 + f.x() * c101, c11 = gx * c011 + f.x() * c111;
   Sample sample;
+  if (!is_thin_.empty() && is_thin_[cell] && (place == clamped).all()) {
+    const TriangleTree::Nearest nearest = triangles_->nearest(point_m);
+    const Eigen::Vector3d away = point_m - nearest.foot_m;
+    // Where pieces of a mesh overlap, a face within the other one bounds nothing.
+    const bool buried = std::max({d[0], d[1], d[dy], d[dy + 1], d[dz], d[dz + 1], d[dz + dy], d[dz + dy + 1]}) < 0.0f;
+    const double side = buried || nearest.normal.dot(away) < 0.0 ? -1.0 : 1.0;
+    sample.distance_m = side * nearest.distance_m;
+    sample.gradient = nearest.distance_m > 1e-6 * cell_m_ ? Eigen::Vector3d(side / nearest.distance_m * away) : nearest.normal;
+    return sample;
+  }
   sample.distance_m = gz * (gy * c00 + f.y() * c10) + f.z() * (gy * c01 + f.y() * c11);
   sample.gradient.x() = gz * (gy * (c100 - c000) + f.y() * (c110 - c010)) +
                         f.z() * (gy * (c101 - c001) + f.y() * (c111 - c011));

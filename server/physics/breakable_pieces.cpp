@@ -13,7 +13,9 @@ namespace livegs {
 namespace {
 
 // Cells of a piece's distance field along its longest side: the time to prepare a body goes with the cube.
-constexpr ShapeDetail kPieceDetail{.field_cells = 16.0, .point_spacing = 1.0 / 8.0, .max_points = 96};
+// Sherds fit each other without a gap: exact where they are thin, they cost a third more and rest no better.
+constexpr ShapeDetail kPieceDetail{
+    .field_cells = 16.0, .point_spacing = 1.0 / 8.0, .max_points = 96, .thin = DistanceField::Thin::ByTheGrid};
 constexpr size_t kOutsidePoints = 32;  // of a piece
 constexpr size_t kFacePoints = 12;     // of one cut face
 // A piece with less of the outside than this part of its share of the volume is no piece of a shell.

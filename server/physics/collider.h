@@ -13,6 +13,7 @@
 namespace livegs {
 
 struct ConvexPolyhedron;
+struct RidgePoints;
 
 struct PlaneShape {};  // the half-space y <= 0 of the collider's frame is solid
 struct BoxShape {
@@ -24,6 +25,7 @@ struct SphereShape {
 };
 struct FieldShape {
   std::shared_ptr<const DistanceField> field;  // a mesh or the captured background; immutable, shared by threads
+  std::shared_ptr<const RidgePoints> ridges = nullptr;  // what of it sticks out; none are felt without
 };
 
 struct Collider {

@@ -26,11 +26,11 @@ struct KeyHash {
 constexpr double kFollowedWay = 0.2;
 constexpr int kMostMarches = 32;
 
-// What a point could jump over. Distance fields hold sheets of two cells at least.
+// What a point could jump over.
 double thickness_m(const Collider& collider) {
   if (const auto* box = std::get_if<BoxShape>(&collider.shape)) return box->size_m.minCoeff();
   if (const auto* sphere = std::get_if<SphereShape>(&collider.shape)) return 2.0 * sphere->radius_m;
-  if (const auto* field = std::get_if<FieldShape>(&collider.shape)) return 2.0 * field->field->cell_m();
+  if (const auto* field = std::get_if<FieldShape>(&collider.shape)) return field->field->thinnest_m();
   return INFINITY;
 }
 

@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "physics/mesh_collider.h"
+
 namespace livegs {
 namespace {
 
 constexpr uint64_t kCornerFeature = uint64_t{2} << 32;
 constexpr uint64_t kEdgeFeature = uint64_t{3} << 32;
 constexpr uint64_t kSphereFeature = uint64_t{4} << 32;
+constexpr uint64_t kRidgeFeature = uint64_t{5} << 32;
 
 void box_features(const BoxShape& box, const Collider& collider, const Eigen::Vector3d& centre, double reach,
                   double spacing, std::vector<ColliderFeature>& features) {
@@ -43,6 +46,17 @@ void box_features(const BoxShape& box, const Collider& collider, const Eigen::Ve
   }
 }
 
+void ridge_features(const RidgePoints& ridges, const Collider& collider, const Eigen::Vector3d& centre, double reach,
+                    std::vector<ColliderFeature>& features) {
+  const Eigen::Vector3d local = collider.world_from_collider.inverse() * centre;
+  std::vector<uint32_t> near;
+  ridges.tree.near([&](const Eigen::Vector3d& point) { return (point - local).norm(); }, reach, near);
+  for (const uint32_t i : near) {
+    const Eigen::Vector3d& point = ridges.points_m[i];
+    if ((point - local).norm() <= reach) features.push_back({kRidgeFeature + i, collider.world_from_collider * point, 0.0});
+  }
+}
+
 }  // namespace
 
 std::vector<ColliderFeature> collider_features(const Collider& collider, const Eigen::Vector3d& centre_m,
@@ -52,6 +66,8 @@ std::vector<ColliderFeature> collider_features(const Collider& collider, const E
     box_features(*box, collider, centre_m, reach_m, spacing_m, features);
   } else if (const auto* sphere = std::get_if<SphereShape>(&collider.shape)) {
     features.push_back({kSphereFeature, collider.world_from_collider.position_m, sphere->radius_m});
+  } else if (const auto* field = std::get_if<FieldShape>(&collider.shape); field && field->ridges) {
+    ridge_features(*field->ridges, collider, centre_m, reach_m, features);
   }
   return features;
 }

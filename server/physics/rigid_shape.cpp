@@ -140,7 +140,7 @@ RigidShape mesh_shape(const TriangleMesh& object_mesh, const Eigen::Vector3d& ce
     shape.convex = std::make_shared<const ConvexPolyhedron>(std::move(*convex));
   } else {
     const double cell = longest / detail.field_cells;
-    shape.field = std::make_shared<const DistanceField>(shape.mesh, cell, 3.0 * cell);
+    shape.field = std::make_shared<const DistanceField>(shape.mesh, cell, 3.0 * cell, detail.thin);
   }
 
   shape.contact_spacing_m = detail.point_spacing * longest;

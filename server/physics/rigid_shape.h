@@ -58,6 +58,7 @@ struct ShapeDetail {
   double field_cells = kBodyFieldCells;        // along the longest side of its bounding box
   double point_spacing = kContactPointSpacing;  // in parts of that side
   size_t max_points = kMaxContactPoints;
+  DistanceField::Thin thin = DistanceField::Thin::Exact;
 };
 
 // Precondition: a closed mesh with a volume.

@@ -8,6 +8,7 @@
 #include "geometry/reconstruct_surface.h"
 #include "geometry/sample_particles.h"
 #include "geometry/shape_mesh.h"
+#include "physics/mesh_collider.h"
 #include "scene/check_object.h"
 #include "scene/place_asset.h"
 #include "scene/points_file.h"
@@ -197,13 +198,6 @@ std::string needs_elastic(const v1::Object& object, const Form& form) {
 
 }  // namespace
 
-std::shared_ptr<const DistanceField> collision_field(const TriangleMesh& mesh) {
-  Eigen::AlignedBox3d bounds;
-  for (const Eigen::Vector3d& vertex : mesh.vertices_m) bounds.extend(vertex);
-  const double cell = bounds.sizes().maxCoeff() / kFieldCells;
-  return std::make_shared<DistanceField>(mesh, cell, 2 * cell);
-}
-
 Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem::path& folder, int index,
                                  const std::string& field, const WorldSettings& settings,
                                  const v1::PhysicsFile* sidecar) {
@@ -293,7 +287,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
     case Behavior::Static: {
       built.body =
           StaticBodyDescription{pose_value(object.pose(), field + ".pose").value(),
-                                collision_field(form->mesh), material.friction, material.restitution};
+                                mesh_collider(form->mesh), material.friction, material.restitution};
       break;
     }
     default: {

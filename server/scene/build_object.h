@@ -16,7 +16,7 @@ namespace livegs {
 
 struct StaticBodyDescription {
   Pose world_from_object;
-  std::shared_ptr<const DistanceField> field;  // what others touch
+  FieldShape shape;  // what others touch
   double friction = 0.5, restitution = 0.2;
 };
 
@@ -37,9 +37,5 @@ struct BuiltObject {
 Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem::path& folder, int index,
                                  const std::string& field, const WorldSettings& settings,
                                  const v1::PhysicsFile* sidecar = nullptr);
-
-// Cells of a collision field along the longest side of what it covers.
-inline constexpr int kFieldCells = 64;
-std::shared_ptr<const DistanceField> collision_field(const TriangleMesh& mesh);
 
 }  // namespace livegs

@@ -171,7 +171,7 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
     Result<void> added;
     if (auto* fixed = std::get_if<StaticBodyDescription>(&one.body)) {
       scene.world_->add_collider(
-          {FieldShape{fixed->field}, fixed->world_from_object, fixed->friction, fixed->restitution});
+          {fixed->shape, fixed->world_from_object, fixed->friction, fixed->restitution});
       added = scene.world_->add_static(one.drawn.id, fixed->world_from_object);
     } else if (auto* rigid = std::get_if<RigidBodyDescription>(&one.body)) {
       rigid->object_id = one.drawn.id;

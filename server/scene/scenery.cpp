@@ -9,6 +9,7 @@
 #include "geometry/mesh_io.h"
 #include "geometry/reconstruct_surface.h"
 #include "geometry/shape_mesh.h"
+#include "physics/mesh_collider.h"
 #include "scene/scene_values.h"
 #include "scene/shape_asset.h"
 
@@ -42,7 +43,7 @@ Result<Collider> make_collider(const v1::Collider& file, const std::filesystem::
   } else {
     auto mesh = read_obj(folder / file.mesh());
     if (!mesh) return Error{mesh.error().code, field + ".mesh: " + mesh.error().message};
-    collider.shape = FieldShape{collision_field(*mesh)};
+    collider.shape = mesh_collider(*mesh);
   }
   return collider;
 }
@@ -150,7 +151,7 @@ Result<Scenery> make_scenery(const v1::Environment& environment, const std::file
     auto surface =
         reconstruct_surface(body_points(*asset, scenery.object_from_asset), elastic_surface_options());
     if (!surface) return Error{surface.error().code, "environment.asset: " + surface.error().message};
-    scenery.colliders.push_back({FieldShape{collision_field(surface->mesh)}, *pose});
+    scenery.colliders.push_back({mesh_collider(surface->mesh), *pose});
   }
   log_info("environment: %zu kernels%s", asset->size(), environment.collide() ? ", collides" : "");
   scenery.asset = std::move(asset);
