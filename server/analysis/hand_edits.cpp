@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "analysis/hand_edits.h"
 
+#include <google/protobuf/message.h>
+
+#include <algorithm>
 #include <cstdlib>
+#include <vector>
 
 #include "analysis/estimate.h"
 #include "analysis/physics_file.h"
@@ -109,6 +113,22 @@ Result<bool> take_hand_edits(v1::PhysicsFile& file) {
   const bool any = renamed || edits.ByteSizeLong() > 0;
   if (any) merge_edits(*file.mutable_edits(), edits);
   return any;
+}
+
+std::string unheard_edits(const Physics& edits, const Physics& written) {
+  const auto told = [](const Physics& physics) {
+    std::vector<const google::protobuf::FieldDescriptor*> fields;
+    physics.GetReflection()->ListFields(physics, &fields);  // by number
+    return fields;
+  };
+  const auto by_author = told(written);
+  std::string names;
+  for (const auto* field : told(edits)) {
+    if (std::find(by_author.begin(), by_author.end(), field) == by_author.end()) continue;
+    names += (names.empty() ? "" : ", ") + field->name();
+  }
+  if (names.empty()) return {};
+  return "the edit of " + names + " has no effect, because the scene file writes it; take it out of there to edit it here";
 }
 
 }  // namespace livegs

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <string>
+
 #include "core/result.h"
 #include "livegs/v1/physics.pb.h"
 
@@ -13,5 +15,9 @@ void seal(v1::PhysicsFile& file);
 // was never sealed was written by hand: all its values are. True if anything was. Errors begin with the
 // field: "physics.mass_kg".
 Result<bool> take_hand_edits(v1::PhysicsFile& file);
+
+// What a person edited and the scene's author wrote too, whose words come first: one sentence that names these fields and
+// the remedy, empty where there are none.
+std::string unheard_edits(const v1::Physics& edits, const v1::Physics& written);
 
 }  // namespace livegs

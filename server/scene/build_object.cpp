@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/build_object.h"
 
+#include "analysis/hand_edits.h"
 #include "analysis/physics_file.h"
 #include "core/clock.h"
 #include "geometry/hollow_mesh.h"
@@ -240,6 +241,9 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   }
   if (!form->surface_note.empty()) built.drawn.warnings.push_back(form->surface_note);
   if (!kept_note.empty()) built.drawn.warnings.push_back(kept_note);
+  if (const std::string unheard = unheard_edits(kept.edits(), object.physics()); !unheard.empty()) {
+    built.drawn.warnings.push_back(kept_in.filename().string() + ": " + unheard);
+  }
   Material material = to_material(*parameters);
   const std::string elastic_only = needs_elastic(object, *form);
   if (material.behavior != Behavior::Elastic && !elastic_only.empty()) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "analysis/hand_edits.h"
 #include "analysis/physics_file.h"
 #include "core/log.h"
 
@@ -241,6 +242,8 @@ Result<v1::PhysicsReply> LiveAnalysis::set_physics(const std::string& object, co
   std::string note;
   auto file = (*known)->decided->edit(physics, note);
   if (!file) return file.error();
+  const std::string unheard = unheard_edits(physics, (*known)->object->written);
+  if (!unheard.empty()) note += (note.empty() ? "" : "; ") + unheard;
   return apply(**known, *file, note);
 }
 

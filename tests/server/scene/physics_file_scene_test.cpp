@@ -63,6 +63,22 @@ TEST_F(PhysicsFileSceneTest, TheAuthorThenAPersonThenTheModelThenTheEstimate) {
   EXPECT_EQ(all.plasticity().best(), 0.2);
 }
 
+TEST_F(PhysicsFileSceneTest, AnEditOfWhatTheSceneWritesIsSaidToHaveNoEffect) {
+  v1::Physics edits;
+  edits.set_friction(0.77);
+  edits.set_plasticity(0.33);
+  ASSERT_TRUE(edit_physics(file, edits));
+  const auto warnings = [&](const std::string& written) {
+    auto scene = load(written);
+    EXPECT_TRUE(scene);
+    std::string all;
+    for (const std::string& warning : scene->find("sponge")->warnings) all += warning + "\n";
+    return all;
+  };
+  EXPECT_NE(warnings(R"({ "plasticity": 0.2 })").find("sponge.physics.json: the edit of plasticity has no effect"), std::string::npos);
+  EXPECT_EQ(warnings(R"({ "damping": 0.2 })").find("has no effect"), std::string::npos);
+}
+
 TEST_F(PhysicsFileSceneTest, WhatAPersonCallsItIsItsName) {
   folder.write("sponge.physics.json", R"({ "name": "steel bolt" })");
   EXPECT_EQ(physics().material(), "carbon steel");

@@ -234,6 +234,17 @@ TEST_F(LiveAnalysisTest, BadEditsNameTheField) {
             std::string::npos);
 }
 
+TEST_F(LiveAnalysisTest, AnEditOfWhatTheSceneWritesIsAnsweredSo) {
+  start(nullptr);
+  v1::Physics edit;
+  edit.set_mass_kg(3.0);
+  const auto reply = analysis->set_physics("told", edit);
+  ASSERT_TRUE(reply) << reply.error().message;
+  ASSERT_EQ(reply->warnings_size(), 1);
+  EXPECT_EQ(reply->warnings(0),
+            "the edit of mass_kg has no effect, because the scene file writes it; take it out of there to edit it here");
+}
+
 TEST(BuiltAs, WhatNeedsAnotherBodyWaitsForTheNextLoad) {
   v1::PhysicalParameters physics;
   physics.set_behavior(v1::Physics::RIGID);
