@@ -172,6 +172,22 @@ TEST(BreakingLoads, EachFragmentIsToldItsOwnImpulses) {
   }
 }
 
+// What holds a sleeper down is not saved up for the day it wakes: a newton for four seconds was 4 N s at once.
+TEST(BreakingLoads, AForceOnASleeperBreaksNothingWhenItEnds) {
+  for (const double rate : kRates_hz) {
+    SCOPED_TRACE(rate);
+    World world = with_cup(cup_at(0.0), world_at(rate, 4));
+    world.add_collider(floor_plane());
+    run_seconds(world, 0.5);
+    world.set_force(3, kCup, {{0, 0.02, 0}, {1, 0, 0}});
+    run_seconds(world, 5.0);
+    ASSERT_TRUE(body_state(world, kCup).asleep);
+    world.clear_force(3);
+    run_seconds(world, 0.5);
+    EXPECT_EQ(world.revision(kCup), 0u);
+  }
+}
+
 // Sherds start deep in each other, as far as fields of distance can tell. What they push each other with must pass: sixty-four
 // kept pushing with 60 to 220 times the weight of the cup.
 TEST(BreakingLoads, AHeapOfSherdsPressesWithItsWeight) {
