@@ -104,6 +104,7 @@ struct RayHit {
   uint32_t object_id = 0;
   double distance_m = 0;
   Eigen::Vector3d rest_point_m;  // object frame, at rest
+  std::optional<uint32_t> piece;  // of a broken object, one of the fragment that was met, the nearest to the point
 };
 
 // Wall times of the last step, milliseconds.
@@ -141,11 +142,16 @@ class World {
   // caller's; setting one again replaces it. A force on an unknown object is ignored.
   void set_force(uint64_t force_id, uint32_t object_id, const PointForce& force);
   void clear_force(uint64_t force_id);
+  // A material point is told by its place in the object at rest. Of a broken object it moves with the fragment that has
+  // `piece`, or, if none is told, the piece at that place: a point beside a surface, as a hand's is, may lie in the cell
+  // of another fragment than the one it was met with.
+
   // A spring of constant stiffness from a material point to a world point, damped critically for the mass it feels,
   // its force bounded by max_force_n. Evaluated every substep.
   struct Spring {
     Eigen::Vector3d rest_point_m = Eigen::Vector3d::Zero(), target_m = Eigen::Vector3d::Zero();
     double stiffness_n_m = 50.0, max_force_n = 50.0;
+    std::optional<uint32_t> piece;
   };
   void set_spring(uint64_t spring_id, uint32_t object_id, const Spring& spring);
   void clear_spring(uint64_t spring_id);
@@ -154,7 +160,8 @@ class World {
 
   // A hand closes on an object: from now on springs draw the material that is at the hand's place to where the hand is,
   // and turn the object as the hand turns, from how both are now, so that nothing moves at first. Force and torque are
-  // bounded, wherever the hand goes. On an elastic object a few points about the hand are held instead of its
+  // bounded, wherever the hand goes. Of a broken object it holds the fragment whose surface is nearest, and of what breaks
+  // in the hand the one with the nearest piece. On an elastic object a few points about the hand are held instead of its
   // orientation. Several hands may hold one object. Ids are the caller's, apart from those of set_spring; an id that is
   // in use lets go first.
   struct Grip {
@@ -170,23 +177,29 @@ class World {
   struct GrabState {
     Eigen::Vector3d point_m;              // the material point that was at the hand's place, now
     Eigen::Vector3d force_n, torque_n_m;  // on the object, in the last substep; an elastic one has no torque of its own
+    std::optional<uint32_t> piece;        // of a broken object: it holds the fragment that has this one
   };
   std::optional<GrabState> grab_state(uint64_t grab_id) const;  // nothing: it holds nothing (any more)
 
   // The sum of the sizes of the impulses that contacts gave in the last tick, N s, to the body that has this point (rest
   // object frame): the fragment of a broken object, else the whole. Resting is a contact.
-  double contact_impulse_n_s(uint32_t object_id, const Eigen::Vector3d& rest_point_m) const;
+  double contact_impulse_n_s(uint32_t object_id, const Eigen::Vector3d& rest_point_m,
+                             std::optional<uint32_t> piece = {}) const;
   // Of that body, kg: what a hand that holds the point has to move. 0 for static and unknown objects.
-  double mass_at_kg(uint32_t object_id, const Eigen::Vector3d& rest_point_m) const;
+  double mass_at_kg(uint32_t object_id, const Eigen::Vector3d& rest_point_m, std::optional<uint32_t> piece = {}) const;
 
   // The object that is nearest to a point and no farther than `reach_m`, static ones left out; `distance_m` is 0 inside.
+  // The rest point is the very point, beside the surface or not.
   std::optional<RayHit> nearest(const Eigen::Vector3d& point_m, double reach_m) const;
+  // The same of one object, however far it is: what grab() would hold. Nothing for static and unknown ones.
+  std::optional<RayHit> nearest_of(uint32_t object_id, const Eigen::Vector3d& point_m) const;
 
   // What a ray from `origin_m` along the unit `direction` meets first within `max_distance_m`.
   std::optional<RayHit> ray_cast(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
                                  double max_distance_m) const;
   // Where a material point is now; the rest point itself for an unknown object.
-  Eigen::Vector3d world_point(uint32_t object_id, const Eigen::Vector3d& rest_point_m) const;
+  Eigen::Vector3d world_point(uint32_t object_id, const Eigen::Vector3d& rest_point_m,
+                              std::optional<uint32_t> piece = {}) const;
 
   // Lets go of a fixed or moved region of an elastic object for good. Fails if there is none of that name.
   Result<void> release_region(uint32_t object_id, const std::string& region);

@@ -145,7 +145,10 @@ bool World::State::strike(uint32_t object_id, RigidObject& object, uint32_t body
   RigidBody& body = object.body_at(body_index);
   const Eigen::Vector3d arm = body.arm_of(blow.point_m);
   body.apply_impulse(-(body.world_from_body.orientation * given_back_n_s), arm);
-  if (object.piece_bodies.empty()) object.piece_bodies.assign(group_of.size(), 0);
+  if (object.piece_bodies.empty()) {
+    object.piece_bodies.assign(group_of.size(), 0);
+    hold_pieces(object_id, object);
+  }
   // In a jam impulses are far larger than the approach they ended: they cannot have taken more than was lost.
   const double most_j = kRecoilPart * std::max(0.0, lost_near_j(body));
   split_body(object_id, object, body_index, groups);

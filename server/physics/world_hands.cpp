@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "geometry/triangle_distance.h"
 #include "physics/spring.h"
 #include "physics/world_check.h"
 #include "physics/world_state.h"
@@ -43,7 +44,74 @@ std::vector<HeldPlace> places_in_palm(const ElasticObject& elastic, const Pose& 
   return places;
 }
 
+// From the surface to a point in the shape's frame, negative within. A field knows it near the surface only: farther off it
+// tells the way to the box about a bent sherd, and takes it for nearer than what is.
+double surface_distance_m(const RigidShape& shape, const Eigen::Vector3d& local_m) {
+  const double told = shape.sample(local_m).distance_m;
+  if (told <= 0.0 || shape.is_ball() || shape.convex) return told;
+  double least = INFINITY;
+  for (const auto& [a, b, c] : shape.mesh.triangles) {
+    const Eigen::Vector3d on = closest_point_on_triangle(local_m, shape.mesh.vertices_m[a], shape.mesh.vertices_m[b],
+                                                         shape.mesh.vertices_m[c]);
+    least = std::min(least, (on - local_m).squaredNorm());
+  }
+  return std::sqrt(least);
+}
+
+// The body of an object whose surface is nearest to a point, if one is no farther than `reach_m`.
+struct NearestBody {
+  std::optional<size_t> index;
+  double distance_m = INFINITY;  // negative within
+  Eigen::Vector3d rest_point_m = Eigen::Vector3d::Zero();
+};
+NearestBody nearest_body(const RigidObject& object, const Eigen::Vector3d& point_m, double reach_m) {
+  NearestBody nearest;
+  for (size_t i = 0; i < object.body_count(); ++i) {
+    const RigidBody& body = object.body_at(i);
+    const Eigen::Vector3d local = body.world_from_body.inverse() * point_m;
+    if (local.norm() > body.shape.bounding_radius_m + std::min(reach_m, nearest.distance_m)) continue;
+    const double distance = surface_distance_m(body.shape, local);
+    if (!(distance <= reach_m) || (nearest.index && distance >= nearest.distance_m)) continue;
+    nearest = {i, distance, local + body.rest_centre_m};
+  }
+  return nearest;
+}
+
+RayHit hit_of(uint32_t object_id, const RigidObject& object, const NearestBody& nearest) {
+  return {object_id, std::max(0.0, nearest.distance_m), nearest.rest_point_m,
+          object.piece_beside(*nearest.index, nearest.rest_point_m)};
+}
+
+RayHit nearest_particle(uint32_t object_id, const ElasticObject& elastic, const Eigen::Vector3d& point_m) {
+  RayHit nearest{object_id, INFINITY, Eigen::Vector3d::Zero(), {}};
+  for (const Eigen::Vector3d& rest : elastic.rest_particles_m) {
+    const double distance = (elastic.body->world_point(rest) - point_m).norm();
+    if (distance < nearest.distance_m) nearest = {object_id, distance, rest, {}};
+  }
+  return nearest;
+}
+
 }  // namespace
+
+std::optional<uint32_t> RigidObject::piece_beside(size_t body_index, const Eigen::Vector3d& rest_point_m) const {
+  std::optional<uint32_t> nearest;
+  double least = INFINITY;
+  for (uint32_t i = 0; i < piece_bodies.size(); ++i) {
+    if (piece_bodies[i] != body_index) continue;
+    const BreakablePiece& piece = pieces->pieces[i];
+    const double distance = surface_distance_m(*piece.shape, rest_point_m - piece.mass.centre_of_mass_m);
+    if (nearest && distance >= least) continue;
+    least = distance;
+    nearest = i;
+  }
+  return nearest;
+}
+
+void World::State::hold_pieces(uint32_t object_id, const RigidObject& object) {
+  for (auto& [id, held] : grabs) {
+    if (held.object_id == object_id) held.piece = object.piece_beside(0, held.rest_point_m);
+  }
+}
 
 void World::State::gather_springs(double duration_s) {
   for (RigidBody* body : rigid_bodies) body->springs.clear();
@@ -76,7 +144,7 @@ void World::State::gather_springs(double duration_s) {
       held.row.target_m = held.spring.target_m;
       held.row.stiffness_n_m = held.spring.stiffness_n_m;
       held.row.max_force_n = held.spring.max_force_n;
-      hold(rigid->body_with(held.spring.rest_point_m), held.row);
+      hold(rigid->body_with(held.spring.rest_point_m, held.spring.piece), held.row);
     } else {
       ElasticObject& elastic = *object->elastic();
       held.force_n = draw(elastic, held.spring, Eigen::Vector3d::Zero(), elastic.body->mass_kg(), held.point);
@@ -101,7 +169,7 @@ void World::State::gather_springs(double duration_s) {
     held.moving_s += duration_s;
     const double rate = 2.0 * std::numbers::pi * held.grip.frequency_hz;
     if (RigidObject* rigid = object->rigid()) {
-      RigidBody& body = rigid->body_with(held.rest_point_m);
+      RigidBody& body = rigid->body_with(held.rest_point_m, held.piece);
       RigidSpring& row = held.row;
       row.rest_point_m = held.rest_point_m;
       row.target_m = hand.position_m;
@@ -120,7 +188,7 @@ void World::State::gather_springs(double duration_s) {
       for (HeldPlace& place : held.places) {
         const Eigen::Vector3d arm = hand.orientation * place.hand_point_m;
         const World::Spring spring{place.rest_point_m, hand.position_m + arm, mass_kg * squared(rate),
-                                   share * held.grip.max_force_n};
+                                   share * held.grip.max_force_n, {}};
         held.force_n += draw(elastic, spring, held.velocity_m_s + held.spin_rad_s.cross(arm), mass_kg, place.point);
       }
     }
@@ -160,19 +228,12 @@ Result<void> World::grab(uint64_t grab_id, uint32_t object_id, const Pose& world
   held.grip = grip;
   held.world_from_hand = {world_from_hand.position_m, world_from_hand.orientation.normalized()};
   if (const RigidObject* rigid = object->rigid()) {
-    // Of a broken object, the fragment whose surface is nearest.
-    const RigidBody* body = rigid->body.get();
-    double least = INFINITY;
-    for (size_t i = 0; i < rigid->body_count(); ++i) {
-      const RigidBody& one = rigid->body_at(i);
-      const double distance = one.shape.sample(one.world_from_body.inverse() * world_from_hand.position_m).distance_m;
-      if (distance < least) {
-        least = distance;
-        body = &one;
-      }
-    }
-    held.rest_point_m = body->world_from_body.inverse() * world_from_hand.position_m + body->rest_centre_m;
-    held.hand_from_object = held.world_from_hand.orientation.conjugate() * body->world_from_body.orientation;
+    const NearestBody nearest = nearest_body(*rigid, world_from_hand.position_m, INFINITY);
+    if (!nearest.index) return invalid_argument("grab of " + name + ": the hand is out of this world");
+    held.rest_point_m = nearest.rest_point_m;
+    held.piece = rigid->piece_beside(*nearest.index, nearest.rest_point_m);
+    held.hand_from_object =
+        held.world_from_hand.orientation.conjugate() * rigid->body_at(*nearest.index).world_from_body.orientation;
   } else {
     held.places = places_in_palm(*object->elastic(), held.world_from_hand);
     held.rest_point_m = held.places.front().rest_point_m;
@@ -201,7 +262,8 @@ std::optional<World::GrabState> World::grab_state(uint64_t grab_id) const {
   const HeldGrab& held = found->second;
   const WorldObject* object = state_->find(held.object_id);
   if (!object) return std::nullopt;
-  GrabState state{world_point(held.object_id, held.rest_point_m), held.force_n, Eigen::Vector3d::Zero()};
+  GrabState state{world_point(held.object_id, held.rest_point_m, held.piece), held.force_n, Eigen::Vector3d::Zero(),
+                  held.piece};
   if (object->rigid()) {
     state.force_n = held.row.force_n;
     state.torque_n_m = held.row.torque_n_m;
@@ -209,43 +271,46 @@ std::optional<World::GrabState> World::grab_state(uint64_t grab_id) const {
   return state;
 }
 
-double World::contact_impulse_n_s(uint32_t object_id, const Eigen::Vector3d& rest_point_m) const {
+double World::contact_impulse_n_s(uint32_t object_id, const Eigen::Vector3d& rest_point_m,
+                                  std::optional<uint32_t> piece) const {
   const WorldObject* object = state_->find(object_id);
   if (!object) return 0.0;
-  if (const RigidObject* rigid = object->rigid()) return rigid->body_with(rest_point_m).felt_impulse_n_s;
+  if (const RigidObject* rigid = object->rigid()) return rigid->body_with(rest_point_m, piece).felt_impulse_n_s;
   return object->elastic() ? object->elastic()->felt_impulse_n_s : 0.0;
 }
 
-double World::mass_at_kg(uint32_t object_id, const Eigen::Vector3d& rest_point_m) const {
+double World::mass_at_kg(uint32_t object_id, const Eigen::Vector3d& rest_point_m, std::optional<uint32_t> piece) const {
   const WorldObject* object = state_->find(object_id);
   if (!object) return 0.0;
-  if (const RigidObject* rigid = object->rigid()) return rigid->body_with(rest_point_m).mass_kg;
+  if (const RigidObject* rigid = object->rigid()) return rigid->body_with(rest_point_m, piece).mass_kg;
   return object->elastic() ? object->elastic()->body->mass_kg() : 0.0;
 }
 
 std::optional<RayHit> World::nearest(const Eigen::Vector3d& point_m, double reach_m) const {
   std::optional<RayHit> nearest;
-  const auto offer = [&](uint32_t id, double distance, const Eigen::Vector3d& rest_point) {
-    distance = std::max(0.0, distance);
-    if (distance > reach_m || (nearest && nearest->distance_m <= distance)) return;
-    nearest = RayHit{id, distance, rest_point};
-  };
   for (const auto& [id, object] : state_->objects) {
+    const double within_m = nearest ? nearest->distance_m : reach_m;
+    std::optional<RayHit> met;
     if (const RigidObject* rigid = object.rigid()) {
-      for (size_t i = 0; i < rigid->body_count(); ++i) {
-        const RigidBody& body = rigid->body_at(i);
-        const Eigen::Vector3d local = body.world_from_body.inverse() * point_m;
-        if (local.norm() > body.shape.bounding_radius_m + reach_m) continue;
-        offer(id, body.shape.sample(local).distance_m, local + body.rest_centre_m);
-      }
+      const NearestBody body = nearest_body(*rigid, point_m, within_m);
+      if (body.index) met = hit_of(id, *rigid, body);
     } else if (const ElasticObject* elastic = object.elastic()) {
-      if ((elastic->body->centre_m() - point_m).norm() > 2.0 * elastic->body->reach_m() + reach_m) continue;
-      for (const Eigen::Vector3d& rest : elastic->rest_particles_m) {
-        offer(id, (elastic->body->world_point(rest) - point_m).norm(), rest);
-      }
+      if ((elastic->body->centre_m() - point_m).norm() > 2.0 * elastic->body->reach_m() + within_m) continue;
+      met = nearest_particle(id, *elastic, point_m);
     }
+    if (met && met->distance_m <= reach_m && (!nearest || met->distance_m < nearest->distance_m)) nearest = met;
   }
   return nearest;
+}
+
+std::optional<RayHit> World::nearest_of(uint32_t object_id, const Eigen::Vector3d& point_m) const {
+  const WorldObject* object = state_->find(object_id);
+  if (!object || object->fixed()) return std::nullopt;
+  if (const RigidObject* rigid = object->rigid()) {
+    const NearestBody nearest = nearest_body(*rigid, point_m, INFINITY);
+    return nearest.index ? std::optional(hit_of(object_id, *rigid, nearest)) : std::nullopt;
+  }
+  return nearest_particle(object_id, *object->elastic(), point_m);
 }
 
 }  // namespace livegs

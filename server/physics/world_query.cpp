@@ -15,9 +15,14 @@ constexpr double kWithinFragment = 1e-5;  // in bounding radii
 std::optional<RayHit> World::ray_cast(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
                                       double max_distance_m) const {
   std::optional<RayHit> nearest;
-  const auto offer = [&](uint32_t id, double distance, const Eigen::Vector3d& rest_point) {
+  const RigidObject* met = nullptr;  // if it is a rigid one, and which body of it
+  size_t met_index = 0;
+  const auto offer = [&](uint32_t id, double distance, const Eigen::Vector3d& rest_point, const RigidObject* rigid = nullptr,
+                         size_t index = 0) {
     if (distance > max_distance_m || (nearest && nearest->distance_m <= distance)) return;
-    nearest = RayHit{id, distance, rest_point};
+    nearest = RayHit{id, distance, rest_point, {}};
+    met = rigid;
+    met_index = index;
   };
   for (const auto& [id, object] : state_->objects) {
     if (const RigidObject* rigid = object.rigid()) {
@@ -28,7 +33,7 @@ std::optional<RayHit> World::ray_cast(const Eigen::Vector3d& origin_m, const Eig
         // Of a fragment, a point just within, so that it is told from the pieces beyond its cut faces.
         const double depth = rigid->fragments.empty() ? 0.0 : kWithinFragment * body.shape.bounding_radius_m;
         const Eigen::Vector3d point = origin_m + (*distance + depth) * direction;
-        offer(id, *distance, body.world_from_body.inverse() * point + body.rest_centre_m);
+        offer(id, *distance, body.world_from_body.inverse() * point + body.rest_centre_m, rigid, i);
       }
     } else if (const ElasticObject* elastic = object.elastic()) {
       if (const auto hit = elastic->body->ray_cast(origin_m, direction)) {
@@ -36,15 +41,17 @@ std::optional<RayHit> World::ray_cast(const Eigen::Vector3d& origin_m, const Eig
       }
     }
   }
+  if (met) nearest->piece = met->piece_beside(met_index, nearest->rest_point_m);
   return nearest;
 }
 
-Eigen::Vector3d World::world_point(uint32_t object_id, const Eigen::Vector3d& rest_point_m) const {
+Eigen::Vector3d World::world_point(uint32_t object_id, const Eigen::Vector3d& rest_point_m,
+                                   std::optional<uint32_t> piece) const {
   const WorldObject* object = state_->find(object_id);
   if (!object) return rest_point_m;
   if (const StaticObject* fixed = object->fixed()) return fixed->world_from_object * rest_point_m;
   if (const RigidObject* rigid = object->rigid()) {
-    const RigidBody& body = rigid->body_with(rest_point_m);
+    const RigidBody& body = rigid->body_with(rest_point_m, piece);
     return body.world_from_body * Eigen::Vector3d(rest_point_m - body.rest_centre_m);
   }
   return object->elastic()->body->world_point(rest_point_m);

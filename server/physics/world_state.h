@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <variant>
 #include <vector>
 
@@ -44,12 +45,20 @@ struct RigidObject {
   size_t body_count() const { return 1 + fragments.size(); }
   RigidBody& body_at(size_t index) { return index == 0 ? *body : *fragments[index - 1]; }
   const RigidBody& body_at(size_t index) const { return index == 0 ? *body : *fragments[index - 1]; }
-  // The one that holds a material point (object frame, at rest).
-  RigidBody& body_with(const Eigen::Vector3d& rest_point_m) { return body_at(index_with(rest_point_m)); }
-  const RigidBody& body_with(const Eigen::Vector3d& rest_point_m) const { return body_at(index_with(rest_point_m)); }
-  size_t index_with(const Eigen::Vector3d& rest_point_m) const {
-    return piece_bodies.empty() ? 0 : body_of(pieces->cut.locate(rest_point_m));
+  // The one that holds a material point (object frame, at rest): of the piece, if one is told.
+  RigidBody& body_with(const Eigen::Vector3d& rest_point_m, std::optional<uint32_t> piece = {}) {
+    return body_at(index_with(rest_point_m, piece));
   }
+  const RigidBody& body_with(const Eigen::Vector3d& rest_point_m, std::optional<uint32_t> piece = {}) const {
+    return body_at(index_with(rest_point_m, piece));
+  }
+  size_t index_with(const Eigen::Vector3d& rest_point_m, std::optional<uint32_t> piece) const {
+    if (piece_bodies.empty()) return 0;
+    return body_of(piece && *piece < piece_bodies.size() ? *piece : pieces->cut.locate(rest_point_m));
+  }
+  // For hands: the piece of a body whose surface is nearest to a point (object frame, at rest), by its triangles; none
+  // while the object is whole.
+  std::optional<uint32_t> piece_beside(size_t body_index, const Eigen::Vector3d& rest_point_m) const;
 };
 
 struct ElasticObject {
@@ -106,6 +115,7 @@ struct HeldGrab {
   uint32_t object_id = 0;
   World::Grip grip;
   Eigen::Vector3d rest_point_m;
+  std::optional<uint32_t> piece;  // of an object that has broken
   Pose world_from_hand;
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero(), spin_rad_s = Eigen::Vector3d::Zero();
   double moving_s = 0;  // since it was set
@@ -161,6 +171,8 @@ struct World::State {
 
   void gather_loads(double duration_s);
   void gather_springs(double duration_s);  // of hands
+  // Hands that hold an object as it breaks for the first time: each the piece beside it.
+  void hold_pieces(uint32_t object_id, const RigidObject& object);
   void step_elastic(double start_s, double duration_s);
   void step_rigid(double duration_s);
   // world_contact.cpp

@@ -104,7 +104,9 @@ Result<GrabPath> read_grab_path(const std::filesystem::path& path) {
 Result<void> ScriptedGrabs::begin(World& world, uint64_t grab_id, uint32_t object_id,
                                   const Eigen::Vector3d& rest_point_m, const GrabPath& path, double now_s) {
   const Pose hand{world.world_point(object_id, rest_point_m), path.poses.front().orientation};
-  if (auto grabbed = world.grab(grab_id, object_id, hand, hand_grip(world.mass_at_kg(object_id, rest_point_m))); !grabbed) return grabbed;
+  const auto met = world.nearest_of(object_id, hand.position_m);
+  const double mass_kg = met ? world.mass_at_kg(object_id, met->rest_point_m, met->piece) : 0.0;
+  if (auto grabbed = world.grab(grab_id, object_id, hand, hand_grip(mass_kg)); !grabbed) return grabbed;
   running_.push_back({grab_id, path, now_s, std::nullopt});
   return {};
 }

@@ -44,6 +44,7 @@ void HandControls::apply_ray(Scene& scene, uint64_t spring, Hand& hand, const Ha
       hand.holding = true;
       hand.object_id = hit->object_id;
       hand.rest_point_m = hit->rest_point_m;
+      hand.piece = hit->piece;
       hand.distance_m = hit->distance_m;
     }
   }
@@ -51,10 +52,12 @@ void HandControls::apply_ray(Scene& scene, uint64_t spring, Hand& hand, const Ha
   if (!pressed && hand.holding) let_go(scene, spring, hand);
   if (!hand.holding) return;
 
-  const double mass_kg = world.mass_at_kg(hand.object_id, hand.rest_point_m);  // of the sherd, once it has broken
-  if (mass_kg <= 0) return;                                                    // what never moves is not pulled
+  // Of the sherd, once it has broken.
+  const double mass_kg = world.mass_at_kg(hand.object_id, hand.rest_point_m, hand.piece);
+  if (mass_kg <= 0) return;  // what never moves is not pulled
   World::Spring pull = ray_spring(mass_kg);
   pull.rest_point_m = hand.rest_point_m;
+  pull.piece = hand.piece;
   pull.target_m = input.aim.position_m + hand.distance_m * ray_direction(input.aim);
   world.set_spring(spring, hand.object_id, pull);
 }
@@ -87,11 +90,12 @@ void HandControls::apply_grab(Scene& scene, uint64_t grab_id, Hand& hand, const 
   World& world = scene.world();
   if (squeezed && !hand.squeezed) {  // a hand that is closed already takes nothing
     if (const auto met = world.nearest(input.grip.position_m, kGrabReach_m)) {
-      if (const double mass_kg = world.mass_at_kg(met->object_id, met->rest_point_m); mass_kg > 0) {
+      if (const double mass_kg = world.mass_at_kg(met->object_id, met->rest_point_m, met->piece); mass_kg > 0) {
         let_go(scene, grab_id, hand);
         hand.grabbing = world.grab(grab_id, met->object_id, input.grip, hand_grip(mass_kg)).has_value();
         hand.object_id = met->object_id;
         hand.rest_point_m = met->rest_point_m;
+        hand.piece = met->piece;
       }
     }
   }
@@ -138,15 +142,16 @@ std::array<HeldPoint, 2> HandControls::held_points(const Scene& scene, SessionNu
   for (size_t i = 0; i < points.size(); ++i) {
     const Hand& hand = found->second[i];
     const World& world = scene.world();
-    const double felt_n_s = world.contact_impulse_n_s(hand.object_id, hand.rest_point_m);
+    const auto state = hand.grabbing ? world.grab_state(spring_id(session, i)) : std::nullopt;
+    const double felt_n_s = world.contact_impulse_n_s(hand.object_id, hand.rest_point_m, state ? state->piece : hand.piece);
     if (hand.grabbing) {
-      if (const auto state = world.grab_state(spring_id(session, i))) {
+      if (state) {
         points[i] = {true, hand.object_id, state->point_m, state->force_n, true, state->torque_n_m, felt_n_s};
       }
       continue;
     }
     if (!hand.holding) continue;
-    points[i] = {true, hand.object_id, scene.world().world_point(hand.object_id, hand.rest_point_m),
+    points[i] = {true, hand.object_id, scene.world().world_point(hand.object_id, hand.rest_point_m, hand.piece),
                  scene.world().spring_force_n(spring_id(session, i)), false, Eigen::Vector3d::Zero(), felt_n_s};
   }
   return points;
