@@ -49,7 +49,7 @@ Result<void> check_scene_physics(const Physics& written) {
        1},
       {"plasticity", written.has_plasticity(), written.plasticity(), 0, 1},
       {"damping", written.has_damping(), written.damping(), 0, 2},
-      {"break_impulse_n_s", written.has_break_impulse_n_s(), written.break_impulse_n_s(), 0, 1e6},
+      {"break_impulse_n_s", written.has_break_impulse_n_s(), written.break_impulse_n_s(), 1e-6, 1e6},
       {"fracture_pieces", written.has_fracture_pieces(), static_cast<double>(written.fracture_pieces()), 2, 64},
       {"friction", written.has_friction(), written.friction(), 0, 2},
       {"restitution", written.has_restitution(), written.restitution(), 0, 1},

@@ -234,6 +234,9 @@ Result<void> World::set_material(uint32_t object_id, const Material& material) {
   }
   if (auto checked = check_material(object_id, material); !checked) return checked;
   if (RigidObject* rigid = object->rigid()) {
+    if (material.fragile || rigid->pieces) {
+      if (auto checked = check_break_impulse(object_id, material); !checked) return checked;
+    }
     const double growth = material.mass_kg / rigid->material.mass_kg;
     rigid->material = material;
     for (size_t i = 0; i < rigid->body_count(); ++i) {

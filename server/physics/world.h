@@ -203,7 +203,8 @@ class World {
 
   // Lets go of a fixed or moved region of an elastic object for good. Fails if there is none of that name.
   Result<void> release_region(uint32_t object_id, const std::string& region);
-  Result<void> set_material(uint32_t object_id, const Material& material);  // the same behaviour only
+  // The same behaviour only. A rigid object that is fragile or has pieces needs a break_impulse_n_s of 1e-6 to 1e6.
+  Result<void> set_material(uint32_t object_id, const Material& material);
   const Material* material(uint32_t object_id) const;
 
   // What a rigid object can break into (of the very mesh and fill it was added with); until then it does not break.

@@ -264,10 +264,11 @@ Result<void> World::break_object(uint32_t object_id, const Eigen::Vector3d& rest
   blow.impulse_n_s = kBreakAtWill * threshold * direction;
   const Eigen::Vector3d where = body.world_from_body.position_m + body.arm_of(rest_point_m);
   thing->wake();
-  if (state_->strike(object_id, *object, index, blow, Eigen::Vector3d::Zero(), 0.0)) {
-    state_->events.push_back({state_->tick, WorldEventKind::Fracture, object_id, 0.0, where});
-    state_->list_bodies();
+  if (!state_->strike(object_id, *object, index, blow, Eigen::Vector3d::Zero(), 0.0)) {
+    return invalid_argument(name + ": nothing breaks at this point");
   }
+  state_->events.push_back({state_->tick, WorldEventKind::Fracture, object_id, 0.0, where});
+  state_->list_bodies();
   return {};
 }
 

@@ -330,6 +330,10 @@ void Scene::step() {
 }
 
 Result<void> Scene::take_physics(SceneObject& object, v1::PhysicalParameters physics) {
+  // What is fragile no longer may come without a break impulse; its pieces keep the strength they were cut with.
+  if (object.fragility && !physics.fragile() && !physics.has_break_impulse_n_s()) {
+    *physics.mutable_break_impulse_n_s() = object.physics.break_impulse_n_s();
+  }
   if (auto set = world_->set_material(object.id, to_material(physics)); !set) return set;
   if (const auto why = unbreakable(physics); why && !object.physics.fragile()) {
     object.warnings.push_back("physics." + *why);

@@ -191,6 +191,37 @@ TEST(Breaking, WhatCannotBreakSaysWhy) {
   box.material.break_impulse_n_s = 1.0;
   ASSERT_TRUE(world.add_rigid(box));
   says(world.set_pieces(3, cup_pieces()), "another body");
+  // So weak that no blow has a direction: it was no error, and nothing broke.
+  RigidBodyDescription weak = cup_at(0.0);
+  weak.object_id = 4;
+  weak.material.break_impulse_n_s = 1e-200;
+  ASSERT_TRUE(world.add_rigid(weak));
+  ASSERT_TRUE(world.set_pieces(4, cup_pieces()));
+  says(world.break_object(4, {0.038, 0.05, 0}), "object 4: nothing breaks");
+}
+
+// A break impulse of nothing would be reached by standing.
+TEST(Breaking, ABreakImpulseThatIsNoneIsRefusedAndTheCupStands) {
+  World world = with_cup(cup_at(0.0), world_at(90, 4));
+  world.add_collider(floor_plane());
+  run_seconds(world, 1.0);
+  for (const double impulse : {0.0, -1.0, static_cast<double>(INFINITY), std::nan("")}) {
+    for (const bool fragile : {true, false}) {
+      Material material = *world.material(kCup);
+      material.fragile = fragile;
+      material.break_impulse_n_s = impulse;
+      const auto set = world.set_material(kCup, material);
+      ASSERT_FALSE(set) << impulse;
+      EXPECT_NE(set.error().message.find("object 1: break_impulse_n_s "), std::string::npos) << set.error().message;
+      EXPECT_NE(set.error().message.find("outside 1e-06 to 1e+06"), std::string::npos) << set.error().message;
+    }
+  }
+  run_seconds(world, 1.0);
+  EXPECT_EQ(world.revision(kCup), 0u);
+  EXPECT_EQ(world.material(kCup)->break_impulse_n_s, kBreakImpulse_n_s);
+  // What neither is fragile nor has pieces needs none.
+  ASSERT_TRUE(world.add_rigid(box_body(2, {0.1, 0.1, 0.1}, 1.0)));
+  EXPECT_TRUE(world.set_material(2, *world.material(2)));
 }
 
 }  // namespace

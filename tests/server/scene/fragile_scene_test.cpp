@@ -87,6 +87,22 @@ TEST(FragileScene, WhatBecomesFragileInTheFallBreaksWhenItLands) {
   EXPECT_EQ(thing.asset, thing.broken->asset);
 }
 
+// An analysis that finds it tough after all tells no impulse. The pieces are there, so it keeps the one it had.
+TEST(FragileScene, WhatIsFragileNoLongerKeepsItsBreakImpulse) {
+  auto scene = Scene::build(one_object(fragile(8), false), "", "tough", {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  const SceneObject& thing = *scene->find("thing");
+  v1::PhysicalParameters tough = thing.physics;
+  tough.set_fragile(false);
+  tough.clear_break_impulse_n_s();
+  const auto set = scene->set_physics(thing.id, tough);
+  ASSERT_TRUE(set) << set.error().message;
+  EXPECT_EQ(scene->world().material(thing.id)->break_impulse_n_s, 0.2);
+  for (int tick = 0; tick < 60; ++tick) scene->step();
+  EXPECT_EQ(scene->world().revision(thing.id), 0u);
+  EXPECT_TRUE(scene->world().break_object(thing.id, {0.04, 0, 0}));
+}
+
 TEST(FragileScene, CutFacesHaveTheColourThatIsToldOfTheInside) {
   const Eigen::Vector3f told(0.8f, 0.3f, 0.1f);
   const auto off = [&](const SceneObject& thing) {
