@@ -40,6 +40,14 @@ void RigidBlows::note_force(const RigidBody& body, const Eigen::Vector3d& impuls
   forces_.restitution = 1.0;
 }
 
+void RigidBlows::note_joint(const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& point_m) {
+  const double size = impulse_n_s.norm();
+  if (!(size > 0.0)) return;
+  const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
+  contacts_.add(size, body_from_world * (impulse_n_s / size), body_from_world * point_m);
+  contacts_.from_colliders = false;
+}
+
 void RigidBlows::note_contact(const RigidBody& body, const ContactPatch& patch, const ContactPoint& point,
                               const Eigen::Vector3d& normal, const Eigen::Vector3d& point_m) {
   if (point.impulse_n_s <= 0.0) return;

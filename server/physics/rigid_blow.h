@@ -8,8 +8,8 @@
 //
 // A blow is the impulse of an impact: what ends the approach of two surfaces, m v (1 + e) for a body alone, whatever the
 // substep is. Weight, piles and hands press on; what they give in a tick goes with its length and says nothing of how
-// hard they press. A lasting force counts with what it gives in kBlowTime_s, as long as a blow lasts: as much stress, as
-// much broken.
+// hard they press. A lasting force, a weight's, a hand's or a joint's, counts with what it gives in kBlowTime_s, as long as
+// a blow lasts: as much stress, as much broken.
 
 namespace livegs {
 
@@ -43,8 +43,11 @@ Eigen::Vector3d direction_of(const ImpulseSum& sum);
 // Sums are kept of bodies that can break only.
 class RigidBlows {
  public:
-  // During a substep. `direction` (unit) and `point_m` in world axes, the point from the centre of mass.
+  // During a substep. Impulses on this body and `point_m` in world axes, the point from the centre of mass. A force's and a
+  // hand's is what it gives, however abruptly.
   void note_force(const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& point_m);
+  // A joint passes on what comes from elsewhere, blows among it, as a contact does that struck nothing itself.
+  void note_joint(const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& point_m);
   // `normal`: towards this body.
   void note_contact(const RigidBody& body, const ContactPatch& patch, const ContactPoint& point,
                     const Eigen::Vector3d& normal, const Eigen::Vector3d& point_m);
@@ -65,7 +68,7 @@ class RigidBlows {
   std::vector<Struck> recent_;    // blows of the last kFrame_s, by substep
   ImpulseSum blow_, pressed_;     // of the tick: the strongest sum of them; contacts that bore
   ImpulseSum pushed_;             // by forces, the largest of the tick, for kBlowTime_s
-  ImpulseSum contacts_, forces_;  // of the substep
+  ImpulseSum contacts_, forces_;  // of the substep; joints are among the contacts
   double struck_share_ = 0.0;
   double borne_n_ = 0.0;  // by its contacts, as long as nothing strikes it
   bool borne_known_ = false;

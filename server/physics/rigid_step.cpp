@@ -109,6 +109,24 @@ void tally(RigidBody& body, ContactPatch& patch) {
   }
 }
 
+// What hands and joints gave in the step loads a body as contacts do.
+void note_held(const RigidIsland& island, std::span<JointGroup* const> joints, double step_s) {
+  for (RigidBody* body : island.bodies) {
+    if (!body->can_break) continue;
+    for (const RigidSpring* spring : body->springs) body->blows.note_force(*body, step_s * spring->force_n, spring->arm_m);
+  }
+  const auto note = [&](RigidBody* body, const Eigen::Vector3d& force_n, const Eigen::Vector3d& anchor_m) {
+    if (!body || !body->can_break || body->asleep) return;
+    body->blows.note_joint(*body, step_s * force_n, anchor_m - body->world_from_body.position_m);
+  };
+  for (const JointGroup* group : joints) {
+    for (const RigidJoint& joint : group->joints()) {
+      note(joint.a, joint.force_n, joint.world_anchor_a());
+      note(joint.b, -joint.force_n, joint.world_anchor_b());
+    }
+  }
+}
+
 bool is_impact(const ContactPatch& patch) {
   for (int i = 0; i < patch.point_count; ++i) {
     if (patch.points[i].impact_speed_m_s >= patch.restitution_speed_m_s) return true;
@@ -177,6 +195,7 @@ void solve_island(RigidIsland& island, double duration_s) {
       }
     }
     each(tally);
+    note_held(island, joints, step_s);
   }
   double struck_share = 0.0;
   for (const RigidBody* body : island.bodies) struck_share = std::max(struck_share, body->blows.struck_share());

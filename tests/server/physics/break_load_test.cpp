@@ -188,6 +188,83 @@ TEST(BreakingLoads, AForceOnASleeperBreaksNothingWhenItEnds) {
   }
 }
 
+// Two hands that draw a cup apart are a load like any other, a grip's or a ray's: both count, each with what it gives in
+// kBlowTime_s. They were none, and 2000 N from either side left it whole.
+TEST(BreakingLoads, HandsThatPullApartBreakWhatAForceWould) {
+  const double tearing_n = 0.5 * kBreakImpulse_n_s / kBlowTime_s;
+  for (const double rate : kRates_hz) {
+    for (const int substeps : {4, 32}) {
+      for (const bool grips : {true, false}) {
+        SCOPED_TRACE(::testing::Message() << substeps << " substeps of " << rate << " Hz, " << (grips ? "grips" : "rays"));
+        const auto torn_by = [&](double newton) {
+          World world = with_cup(cup_at(0.0), world_at(rate, substeps, Vector3d::Zero()));
+          for (uint64_t hand : {1, 2}) {
+            const Vector3d side((hand == 1 ? 1 : -1) * 0.04, 0.05, 0), away = 4.0 * side;
+            if (grips) {
+              World::Grip grip;
+              grip.frequency_hz = 60.0;
+              grip.max_force_n = newton;
+              EXPECT_TRUE(world.grab(hand, kCup, {side, Eigen::Quaterniond::Identity()}, grip));
+              world.move_grab(hand, {{away.x(), side.y(), 0}, Eigen::Quaterniond::Identity()}, Vector3d::Zero(), Vector3d::Zero());
+            } else {
+              world.set_spring(hand, kCup, {side, {away.x(), side.y(), 0}, 1e5, newton, {}});
+            }
+          }
+          run_seconds(world, 0.2);
+          return world.revision(kCup) > 0;
+        };
+        EXPECT_FALSE(torn_by(0.97 * tearing_n));
+        EXPECT_TRUE(torn_by(1.03 * tearing_n));
+        EXPECT_TRUE(torn_by(2000.0));
+      }
+    }
+  }
+}
+
+// A cup between a hook and a weight bears the weight below and both above.
+TEST(BreakingLoads, AWeightThatHangsFromACupBreaksItAsOneThatStandsOnItWould) {
+  const double tearing_kg = 0.5 * (kBreakImpulse_n_s / kBlowTime_s / kGravity - kMass_kg);
+  for (const double rate : kRates_hz) {
+    for (const int substeps : {4, 32}) {
+      SCOPED_TRACE(::testing::Message() << substeps << " substeps of " << rate << " Hz");
+      const auto torn_by = [&](double kg) {
+        World world = with_cup(cup_at(0.0), world_at(rate, substeps));
+        RigidBodyDescription weight = box_body(kWeight, {0.2, 0.2, 0.2}, kg);
+        weight.world_from_object.position_m = {0, -0.2, 0};
+        EXPECT_TRUE(world.add_rigid(weight));
+        EXPECT_TRUE(world.add_ball_joint({kCup, {}, {0, 0.1, 0}}));
+        EXPECT_TRUE(world.add_ball_joint({kCup, kWeight, {0, 0.0, 0}}));
+        run_seconds(world, 1.0);
+        return world.revision(kCup) > 0;
+      };
+      EXPECT_FALSE(torn_by(0.97 * tearing_kg));
+      EXPECT_TRUE(torn_by(1.03 * tearing_kg));
+    }
+  }
+}
+
+// What a joint passes on of a blow belongs to the blow, so that the step has no say in it.
+TEST(BreakingLoads, ACupOnAHookBreaksFromTheSameBlowForAnySubsteps) {
+  const auto breaks = [](double rate, int substeps, double speed_m_s) {
+    World world = with_cup(cup_at(0.0), world_at(rate, substeps));
+    EXPECT_TRUE(world.add_ball_joint({kCup, {}, {0, 0.1, 0}}));
+    BallDescription shot = ball(2, {0.1 + 0.05 * speed_m_s, 0.05, 0.0}, 0.03, 0.2);
+    shot.position_m.y() += 0.5 * kGravity * 0.05 * 0.05;
+    shot.velocity_m_s = {-speed_m_s, 0, 0};
+    EXPECT_TRUE(world.add_ball(shot));
+    run_seconds(world, 0.2);
+    return world.revision(kCup) > 0;
+  };
+  constexpr double kSpeed_m_s = 3.1;  // 3.04 to 3.16
+  for (const double rate : kRates_hz) {
+    for (const int substeps : {4, 8, 16, 32}) {
+      SCOPED_TRACE(::testing::Message() << substeps << " substeps of " << rate << " Hz");
+      EXPECT_FALSE(breaks(rate, substeps, 0.97 * kSpeed_m_s));
+      EXPECT_TRUE(breaks(rate, substeps, 1.03 * kSpeed_m_s));
+    }
+  }
+}
+
 // Sherds start deep in each other, as far as fields of distance can tell. What they push each other with must pass: sixty-four
 // kept pushing with 60 to 220 times the weight of the cup.
 TEST(BreakingLoads, AHeapOfSherdsPressesWithItsWeight) {
