@@ -433,7 +433,8 @@ double JointGroup::kinetic_j() const {
 }
 
 // Joints do no work. Where the small steps are too large still, the motion of the group, about its own centre if it is
-// free, is slowed to the energy it can have.
+// free, is slowed to the energy it can have. A free group's angular momentum about its centre shrinks with that motion,
+// which is wrong by as much; its linear momentum is kept.
 void JointGroup::slow_down_to(double allowed_j) {
   Eigen::Vector3d common = Eigen::Vector3d::Zero();
   double common_j = 0.0;

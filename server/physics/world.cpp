@@ -188,17 +188,22 @@ void World::remove(uint32_t object_id) {
   }
   if (const ElasticObject* elastic = found->second.elastic()) {
     for (const uint64_t id : elastic->met) {
-      if (WorldObject* other = state_->find(static_cast<uint32_t>(id / kMaxBodiesOfObject))) other->wake();
+      if (WorldObject* other = state_->find(object_of(id))) other->wake();
     }
   }
   state_->objects.erase(found);
+  // An id may be used again, by something that nobody holds.
+  const auto on_it = [&](const auto& entry) { return entry.second.object_id == object_id; };
+  std::erase_if(state_->forces, on_it);
+  std::erase_if(state_->springs, on_it);
+  std::erase_if(state_->grabs, on_it);
   state_->list_bodies();
   for (ElasticObject* elastic : state_->elastic_objects) {
-    const auto was = [&](uint64_t id) { return id / kMaxBodiesOfObject == object_id; };
+    const auto was = [&](uint64_t id) { return object_of(id) == object_id; };
     if (std::erase_if(elastic->met, was) > 0) elastic->body->wake();
   }
   const auto gone = [&](const ContactPatch& patch) {
-    return patch.other_id < kColliderBit && patch.other_id / kMaxBodiesOfObject == object_id;
+    return patch.other_id < kColliderBit && object_of(patch.other_id) == object_id;
   };
   for (RigidBody* body : state_->rigid_bodies) {
     if (std::erase_if(body->patches, gone) > 0) body->wake();

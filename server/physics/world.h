@@ -96,7 +96,7 @@ struct WorldEvent {
   WorldEventKind kind = WorldEventKind::Contact;
   uint32_t object_id = 0;
   double impulse_n_s = 0;  // Contact: from other objects, summed over the tick, when above kReportedImpulse. Fracture: of
-                           // blows in the tick and of what lasted, see rigid_blow.h; 0 when broken at will
+                           // blows within 1/60 s and of what lasted, see rigid_blow.h; 0 when broken at will
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
 };
 
@@ -127,7 +127,8 @@ class World {
   Result<void> add_rigid(const RigidBodyDescription& description);
   Result<void> add_elastic(const ElasticBodyDescription& description);
   Result<void> add_ball(const BallDescription& description);
-  void remove(uint32_t object_id);  // balls that have gone far; unknown ids are ignored
+  // Balls that have gone far; unknown ids are ignored. Forces and springs on it, and hands that hold it, go with it.
+  void remove(uint32_t object_id);
 
   // Errors name the objects. A joint goes when an object of it is removed.
   Result<void> add_ball_joint(const BallJointDescription& description);
@@ -151,7 +152,7 @@ class World {
   struct Spring {
     Eigen::Vector3d rest_point_m = Eigen::Vector3d::Zero(), target_m = Eigen::Vector3d::Zero();
     double stiffness_n_m = 50.0, max_force_n = 50.0;
-    std::optional<uint32_t> piece;
+    std::optional<uint32_t> piece = {};
   };
   void set_spring(uint64_t spring_id, uint32_t object_id, const Spring& spring);
   void clear_spring(uint64_t spring_id);
@@ -208,8 +209,9 @@ class World {
   const Material* material(uint32_t object_id) const;
 
   // What a rigid object can break into (of the very mesh and fill it was added with); until then it does not break.
-  // From now on it does when the impulses on it, summed over a tick, reach material().break_impulse_n_s, if it is
-  // fragile. Its fragments break again, down to single pieces.
+  // From now on it does, if it is fragile, when the impulses of blows on it, summed over 1/60 s wherever ticks end, with
+  // those of a millisecond of what lasts reach material().break_impulse_n_s: see rigid_blow.h. Its fragments break again,
+  // down to single pieces.
   Result<void> set_pieces(uint32_t object_id, std::shared_ptr<const BreakablePieces> pieces);
   // Breaks it at a material point (rest object frame) as a blow of kBreakAtWill times what it bears would, without
   // giving it any momentum. Fails, and says why, if there is nothing to break there.

@@ -168,7 +168,8 @@ void World::State::take_impulses(double duration_s) {
   }
 }
 
-// Wakes a body if it sleeps, when `awake` says that one of its company is awake. Returns whether it is awake now.
+// Wakes a body if it sleeps, when `awake` says that one of its company is awake. Returns whether it is awake now; what is
+// no body never is.
 bool World::State::wake_body(uint64_t contact_id, bool awake) {
   const auto found = std::lower_bound(rigid_bodies.begin(), rigid_bodies.end(), contact_id,
                                       [](const RigidBody* body, uint64_t id) { return body->contact_id() < id; });
@@ -177,7 +178,7 @@ bool World::State::wake_body(uint64_t contact_id, bool awake) {
     return !(*found)->asleep;
   }
   WorldObject* object = find(object_of(contact_id));
-  if (!object || !object->elastic()) return awake;
+  if (!object || !object->elastic()) return false;
   if (awake && object->asleep()) object->wake();
   return !object->asleep();
 }

@@ -188,7 +188,7 @@ void World::State::gather_springs(double duration_s) {
       for (HeldPlace& place : held.places) {
         const Eigen::Vector3d arm = hand.orientation * place.hand_point_m;
         const World::Spring spring{place.rest_point_m, hand.position_m + arm, mass_kg * squared(rate),
-                                   share * held.grip.max_force_n, {}};
+                                   share * held.grip.max_force_n};
         held.force_n += draw(elastic, spring, held.velocity_m_s + held.spin_rad_s.cross(arm), mass_kg, place.point);
       }
     }

@@ -207,7 +207,7 @@ TEST(BreakingLoads, HandsThatPullApartBreakWhatAForceWould) {
               EXPECT_TRUE(world.grab(hand, kCup, {side, Eigen::Quaterniond::Identity()}, grip));
               world.move_grab(hand, {{away.x(), side.y(), 0}, Eigen::Quaterniond::Identity()}, Vector3d::Zero(), Vector3d::Zero());
             } else {
-              world.set_spring(hand, kCup, {side, {away.x(), side.y(), 0}, 1e5, newton, {}});
+              world.set_spring(hand, kCup, {side, {away.x(), side.y(), 0}, 1e5, newton});
             }
           }
           run_seconds(world, 0.2);

@@ -245,6 +245,28 @@ TEST(WorldHands, GrabHoldsAndCarriesASoftObject) {
   EXPECT_LT(world.elastic_body(1)->centre_m().y() - start.y(), -0.5);
 }
 
+// Ids of objects may be used again: what hands and forces did to the old one is none of the new one's business.
+TEST(WorldHands, WhatIsRemovedIsLetGo) {
+  World world = world_at(90, 4, Vector3d::Zero());
+  ASSERT_TRUE(world.add_rigid(box_body(1, {0.1, 0.1, 0.1}, 0.5)));
+  ASSERT_TRUE(world.add_rigid(box_body(2, {0.1, 0.1, 0.1}, 0.5)));
+  for (const uint32_t id : {1u, 2u}) {
+    world.set_force(id, id, {{0, 0, 0}, {0, 1, 0}});
+    world.set_spring(id, id, {{0, 0, 0}, {1, 0, 0}});
+    ASSERT_TRUE(world.grab(id, id, hand_at({0, 0, 0}), {}));
+    world.move_grab(id, hand_at({0, 0, 1}), Vector3d::Zero(), Vector3d::Zero());
+  }
+  world.step();
+  world.remove(1);
+  EXPECT_FALSE(world.grab_state(1));
+  EXPECT_TRUE(world.grab_state(2));
+  ASSERT_TRUE(world.add_rigid(box_body(1, {0.1, 0.1, 0.1}, 0.5)));
+  run_seconds(world, 0.1);
+  EXPECT_EQ(body_state(world, 1).velocity_m_s, Vector3d::Zero());
+  EXPECT_EQ(world.spring_force_n(1), Vector3d::Zero());
+  for (int axis = 0; axis < 3; ++axis) EXPECT_GT(body_state(world, 2).velocity_m_s[axis], 0.01);
+}
+
 TEST(WorldHands, NearestFindsWhatAHandCanReach) {
   World world = world_at(60, 4);
   ASSERT_TRUE(world.add_rigid(box_body(1, {0.1, 0.1, 0.1}, 0.5)));
