@@ -40,8 +40,8 @@ TEST(Breaking, MassMomentumAndEnergyAreKeptOverAHundredSeeds) {
 // In free space a cup meets a plate that comes towards it, turning, or a ball. Blow, recoil and what fragments give back are
 // in the sum: they are between bodies, so nothing may be missing.
 TEST(Breaking, ACupThatIsStruckKeepsMassAndMomentumOverAHundredSeeds) {
-  // Asked for: 1e-5 of every one. Seed 39 turns by a tenth of what its parts do, and misses 3 in 1e5 of that.
-  constexpr double kGoal = 1e-5, kWorst = 4e-5;
+  // Asked for: 1e-5 of every one. Seed 39 turns by a tenth of what its parts do, and misses 3.3 in 1e5 of that.
+  constexpr double kGoal = 1e-5, kWorst = 3.4e-5;
   int within_goal = 0;
   for (uint64_t seed = 1; seed <= 100; ++seed) {
     SCOPED_TRACE(seed);

@@ -59,8 +59,9 @@ double rolling_prism_speed(double angle_rad, double radius_m, int facets, double
 
 TEST(RigidShapes, FacettedCylinderRollsNoFasterThanThePrismItIs) {
   const double angle = radians(10), r = 0.05;
-  for (const int facets : {48, 96, 144}) {
-    World world = world_at(60, 4);
+  for (const auto& [rate, facets] : {std::pair(60.0, 48), {60.0, 96}, {60.0, 144}, {90.0, 48}, {90.0, 96}, {90.0, 144}}) {
+    SCOPED_TRACE(::testing::Message() << facets << " facets at " << rate << " Hz");
+    World world = world_at(rate, 4);
     world.add_collider(incline(angle, 0.6));
     auto body = body_of(1, cylinder_mesh(r, 0.1, facets), 0.5);
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(-angle, Vector3d::UnitZ()));
@@ -68,10 +69,10 @@ TEST(RigidShapes, FacettedCylinderRollsNoFasterThanThePrismItIs) {
     body.world_from_object.position_m = turn * Vector3d(0, r, 0);
     ASSERT_TRUE(world.add_rigid(body));
     run_seconds(world, 1.0);
-    // At 4 substeps a facet or two land within each substep. Measured 0.86 to 1.025 of the prism; goal 0.98 to 1.02.
+    // At 4 substeps a facet or two land within each substep. Measured 0.859 to 1.024 of the prism; goal 0.98 to 1.02.
     const double share = body_state(world, 1).velocity_m_s.norm() / rolling_prism_speed(angle, r, facets, 1.0);
-    EXPECT_GT(share, 0.85) << facets;
-    EXPECT_LT(share, 1.03) << facets;
+    EXPECT_GT(share, 0.855);
+    EXPECT_LT(share, 1.027);
   }
 }
 
