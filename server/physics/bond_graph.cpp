@@ -210,6 +210,25 @@ std::vector<uint32_t> broken_bonds(const BondGraph& graph, const Blow& blow) {
   return bonds;
 }
 
+void wear_bonds(BondGraph& graph, const Blow& blow) {
+  const LoadedGroup group = loads_of(graph, blow);
+  const auto load = [&](size_t k) {
+    const BondGraph::Bond& bond = graph.bonds[group.bonds[k]];
+    return group.impulses[k] * bond.health / bond.area_m2;
+  };
+  double most = 0.0;
+  for (size_t k = 0; k < group.bonds.size(); ++k) most = std::max(most, load(k));
+  if (!(most > 0.0)) return;
+  // The most loaded one, if it were whole, would break at this.
+  const double breaks_n_s = graph.break_impulse_n_s * group.area_m2 / graph.whole_area_m2;
+  for (size_t k = 0; k < group.bonds.size(); ++k) {
+    const double borne = blow.impulse_n_s.norm() / breaks_n_s * load(k) / most;
+    const double loss = kWear * std::max(0.0, borne - kBearsForEver) / (1.0 - kBearsForEver);
+    double& health = graph.bonds[group.bonds[k]].health;
+    if (loss > 0.0) health = std::min(health, std::max(kLeastHealth, health - loss));
+  }
+}
+
 std::vector<uint32_t> connected_groups(const BondGraph& graph) {
   DisjointSets sets(graph.pieces.size());
   for (const BondGraph::Bond& bond : graph.bonds) {

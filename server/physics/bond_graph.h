@@ -23,6 +23,11 @@
 //     area of the faces between groups stays within A_0 (J / J_c)², the first one always. A_0 is the mean cross-section
 //     of the body, volume by length: at the threshold one crack goes right through, however finely it was cut.
 // What a blow breaks, a stronger one at the same place and direction breaks too.
+//
+// A blow that breaks nothing wears bonds. Damage adds up linearly (Palmgren 1924, Miner 1945), and only of bonds that bear
+// more than half of what breaks them: below about that fraction of their toughness cracks in ceramics do not grow from
+// cycle to cycle (Ritchie 1999, Mechanisms of fatigue-crack propagation in ductile and brittle solids). So a thing that is
+// struck hard again and again breaks, along bonds that were struck before.
 
 namespace livegs {
 
@@ -61,6 +66,16 @@ double break_threshold_n_s(const BondGraph& graph, const Blow& blow);
 
 // Numbers of the bonds that break, in the order they do; empty below the threshold.
 std::vector<uint32_t> broken_bonds(const BondGraph& graph, const Blow& blow);
+
+// Of a bond's health, what one blow takes that just does not break it; in proportion from kBearsForEver of that blow on.
+// Larger: fewer blows break. A cup that bears 0.9 of what breaks it breaks at the second such blow, at 0.8 the third, at
+// 0.65 the sixth.
+inline constexpr double kWear = 0.25;
+inline constexpr double kBearsForEver = 0.5;
+// Wear leaves this much: only a blow breaks.
+inline constexpr double kLeastHealth = 0.1;
+// Wears the bonds of the body that the struck piece belongs to. Precondition: the blow broke nothing.
+void wear_bonds(BondGraph& graph, const Blow& blow);
 
 // For each piece the lowest number of a piece it hangs together with.
 std::vector<uint32_t> connected_groups(const BondGraph& graph);

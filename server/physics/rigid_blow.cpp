@@ -88,6 +88,11 @@ void RigidBlows::end_substep(const RigidBody& body, double island_share, double 
     ImpulseSum together;
     for (const Struck& one : recent_) together.add(one.sum, 1.0);
     if (together.impulse_n_s > blow_.impulse_n_s) blow_ = together;
+    if (together.impulse_n_s > spell_.impulse_n_s) spell_ = together;
+  }
+  if (recent_.empty()) {
+    if (spell_.impulse_n_s > over_.impulse_n_s) over_ = spell_;
+    spell_ = {};
   }
   pressed_.add(contacts_, 1.0 - struck / std::max(size, 1e-300));
   if (kBlowTime_s / duration_s * forces_.impulse_n_s > pushed_.impulse_n_s) {
@@ -106,6 +111,8 @@ ImpulseSum RigidBlows::take(double tick_s) {
   sum.restitution = 2.0 * struck_n_s > sum.impulse_n_s ? restitution : 1.0;
   return sum;
 }
+
+ImpulseSum RigidBlows::take_spell() { return std::exchange(over_, {}); }
 
 Eigen::Vector3d direction_of(const ImpulseSum& sum) {
   constexpr double kOneSided = 0.5;

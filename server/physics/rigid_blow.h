@@ -59,6 +59,9 @@ class RigidBlows {
   // The strongest kFrame_s of blows that ended within the tick, and kBlowTime_s of what lasted: of contacts the mean, as a
   // first touch may be abrupt, of forces the largest.
   ImpulseSum take(double tick_s);
+  // The strongest kFrame_s of blows of a spell that is over, when nothing has struck it for as long; once. Of what lasts
+  // there is nothing in it.
+  ImpulseSum take_spell();
 
  private:
   struct Struck {
@@ -67,6 +70,7 @@ class RigidBlows {
   };
   std::vector<Struck> recent_;    // blows of the last kFrame_s, by substep
   ImpulseSum blow_, pressed_;     // of the tick: the strongest sum of them; contacts that bore
+  ImpulseSum spell_, over_;       // the strongest sum since nothing had struck it; that of spells that ended in the tick
   ImpulseSum pushed_;             // by forces, the largest of the tick, for kBlowTime_s
   ImpulseSum contacts_, forces_;  // of the substep; joints are among the contacts
   double struck_share_ = 0.0;

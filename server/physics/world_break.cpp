@@ -87,6 +87,14 @@ uint32_t nearest_piece(const RigidObject& object, uint32_t body_index, const Eig
   return nearest;
 }
 
+Blow blow_of(const RigidObject& object, uint32_t body_index, const ImpulseSum& sum) {
+  Blow blow;
+  blow.point_m = object.body_at(body_index).rest_centre_m + sum.moment / sum.impulse_n_s;
+  blow.impulse_n_s = sum.impulse_n_s * direction_of(sum);
+  blow.piece = nearest_piece(object, body_index, blow.point_m);
+  return blow;
+}
+
 // Faces of the bonds that broke, where they part bodies.
 void spring_back(RigidObject& object, std::span<const uint32_t> broken, double energy_j) {
   std::vector<RigidBody*> bodies;
@@ -187,13 +195,13 @@ void World::State::break_struck() {
     for (uint32_t index = 0; index < count; ++index) {
       RigidBody& body = object->body_at(index);
       if (!body.can_break) continue;
-      const ImpulseSum sum = body.blows.take(1.0 / settings.rate_hz);
+      const ImpulseSum sum = body.blows.take(1.0 / settings.rate_hz), spell = body.blows.take_spell();
       if (!object->material.fragile) continue;
-      if (sum.impulse_n_s < kFaintBlow * object->bonds.break_impulse_n_s) continue;
-      Blow blow;
-      blow.point_m = body.rest_centre_m + sum.moment / sum.impulse_n_s;
-      blow.impulse_n_s = sum.impulse_n_s * direction_of(sum);
-      blow.piece = nearest_piece(*object, index, blow.point_m);
+      const double faint_n_s = kFaintBlow * object->bonds.break_impulse_n_s;
+      // Only once a spell of blows is over: while it lasts it is one blow, and has to break what is as it was before.
+      if (spell.impulse_n_s >= faint_n_s) wear_bonds(object->bonds, blow_of(*object, index, spell));
+      if (sum.impulse_n_s < faint_n_s) continue;
+      const Blow blow = blow_of(*object, index, sum);
       const Eigen::Vector3d where = body.world_from_body * Eigen::Vector3d(blow.point_m - body.rest_centre_m);
       // What the bonds did not bear was never passed on: of a blow from the floor, fragments keep the velocity they had
       // before it, less the part that broke them, and go on until they hit the floor themselves. Kinetic energy is convex

@@ -58,6 +58,47 @@ TEST(BondGraph, LoadsARowByWhatLiesBehind) {
   EXPECT_EQ(broken_bonds(row, blow), std::vector<uint32_t>{0});
 }
 
+// At 0.9 of what breaks it the near bond loses 0.25 · (0.9 - 0.5) / 0.5 = 0.2, the far one, which bears 0.45, nothing.
+TEST(BondGraph, BlowsThatBreakNothingWearWhatBearsMoreThanHalf) {
+  BondGraph row;
+  for (int n = 0; n < 3; ++n) row.pieces.push_back({1.0, {0.1 * n, 0, 0}, 1e-3 * Eigen::Matrix3d::Identity(), 1e-4});
+  row.bonds = {{1, 2, 1e-4}, {0, 1, 1e-4}};
+  row.break_impulse_n_s = kThreshold;
+  row.whole_area_m2 = 2e-4;
+  const Blow blow{0, {0, 0, 0}, {0.9 * kThreshold, 0, 0}}, light{0, {0, 0, 0}, {0.5 * kThreshold, 0, 0}};
+  ASSERT_TRUE(broken_bonds(row, blow).empty());
+  wear_bonds(row, blow);
+  EXPECT_NEAR(row.bonds[1].health, 0.8, 1e-12);
+  EXPECT_EQ(row.bonds[0].health, 1.0);
+  EXPECT_NEAR(break_threshold_n_s(row, blow), 0.8 * kThreshold, 1e-12);
+  EXPECT_EQ(broken_bonds(row, blow).front(), 1u);
+  // What it was worn by before does not change what a blow takes; half of what breaks it takes nothing.
+  wear_bonds(row, light);
+  EXPECT_NEAR(row.bonds[1].health, 0.8, 1e-12);
+  wear_bonds(row, {0, {0, 0, 0}, {0.7 * kThreshold, 0, 0}});
+  EXPECT_NEAR(row.bonds[1].health, 0.7, 1e-12);
+  for (int i = 0; i < 100; ++i) wear_bonds(row, {0, {0, 0, 0}, {0.7 * kThreshold, 0, 0}});
+  EXPECT_EQ(row.bonds[1].health, kLeastHealth);
+}
+
+// A cup that is struck again and again breaks along bonds that those blows wore.
+TEST(BondGraph, ACrackRunsAlongWhatWasWorn) {
+  int worn_first = 0, cracks = 0;
+  for (uint64_t seed = 1; seed <= 25; ++seed) {
+    const VoronoiPieces pieces = cut_cup(32, seed);
+    const BondGraph fresh = make_bond_graph(pieces, 0.3, kThreshold);
+    BondGraph worn = fresh;
+    const Blow blow{7, pieces.pieces[7].mesh.vertices_m[0], 0.72 * kThreshold * Eigen::Vector3d(-0.6, 0, 0.8)};
+    int blows = 1;
+    for (; broken_bonds(worn, blow).empty() && blows < 20; ++blows) wear_bonds(worn, blow);
+    EXPECT_EQ(blows, 4) << "0.11 each, and 0.67 is less than 0.72";
+    const std::vector<uint32_t> crack = broken_bonds(worn, blow);
+    ++cracks;
+    worn_first += std::any_of(crack.begin(), crack.end(), [&](uint32_t b) { return worn.bonds[b].health < 0.99; });
+  }
+  EXPECT_EQ(worn_first, cracks);
+}
+
 TEST(BondGraph, BreaksAtItsThresholdWhereverTheBlowFalls) {
   for (uint64_t seed = 1; seed <= 25; ++seed) {
     const VoronoiPieces pieces = cut_cup(seed % 2 ? 16 : 48, seed);
