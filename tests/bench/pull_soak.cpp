@@ -4,9 +4,10 @@
 // takes a random point of a random object and draws it somewhere else in the room for up to a second: by turns with the ray
 // and with the grip that people have, and with a spring of 20 to 200 N/m and up to 50 N, which is three to thirty times as
 // fierce. Now and then a ball is shot. One row a simulated minute; fixed seed, so the motion is the same every time, the times are not. `tick_cpu`: of
-// all threads, milliseconds; 11.1 are a frame. `object_most_j`: motion and shape of one elastic object, the most of every
-// tenth tick. Leaves with 1 at the first number that is not
-// finite, or at more energy than hands can give. Progress goes to the error stream.
+// all threads, milliseconds; 11.1 are a frame; `most_ms` is the longest, `most_wall_ms` the longest by the clock.
+// `object_most_j`: motion and shape of one elastic object, the most of every tenth tick. `lowest_m`: the lowest centre of any
+// body over the floor, of every tick; below zero it is under it. Leaves with 1 at the first number that is not finite, at
+// more energy than hands can give, or when a centre is more than 5 cm below the floor. Progress goes to the error stream.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -16,6 +17,7 @@
 #include <random>
 #include <string>
 
+#include "core/clock.h"
 #include "core/log.h"
 #include "gaussian/asset_file.h"
 #include "sample/sample_scene.h"
@@ -30,6 +32,7 @@ namespace {
 
 constexpr int kRate_hz = 90;
 constexpr double kHand_m_s = 4.0;  // a thrower's
+constexpr double kSunk_m = 0.05;   // a centre this far below the floor went through it
 // What hands can give one object: 200 N/m across the room's 2.8 m, and the grip's 20 weights along its diagonal of 4.2 m.
 double most_j_of(double mass_kg) { return 784.0 + 20.0 * 9.81 * 4.2 * mass_kg; }
 // Pulls stay within these walls.
@@ -95,6 +98,7 @@ class Hands {
         World::Spring spring = ray_spring(mass_kg);
         if (kind == Kind::Fierce) spring = {.stiffness_n_m = 20.0 + 180.0 * random()};
         spring.rest_point_m = hit->rest_point_m;
+        spring.piece = hit->piece;
         spring.target_m = place();
         Pull pull{++last_, tick, tick + 9 + static_cast<int>(random() * kRate_hz), kind == Kind::Grip,
                   from + hit->distance_m * (middle - from).normalized(), spring.target_m};
@@ -175,6 +179,16 @@ double reach_m(const Scene& scene, int tick) {
   return reach;
 }
 
+// The lowest centre of what moves; a broken object's every sherd counts.
+double lowest_centre_m(const Scene& scene) {
+  double lowest = INFINITY;
+  for (const BodyState& body : scene.world().bodies()) lowest = std::min(lowest, body.world_from_body.position_m.y());
+  for (const SceneObject& object : scene.objects()) {
+    if (const ElasticBody* body = scene.world().elastic_body(object.id)) lowest = std::min(lowest, body->centre_m().y());
+  }
+  return lowest;
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
@@ -190,22 +204,25 @@ int main(int count, char** arguments) {
     return 1;
   }
   Hands hands(*scene);
-  std::printf("minute,pulls,tick_cpu_p50_ms,tick_cpu_p99_ms,tick_cpu_p999_ms,most_ms,resident_mb,asleep,objects,bodies,energy_j,object_most_j,reach_m,finite\n");
+  std::printf("minute,pulls,tick_cpu_p50_ms,tick_cpu_p99_ms,tick_cpu_p999_ms,most_ms,most_wall_ms,resident_mb,asleep,objects,bodies,energy_j,object_most_j,reach_m,lowest_m,finite\n");
   int tick = 0;
   for (int minute = 1; minute <= minutes; ++minute) {
     std::vector<double> ticks_ms;
-    double reach = 0, most_j = 0;
+    double reach = 0, most_j = 0, lowest = INFINITY, most_wall_ms = 0;
     bool over = false;
     for (int i = 0; i < 60 * kRate_hz; ++i, ++tick) {
       hands.act(*scene, tick);
+      const int64_t start_ns = now_ns();
       const std::clock_t start = std::clock();
       scene->step();
       ticks_ms.push_back(1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+      most_wall_ms = std::max(most_wall_ms, milliseconds_from_ns(now_ns() - start_ns));
       (void)scene->take_changes();
       (void)scene->world().take_events();
       reach = std::max(reach, reach_m(*scene, tick));
       if (i % 10 == 0) most_j = std::max(most_j, object_most_j(*scene, over));
-      if (!std::isfinite(reach) || !std::isfinite(most_j) || over) break;
+      lowest = std::min(lowest, lowest_centre_m(*scene));
+      if (!std::isfinite(reach) || !std::isfinite(most_j) || over || lowest < -kSunk_m) break;
       if (i % (5 * kRate_hz) == 0) {
         const BodyEnergy energy = scene->world().energy();
         std::fprintf(stderr, "%d s: last tick %.1f ms, %zu bodies, kinetic %.3g J, elastic %.3g J, reach %.2f m\n", tick / kRate_hz,
@@ -218,11 +235,12 @@ int main(int count, char** arguments) {
     for (const ObjectDrivers& object : drivers.objects) asleep += object.asleep;
     const BodyEnergy energy = scene->world().energy();
     const bool finite = std::isfinite(reach);
-    std::printf("%d,%d,%.2f,%.2f,%.2f,%.2f,%.1f,%zu,%zu,%zu,%.3g,%.0f,%.2f,%d\n", minute, hands.pulled, percentile(ticks_ms, 0.5),
-                percentile(ticks_ms, 0.99), percentile(ticks_ms, 0.999), ticks_ms.back(), resident_mb(), asleep,
+    std::printf("%d,%d,%.2f,%.2f,%.2f,%.2f,%.2f,%.1f,%zu,%zu,%zu,%.3g,%.0f,%.2f,%.4f,%d\n", minute, hands.pulled, percentile(ticks_ms, 0.5),
+                percentile(ticks_ms, 0.99), percentile(ticks_ms, 0.999), ticks_ms.back(), most_wall_ms, resident_mb(), asleep,
                 drivers.objects.size(), scene->world().bodies().size(),
-                energy.kinetic_j + energy.elastic_j + energy.gravity_j, most_j, reach, finite);
+                energy.kinetic_j + energy.elastic_j + energy.gravity_j, most_j, reach, lowest, finite);
     std::fflush(stdout);
-    if (!finite || !std::isfinite(most_j) || over) return 1;
+    if (lowest < -kSunk_m) std::fprintf(stderr, "a centre is %.3f m below the floor\n", -lowest);
+    if (!finite || !std::isfinite(most_j) || over || lowest < -kSunk_m) return 1;
   }
 }
