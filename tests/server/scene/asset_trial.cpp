@@ -199,6 +199,11 @@ AssetTrial run_asset_trial(const std::string& path, TrialBody body, TrialAction 
   trial.lowest_m /= trial.size_m;
   trial.lowest_centre_m /= trial.size_m;
   trial.energy_ratio = most;
+  for (const uint32_t one : ids) {
+    const size_t pieces = scene->find(one)->fragility ? scene->find(one)->fragility->pieces : 0;
+    trial.pieces = one == ids.front() ? pieces : std::min(trial.pieces, pieces);
+    trial.broke = trial.broke || world.revision(one) > 0;
+  }
   trial.asleep = true;
   for (const BodyState& state : world.bodies()) {
     trial.end_speed_m_s = std::max(trial.end_speed_m_s, state.velocity_m_s.norm());
@@ -211,14 +216,14 @@ AssetTrial run_asset_trial(const std::string& path, TrialBody body, TrialAction 
 }
 
 std::string csv_header() {
-  return "asset,body,action,seconds,bodies,finite,lowest_by_size,lowest_centre_by_size,energy_ratio,let_go_ratio,"
+  return "asset,body,action,seconds,bodies,pieces,broke,finite,lowest_by_size,lowest_centre_by_size,energy_ratio,let_go_ratio,"
          "end_speed_m_s,asleep,tick_cpu_p99_ms,error";
 }
 
 std::string csv_row(const AssetTrial& trial) {
   char row[256];
-  std::snprintf(row, sizeof row, ",%s,%s,%.1f,%zu,%d,%.4f,%.4f,%.4f,%.4f,%.2g,%d,%.2f,", name_of(trial.body),
-                name_of(trial.action), trial.seconds, trial.bodies, trial.finite, trial.lowest_m, trial.lowest_centre_m,
+  std::snprintf(row, sizeof row, ",%s,%s,%.1f,%zu,%zu,%d,%d,%.4f,%.4f,%.4f,%.4f,%.2g,%d,%.2f,", name_of(trial.body),
+                name_of(trial.action), trial.seconds, trial.bodies, trial.pieces, trial.broke, trial.finite, trial.lowest_m, trial.lowest_centre_m,
                 trial.energy_ratio, trial.let_go_ratio, trial.end_speed_m_s, trial.asleep, trial.tick_p99_ms);
   std::string error = trial.error;
   std::replace(error.begin(), error.end(), ',', ';');
@@ -255,6 +260,11 @@ void expect_nothing_exploded(const AssetTrial& trial) {
   const std::string what = trial.asset + " " + name_of(trial.body) + " " + name_of(trial.action);
   ASSERT_EQ(trial.error, "") << what;
   EXPECT_TRUE(trial.finite) << what;
+  if (trial.body == TrialBody::Fragile) {
+    EXPECT_GE(trial.pieces, 2u) << what << ": it was not cut, so nothing could break";
+  } else {
+    EXPECT_FALSE(trial.broke) << what;
+  }
   const Reached bar = reached(trial.body);
   EXPECT_LT(trial.energy_ratio, bar.energy) << what << ", goal " << kEnergyGoal;
   EXPECT_LT(trial.let_go_ratio, bar.let_go) << what << " and let go, goal " << kEnergyGoal;

@@ -20,6 +20,8 @@ struct AssetTrial {
   std::string error;        // it could not be loaded, and why; nothing below is filled
   double seconds = 0;       // simulated
   size_t bodies = 0;        // rigid ones at the end, or 1
+  size_t pieces = 0;        // that a fragile one was cut into; of three the fewest
+  bool broke = false;       // any of them
   double size_m = 0;        // longest side
   bool finite = true;       // every driver at every tick
   double lowest_m = 0;      // of points of the captured surface above the floor, ever, by size_m
