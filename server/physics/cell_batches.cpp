@@ -140,6 +140,7 @@ CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> in
         ThinCells& eight = result.thin[at.index];
         for (int d = 0; d < 3; ++d) eight.centroid[d][at.lane] = significant(cell.centroid[d], 1.0);
         eight.mobility[at.lane] = static_cast<float>(make_cell_block(cell, lattice.cell_width_m, inverse).mobility.trace());
+        eight.fold[at.lane] = static_cast<float>(thin_cell_fold(cell, lattice.cell_width_m));
         continue;
       }
       if (may_be_full && full(cell, inverse, result.full_inverse_mass)) {

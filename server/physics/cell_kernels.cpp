@@ -437,7 +437,7 @@ LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const
   scatter<kPaired>(cells.nodes, inverse_mass, out, arrays.corrections);
 }
 
-// |S - I|², bending counted, from which the compensation goes and a cell is drawn straight back, and where it only is.
+// |S - I|², the strain by bending counted, from which the compensation goes and a cell is drawn straight back, and where it only is.
 constexpr float kFewStrained = 0.25f, kAllStrained = 1.0f;
 
 // All eighteen measures at once; the energy is quadratic in them, so there is no volume row.
@@ -469,7 +469,7 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, con
   Lanes bent = all_lanes(0.0f);
   for (int k = 6; k < kThinMeasures; ++k) bent += lacking[k] * lacking[k];
   const auto used = cells.mobility > all_lanes(0.0f);
-  const Lanes strain = dot(lack, lack) + all_lanes(kBendingStrain) * q4 * q4 * bent;
+  const Lanes strain = dot(lack, lack) + cells.fold * bent;
   report(used, strain, all_lanes(0.0f), volume, worst);
 
   for (int i = 0; i < kThinMeasures; ++i) impulse[i] = all_lanes(0.0f);
@@ -516,7 +516,7 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, con
   Matrix stress = matrix_of_mandel(sigma);
   Lanes torque[3] = {all_lanes(0.0f), all_lanes(0.0f), all_lanes(0.0f)};
   for (int j = 0; j < 4; ++j) add_cross(modes[j], {impulse[6 + 3 * j], impulse[7 + 3 * j], impulse[8 + 3 * j]}, torque);
-  add_turning_force(m, torque, strain, cells.mobility, stress);
+  add_turning_force(m, torque, dot(lack, lack) + all_lanes(kBendingStrain) * q4 * q4 * bent, cells.mobility, stress);
   Lanes eta[4][3];
   for (int j = 0; j < 4; ++j) {
     for (int d = 0; d < 3; ++d) eta[j][d] = all_lanes(0.125f) * impulse[6 + 3 * j + d];

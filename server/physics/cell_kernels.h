@@ -30,6 +30,7 @@ struct ThinCells {
   Lanes rotation[4];
   Lanes centroid[3];
   Lanes mobility;  // tr G; 0 in unused places
+  Lanes fold;      // the squared strain that its faces have, over the squared amplitude of its modes, 1/m² (thin_cell_fold)
 };
 // Where the material has flowed its strain is S - D, D the plastic part in Mandel's notation, and its modes are at rest
 // at amplitudes of their own, m.

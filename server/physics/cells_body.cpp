@@ -396,6 +396,12 @@ std::vector<ParticleState> CellsBody::particles() const {
   return states;
 }
 
+double CellsBody::elastic_j() const {
+  double sum = 0.0;
+  for (size_t i = 0; i < lattice_.cells.size(); ++i) sum += energy_of(i, shape_of(i));
+  return sum;
+}
+
 BodyEnergy CellsBody::energy(const Vector3d& gravity_m_s2) const {
   BodyEnergy energy;
   for (size_t i = 0; i < masses_kg_.size(); ++i) {
@@ -406,7 +412,7 @@ BodyEnergy CellsBody::energy(const Vector3d& gravity_m_s2) const {
     energy.linear_momentum += mass * velocity;
     energy.angular_momentum += mass * position.cross(velocity);
   }
-  for (size_t i = 0; i < lattice_.cells.size(); ++i) energy.elastic_j += energy_of(i, shape_of(i));
+  energy.elastic_j = elastic_j();
   energy.plastic_work_j = plastic_work_j_;
   return energy;
 }

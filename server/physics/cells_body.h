@@ -215,6 +215,7 @@ class CellsBody final : public ElasticBody {
   void set_all_plastic();
   void set_plastic_lanes(size_t index);
   void untangle(double frame_s);
+  double elastic_j() const;
   double wild_part() const;
   void restart_motion();  // after nodes were set: the motion of the whole anew, a first-order step next
   bool rigid_substep(const SubstepContext& context);

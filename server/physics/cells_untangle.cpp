@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "physics/cells_body.h"
+#include "physics/thin_cell.h"
 
 namespace livegs {
 namespace {
@@ -50,10 +51,14 @@ double CellsBody::wild_part() const {
     const CellShape shape = shape_of(i);
     const Matrix3d stretch = shape.rotation.transpose() * shape.f;
     const bool flowed = !plastic_parts_.empty();
+    // A fold leaves no strain at the centroid.
+    const double fold = batches_.places[i].kind == CellPlace::Kind::Thin
+                            ? thin_cell_fold(lattice_.cells[i], lattice_.cell_width_m)
+                            : 16.0 / (lattice_.cell_width_m * lattice_.cell_width_m);
     double squared = (0.5 * (stretch + stretch.transpose()) - (flowed ? plastic_parts_[i] : Matrix3d::Identity())).squaredNorm();
     for (int j = 0; j < kModeCount; ++j) {
       const Vector3d bent = flowed ? Vector3d(shape.modes[j] - plastic_modes_[i][j]) : shape.modes[j];
-      squared += 16.0 / (lattice_.cell_width_m * lattice_.cell_width_m) * bent.squaredNorm();
+      squared += fold * bent.squaredNorm();
     }
     if (squared > kWildSquared) wild_m3 += lattice_.cells[i].volume_m3;
   }
@@ -93,7 +98,7 @@ void CellsBody::untangle(double frame_s) {
                         (!wild || wild_part() > kLeastWild);
   if (!untangling_) {
     if (upright > kUpright && !strained) tangled_ = false;
-    const bool settled = strained && deviation_m_s_ * deviation_m_s_ < kSettled * bent_squared_ * wave_squared;
+    const bool settled = strained && 0.5 * mass_kg_ * deviation_m_s_ * deviation_m_s_ < kSettled * elastic_j();
     // A tangle that does not come to rest either counts half: first-order steps should have calmed it long since.
     const double weight = upright < kTangled || settled ? 1.0 : (wild ? strained : strained_) ? 0.5 : -1.0;
     tangled_s_ = std::max(0.0, tangled_s_ + weight * frame_s);
@@ -109,18 +114,21 @@ void CellsBody::untangle(double frame_s) {
     tangled_s_ = 0.0;
     return;
   }
-  // Pulled together about the centre: neither the centre nor its motion change, the deviation comes to rest.
+  // Pulled together about the centre, to rest but for the motion of a rigid body with its momentum and angular momentum.
   // What snaps back between frames, as folds of a thin sheet do, is pulled harder and harder.
   tangled_s_ += frame_s;
   const double doublings = std::min(tangled_s_ / kPatience_s - 1.0, kMostDoublings);
   const double part = 1.0 - std::exp(-kPull_per_s * std::exp2(doublings) * frame_s);
   const Matrix3d rotation = nearest_rotation(fit);
-  const Vector3d velocity = motion_.velocity_m_s(), spin = motion_.angular_velocity_rad_s();
+  std::vector<Vector3d> now(masses_kg_.size());
   for (size_t i = 0; i < masses_kg_.size(); ++i) {
     const Vector3d goal = motion_.centre_m + rotation * (lattice_.node_position_m(i) - rest_centre);
-    const Vector3d now = nodes_.position_m(i) + part * (goal - nodes_.position_m(i));
-    nodes_.set_motion(i, now, velocity + spin.cross(now - motion_.centre_m));
+    now[i] = nodes_.position_m(i) + part * (goal - nodes_.position_m(i));
   }
+  const std::vector<Vector3d> still(now.size(), Vector3d::Zero());
+  const Vector3d velocity = motion_.velocity_m_s(), l = motion_.angular_momentum;
+  const Vector3d spin = solve_inertia(mass_motion(now, still, masses_kg_).inertia, l);
+  for (size_t i = 0; i < now.size(); ++i) nodes_.set_motion(i, now[i], velocity + spin.cross(now[i] - motion_.centre_m));
   restart_motion();
 }
 

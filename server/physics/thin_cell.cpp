@@ -132,6 +132,11 @@ Matrix18 thin_cell_stiffness(const LatticeCell& cell, double cell_width_m, const
   return 0.5 * (stiffness + stiffness.transpose());
 }
 
+double thin_cell_fold(const LatticeCell& cell, double cell_width_m) {
+  const double width2 = cell_width_m * cell_width_m;
+  return 16.0 / width2 * std::min(1.0, 12.0 * cell.thin->variance_m2.minCoeff() / width2);
+}
+
 Matrix18 thin_cell_mobility(const LatticeCell& cell, double cell_width_m,
                             const std::array<double, 8>& inverse_masses_per_kg) {
   const auto gradients = trilinear_gradients(cell.centroid, cell_width_m);

@@ -40,6 +40,10 @@ Matrix18 thin_cell_stiffness(const LatticeCell& cell, double cell_width_m, const
 Matrix18 thin_cell_mobility(const LatticeCell& cell, double cell_width_m,
                             const std::array<double, 8>& inverse_masses_per_kg);
 
+// What bending strains the faces of the sheet by, squared, over the squared amplitude of the cell's modes, 1/m²: that of a
+// full cell's faces, (4 / a)², times the square of thickness over width. A sheet may well bend by a radius of its cells.
+double thin_cell_fold(const LatticeCell& cell, double cell_width_m);
+
 // One step solves the cell exactly: impulses -(gain z), kg m, with gain = (K^-1 / h² + B M^-1 Bᵀ)^-1; corner i moves by
 // w_i R (sigma g_i + sum_j gamma_ji eta_j / 8), sigma and eta the strain and mode parts of it.
 Matrix18 thin_cell_gain(const Matrix18& stiffness, const Matrix18& mobility, double step_s);
