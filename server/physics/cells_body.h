@@ -217,6 +217,7 @@ class CellsBody final : public ElasticBody {
   void untangle(double frame_s);
   double elastic_j() const;
   double wild_part() const;
+  double thickness_m() const;
   void restart_motion();  // after nodes were set: the motion of the whole anew, a first-order step next
   bool rigid_substep(const SubstepContext& context);
   void become_rigid();

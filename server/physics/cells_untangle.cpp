@@ -65,11 +65,23 @@ double CellsBody::wild_part() const {
   return wild_m3 / volume_m3_;
 }
 
+// Of its sheets and cords, if it has any.
+double CellsBody::thickness_m() const {
+  double thin_m3 = 0.0, sum = 0.0;
+  for (const LatticeCell& cell : lattice_.cells) {
+    if (!cell.thin) continue;
+    thin_m3 += cell.volume_m3;
+    sum += cell.volume_m3 * std::sqrt(12.0 * cell.thin->variance_m2.minCoeff());
+  }
+  return thin_m3 > 0.0 ? sum / thin_m3 : (extent_.max_m - extent_.min_m).minCoeff();
+}
+
 void CellsBody::untangle(double frame_s) {
   if (!tangled_) return;
   // Not while something presses it, or it sags under its own weight: then being strained is right.
   const double youngs_modulus_pa = cell_materials_.materials[0].youngs_modulus_pa, weight_n = mass_kg_ * gravity_m_s2_;
-  const double sag = densities_kg_m3_[0] * gravity_m_s2_ * (extent_.max_m - extent_.min_m).norm() / youngs_modulus_pa;
+  const double length_m = (extent_.max_m - extent_.min_m).norm();
+  const double sag = densities_kg_m3_[0] * gravity_m_s2_ * length_m / youngs_modulus_pa;
   const double area_m2 = volume_m3_ / (extent_.max_m - extent_.min_m).maxCoeff();
   const double holding_n = std::max(weight_n, kPressing * youngs_modulus_pa * std::sqrt(bent_squared_) * area_m2);
   const bool pressed = touching_ && (carried_n_ > holding_n || sag > kLargestSag), flowed = !plastic_parts_.empty();
@@ -90,17 +102,19 @@ void CellsBody::untangle(double frame_s) {
   const Matrix3d fit = match * rest.inverse();
   if (!fit.allFinite()) return;
   const double upright = uprightness(fit);
-  // A spinning body is strained by that alone, by rho (omega L)² / E.
-  const double wave_squared = youngs_modulus_pa / densities_kg_m3_[0];
-  const double spun = std::pow(motion_.angular_velocity_rad_s().norm() * reach_m_, 2) / wave_squared;
+  // A spinning body is strained by that alone, by rho (omega L)² / E, and by L / t more where it bends.
+  const double wave_squared = youngs_modulus_pa / densities_kg_m3_[0], slender = length_m / thickness_m();
+  const double spun = std::pow(motion_.angular_velocity_rad_s().norm() * reach_m_, 2) / wave_squared * slender;
+  // A mat that lies folded is as its weight has it: how upright it is says nothing.
+  const bool limp = touching_ && sag * slender * slender > kLargestSag;
   const bool wild = touching_ || flowed;
   const bool strained = bent_squared_ > (wild ? kWildSquared : kStrainedSquared) + 4.0 * spun * spun &&
                         (!wild || wild_part() > kLeastWild);
   if (!untangling_) {
-    if (upright > kUpright && !strained) tangled_ = false;
+    if ((limp || upright > kUpright) && !strained) tangled_ = false;
     const bool settled = strained && 0.5 * mass_kg_ * deviation_m_s_ * deviation_m_s_ < kSettled * elastic_j();
     // A tangle that does not come to rest either counts half: first-order steps should have calmed it long since.
-    const double weight = upright < kTangled || settled ? 1.0 : (wild ? strained : strained_) ? 0.5 : -1.0;
+    const double weight = (!limp && upright < kTangled) || settled ? 1.0 : strained && (wild || strained_) ? 0.5 : -1.0;
     tangled_s_ = std::max(0.0, tangled_s_ + weight * frame_s);
     untangling_ = tangled_s_ > kPatience_s;
     if (untangling_) {
@@ -109,7 +123,7 @@ void CellsBody::untangle(double frame_s) {
     }
   }
   if (!untangling_) return;
-  if (upright > kUpright && !strained) {
+  if ((limp || upright > kUpright) && !strained) {
     untangling_ = false;
     tangled_s_ = 0.0;
     return;
