@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/sample_particles.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <random>
 #include <tuple>
+#include <utility>
 
 #include "core/assert.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/inside_grid.h"
+#include "geometry/mass_properties.h"
 #include "geometry/mesh_topology.h"
 #include "geometry/point_grid.h"
 #include "geometry/triangle_pieces.h"
@@ -87,6 +91,33 @@ std::vector<double> share_volume(const TriangleMesh& mesh, const Eigen::AlignedB
   return volumes_m3;
 }
 
+// Few points on a rod lie more on one side than on the other. Volumes change as little as it takes to have their centre where
+// the mesh's is, by a factor linear in the place; where that would take more than kMostShift of one, by so much less.
+void centre_volumes(const TriangleMesh& mesh, ParticleSet& particles) {
+  constexpr double kMostShift = 0.7;
+  const Eigen::Vector3d wanted_m = solid_mass_properties(mesh).centre_of_mass_m;
+  double volume_m3 = 0.0;
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
+  for (size_t i = 0; i < particles.positions_m.size(); ++i) {
+    volume_m3 += particles.volumes_m3[i];
+    centre_m += particles.volumes_m3[i] * particles.positions_m[i];
+  }
+  centre_m /= volume_m3;
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (size_t i = 0; i < particles.positions_m.size(); ++i) {
+    const Eigen::Vector3d arm = particles.positions_m[i] - centre_m;
+    spread += particles.volumes_m3[i] / volume_m3 * arm * arm.transpose();
+  }
+  const Eigen::Vector3d slope = spread.completeOrthogonalDecomposition().solve(wanted_m - centre_m);
+  double most = 0.0;
+  for (const Eigen::Vector3d& point : particles.positions_m) most = std::max(most, std::abs(slope.dot(point - centre_m)));
+  if (!std::isfinite(most)) return;
+  const double part = most > kMostShift ? kMostShift / most : 1.0;
+  for (size_t i = 0; i < particles.positions_m.size(); ++i) {
+    particles.volumes_m3[i] *= 1.0 + part * slope.dot(particles.positions_m[i] - centre_m);
+  }
+}
+
 // Pieces that particles make when those nearer than joint_m are joined.
 int piece_count(const std::vector<Eigen::Vector3d>& points_m, double joint_m) {
   Eigen::AlignedBox3d bounds;
@@ -120,6 +151,13 @@ int piece_count(const std::vector<Eigen::Vector3d>& points_m, double joint_m) {
   int count = 0;
   for (uint32_t i = 0; i < points_m.size(); ++i) count += sets.find(i) == i;
   return count;
+}
+
+// In an order of its own, the same everywhere: one after another, the first face of a plate would take all the places and
+// leave none to the other.
+void shuffle(std::vector<Eigen::Vector3d>& points_m) {
+  std::mt19937_64 engine(1);
+  for (size_t left = points_m.size(); left > 1; --left) std::swap(points_m[left - 1], points_m[engine() % left]);
 }
 
 }  // namespace
@@ -167,11 +205,15 @@ ParticleSet sample_particles(const TriangleMesh& mesh, int density, double spaci
     particles.surface_carries = true;
     taken = none;
     for (const Eigen::Vector3d& point : bare.positions_m) taken.insert(point);
-    for_each_triangle_piece(mesh, 0.5 * apart_m, [&](const Eigen::Vector3d& point_m, double) {
+    std::vector<Eigen::Vector3d> places;
+    for_each_triangle_piece(mesh, 0.5 * apart_m, [&](const Eigen::Vector3d& point_m, double) { places.push_back(point_m); });
+    shuffle(places);
+    for (const Eigen::Vector3d& point_m : places) {
       if (particles.positions_m.size() < kMostCovering && !taken.any_nearer(point_m, apart_m)) take(point_m, true);
-    });
+    }
   }
   particles.volumes_m3 = share_volume(mesh, bounds, spacing_m, volume_m3, taken);
+  if (particles.surface_carries) centre_volumes(mesh, particles);
   return particles;
 }
 

@@ -2,6 +2,7 @@
 // Construction, and what is asked of a body between substeps.
 #include "physics/cells_body.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -244,31 +245,60 @@ void CellsBody::make_surface(const ParticleSet& particles) {
   face_begins_.push_back(static_cast<uint32_t>(face_normals_.size()));
 }
 
+// Of nodes, from those of particles: the best field that is linear in the place as it is, so that a body that turns, stretches
+// or shears starts as told; what is left over, as means by the share of mass.
+std::vector<Vector3d> CellsBody::node_velocities(std::span<const Vector3d> velocities_m_s, const Vector3d& rest_centre_m,
+                                                 const Matrix3d& world_from_rest) const {
+  const auto arm = [&](const Vector3d& rest_m) -> Vector3d { return world_from_rest * (rest_m - rest_centre_m); };
+  double volume_m3 = 0.0;
+  Vector3d middle = Vector3d::Zero(), mean = Vector3d::Zero();
+  for (size_t p = 0; p < velocities_m_s.size(); ++p) {
+    volume_m3 += particle_volumes_m3_[p];
+    middle += particle_volumes_m3_[p] * arm(particle_rest_m_[p]);
+    mean += particle_volumes_m3_[p] * velocities_m_s[p];
+  }
+  middle /= volume_m3;
+  mean /= volume_m3;
+  Matrix3d spread = Matrix3d::Zero(), moved = Matrix3d::Zero();
+  for (size_t p = 0; p < velocities_m_s.size(); ++p) {
+    const Vector3d r = arm(particle_rest_m_[p]) - middle;
+    spread += particle_volumes_m3_[p] * r * r.transpose();
+    moved += particle_volumes_m3_[p] * (velocities_m_s[p] - mean) * r.transpose();
+  }
+  const Matrix3d gradient = spread.completeOrthogonalDecomposition().solve(moved.transpose()).transpose();
+  const auto linear = [&](const Vector3d& r) -> Vector3d { return mean + gradient * (r - middle); };
+
+  std::vector<Vector3d> velocities(nodes_.count(), Vector3d::Zero());
+  std::vector<double> shares(nodes_.count(), 0.0);
+  for (size_t p = 0; p < velocities_m_s.size(); ++p) {
+    const NodeSample sample = sample_at(particle_points_[p]);
+    const Vector3d left = velocities_m_s[p] - linear(arm(particle_rest_m_[p]));
+    for (int c = 0; c < 8; ++c) {
+      const double share = particle_volumes_m3_[p] * std::max(0.0f, sample.weights[c]);
+      velocities[sample.nodes[c]] += share * left;
+      shares[sample.nodes[c]] += share;
+    }
+  }
+  for (size_t i = 0; i < velocities.size(); ++i) {
+    if (shares[i] > 0.0) velocities[i] /= shares[i];
+    velocities[i] += linear(arm(lattice_.node_position_m(i)));
+  }
+  return velocities;
+}
+
 void CellsBody::start_motion(const ElasticBodyDescription& description) {
   const size_t count = nodes_.count();
   std::vector<Vector3d> velocities(count, Vector3d::Zero()), positions(count);
-
-  // Velocities of single particles reach the nodes by their share of mass.
-  if (!description.particle_velocities_m_s.empty()) {
-    std::vector<double> shares(count, 0.0);
-    for (size_t p = 0; p < particle_points_.size(); ++p) {
-      const NodeSample sample = sample_at(particle_points_[p]);
-      for (int c = 0; c < 8; ++c) {
-        const double share = particle_volumes_m3_[p] * std::max(0.0f, sample.weights[c]);
-        velocities[sample.nodes[c]] += share * description.particle_velocities_m_s[p];
-        shares[sample.nodes[c]] += share;
-      }
-    }
-    for (size_t i = 0; i < count; ++i) {
-      if (shares[i] > 0.0) velocities[i] /= shares[i];
-    }
-  }
 
   std::mt19937_64 random(description.cells.scramble);
   const auto anywhere = [&] { return 2.0 * static_cast<double>(random() >> 11) * 0x1p-53 - 1.0; };
   Vector3d rest_centre = Vector3d::Zero();
   for (size_t i = 0; i < count; ++i) rest_centre += masses_kg_[i] / mass_kg_ * lattice_.node_position_m(i);
   origin_m_ = world_from_object_ * rest_centre;
+  const Matrix3d world_from_rest = orientation_.toRotationMatrix() * description.initial_deformation;
+  if (!description.particle_velocities_m_s.empty()) {
+    velocities = node_velocities(description.particle_velocities_m_s, rest_centre, world_from_rest);
+  }
   for (size_t i = 0; i < count; ++i) {
     const Vector3d r = lattice_.node_position_m(i) - rest_centre;
     positions[i] = orientation_ * (description.initial_deformation * r);

@@ -101,6 +101,7 @@ class CellsBody final : public ElasticBody {
     std::vector<Vector3d> node_rest_m, particle_rest_m;  // object frame
     bool released = false;
   };
+  void hold_face(HeldRegion& held);
   struct Load {
     NodeSample sample;
     Vector3d force_n;  // world
@@ -156,6 +157,8 @@ class CellsBody final : public ElasticBody {
   double asked_modulus_pa(size_t material) const;
   const SweepGains& gains_of(double h, bool second_order);
   void start_motion(const ElasticBodyDescription& description);
+  std::vector<Eigen::Vector3d> node_velocities(std::span<const Eigen::Vector3d> velocities_m_s,
+                                               const Eigen::Vector3d& rest_centre_m, const Eigen::Matrix3d& world_from_rest) const;
   void make_surface(const ParticleSet& particles);
 
   void hold_regions(const ElasticBodyDescription& description);

@@ -71,6 +71,7 @@ void CellsBody::hold_regions(const ElasticBodyDescription& description) {
         held.particles.push_back(sample);
         held.particle_rest_m.push_back(particle_rest_m_[p]);
       }
+      if (held.nodes.empty()) hold_face(held);
     }
     if (held.nodes.empty() && held.particles.empty()) {
       log_warn("object %u: region \"%s\" from (%.3g, %.3g, %.3g) to (%.3g, %.3g, %.3g) m holds no material", object_id_,
@@ -81,6 +82,22 @@ void CellsBody::hold_regions(const ElasticBodyDescription& description) {
     held_ = true;
     moved_ = moved_ || region.motion.has_value();
     held_regions_.push_back(std::move(held));
+  }
+}
+
+// A grip thinner than a voxel has the corners of the body's surface in it and little else: it is held by its face, as a
+// traction is spread. By that alone: both together are more than the nodes of one layer of cells can follow.
+void CellsBody::hold_face(HeldRegion& held) {
+  const std::vector<LoadPoint> points = load_points(extent_, lattice_, held.region);
+  if (points.size() <= held.particles.size()) return;
+  held.particles.clear();
+  held.particle_rest_m.clear();
+  for (const LoadPoint& point : points) {
+    const NodeSample sample = sample_at(point.point);
+    Vector3d rest_m = Vector3d::Zero();
+    for (int c = 0; c < 8; ++c) rest_m += sample.weights[c] * lattice_.node_position_m(sample.nodes[c]);
+    held.particles.push_back(sample);
+    held.particle_rest_m.push_back(rest_m);
   }
 }
 

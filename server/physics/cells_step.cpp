@@ -67,10 +67,10 @@ int CellsBody::begin_substep(const SubstepContext& context) {
 
 // A shock is what a body's own steps are too long for: one sweep each, and the cells in front of it are squashed, turned
 // inside out and fly apart with several times the energy. It is known by what deforms while it touches, and by what comes
-// near something; two frames are over before most of it has become vibration. Not beside other soft bodies, which would all take
+// near something; two frames are over before most of it has become vibration. Not in a hand, and not beside other soft bodies, which would all take
 // its steps (in a heap of five a tick of 8 ms took 20), and which give way.
 bool CellsBody::struck_hard(const SubstepContext& context) {
-  if (!context.others.empty()) return false;
+  if (!context.others.empty() || forced_) return false;
   const bool comes = !touching_ && !(candidates_.empty() && touchable_.empty());
   const double speed_m_s = touching_ ? deviation_m_s_ : comes ? motion_.velocity_m_s().norm() + deviation_m_s_ : 0.0;
   if (speed_m_s > kHard * choice_.wave_speed_m_s(rate_hz_)) struck_until_s_ = context.start_s + kStruckFrames / rate_hz_;

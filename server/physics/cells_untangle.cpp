@@ -22,6 +22,7 @@ constexpr double kTangled = 0.1, kUpright = 0.8;
 constexpr double kPatience_s = 0.5;  // most tangles come apart by themselves
 constexpr double kPull_per_s = 12.0; // of the way to the rigid shape; twice that after each kPatience_s of pulling
 constexpr double kMostDoublings = 10.0;
+constexpr double kMostGain = 1.5;    // of its energy, in a frame of pulling
 constexpr double kStrainedSquared = 0.01;  // |S - I|² of the worst cell
 constexpr double kWildSquared = 1.0;       // of one that touches something or has flowed
 constexpr double kLeastWild = 0.02;        // of its volume: not a loose end of a leaf
@@ -134,15 +135,21 @@ void CellsBody::untangle(double frame_s) {
   const double doublings = std::min(tangled_s_ / kPatience_s - 1.0, kMostDoublings);
   const double part = 1.0 - std::exp(-kPull_per_s * std::exp2(doublings) * frame_s);
   const Matrix3d rotation = nearest_rotation(fit);
-  std::vector<Vector3d> now(masses_kg_.size());
-  for (size_t i = 0; i < masses_kg_.size(); ++i) {
-    const Vector3d goal = motion_.centre_m + rotation * (lattice_.node_position_m(i) - rest_centre);
-    now[i] = nodes_.position_m(i) + part * (goal - nodes_.position_m(i));
-  }
-  const std::vector<Vector3d> still(now.size(), Vector3d::Zero());
-  const Vector3d velocity = motion_.velocity_m_s(), l = motion_.angular_momentum;
-  const Vector3d spin = solve_inertia(mass_motion(now, still, masses_kg_).inertia, l);
-  for (size_t i = 0; i < now.size(); ++i) nodes_.set_motion(i, now[i], velocity + spin.cross(now[i] - motion_.centre_m));
+  const Vector3d velocity = motion_.velocity_m_s(), l = motion_.angular_momentum, centre = motion_.centre_m;
+  std::vector<Vector3d> was(masses_kg_.size()), now(was.size());
+  const std::vector<Vector3d> still(was.size(), Vector3d::Zero());
+  for (size_t i = 0; i < was.size(); ++i) was[i] = nodes_.position_m(i);
+  const auto pull = [&](double share) {
+    for (size_t i = 0; i < was.size(); ++i) {
+      now[i] = was[i] + share * (centre + rotation * (lattice_.node_position_m(i) - rest_centre) - was[i]);
+    }
+    const Vector3d spin = solve_inertia(mass_motion(now, still, masses_kg_).inertia, l);
+    for (size_t i = 0; i < now.size(); ++i) nodes_.set_motion(i, now[i], velocity + spin.cross(now[i] - centre));
+  };
+  const double before_j = elastic_j();
+  pull(part);
+  // A sheet is squashed on the straight way to its shape, and would keep that if something came between: it is there at once.
+  if (elastic_j() > kMostGain * before_j) pull(1.0);
   restart_motion();
 }
 

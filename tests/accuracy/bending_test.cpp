@@ -42,7 +42,7 @@ TEST(Torsion, OfTwoLayersIsTooStiffAsChosen) {
     for (const double youngs_modulus_pa : {1e4, 1e5}) {
       const study::Setup setup = chosen(youngs_modulus_pa, 0.3, rate_hz, 0.0);
       const Outcome outcome = run(torsion(setup));
-      EXPECT_LE(outcome["twist"].error, 0.14) << text_of(setup, outcome);
+      EXPECT_LE(outcome["twist"].error, 0.125) << text_of(setup, outcome);
     }
   }
 }

@@ -153,6 +153,12 @@ double object_most_j(const Scene& scene, bool& over) {
     const BodyEnergy energy = body->energy(Vector3d::Zero());
     const double has_j = energy.kinetic_j + energy.elastic_j;
     most_j = std::max(most_j, has_j);
+    static double told_j = 500.0;
+    if (has_j > 1.2 * told_j) {
+      told_j = has_j;
+      std::fprintf(stderr, "%s of %.2g kg has %.0f J: %.0f of motion, %.0f of shape\n", object.name.c_str(), body->mass_kg(), has_j,
+                   energy.kinetic_j, energy.elastic_j);
+    }
     if (has_j <= most_j_of(body->mass_kg())) continue;
     over = true;
     std::fprintf(stderr, "%s of %.2g kg has %.0f J, which no hand gave it\n", object.name.c_str(), body->mass_kg(), has_j);
