@@ -87,7 +87,13 @@ void CellsBody::hold_regions(const ElasticBodyDescription& description) {
 
 // A grip thinner than a voxel has the corners of the body's surface in it and little else: it is held by its face, as a
 // traction is spread. By that alone: both together are more than the nodes of one layer of cells can follow.
+// Only what goes right across the body is a grip: a line of it is a hinge.
 void CellsBody::hold_face(HeldRegion& held) {
+  Eigen::AlignedBox3d body;
+  for (const Vector3d& particle : particle_rest_m_) body.extend(particle);
+  const Vector3d slack = Vector3d::Constant(1e-6 * lattice_.cell_width_m);
+  const auto over = (held.region.min_m - slack).array() <= body.min().array() && (held.region.max_m + slack).array() >= body.max().array();
+  if (over.count() < 2) return;
   const std::vector<LoadPoint> points = load_points(extent_, lattice_, held.region);
   if (points.size() <= held.particles.size()) return;
   held.particles.clear();
