@@ -25,9 +25,9 @@
 // What a blow breaks, a stronger one at the same place and direction breaks too.
 //
 // A blow that breaks nothing wears bonds. Damage adds up linearly (Palmgren 1924, Miner 1945), and only of bonds that bear
-// more than half of what breaks them: below about that fraction of their toughness cracks in ceramics do not grow from
-// cycle to cycle (Ritchie 1999, Mechanisms of fatigue-crack propagation in ductile and brittle solids). So a thing that is
-// struck hard again and again breaks, along bonds that were struck before.
+// more than half of what breaks them: under some part of their toughness cracks in brittle solids do not grow from cycle to
+// cycle (Ritchie 1999, Int. J. Fracture 100, 55); one half is our choice. So a thing that is struck hard again and again
+// breaks, along bonds that were struck before.
 
 namespace livegs {
 

@@ -67,8 +67,8 @@ int CellsBody::begin_substep(const SubstepContext& context) {
 
 // A shock is what a body's own steps are too long for: one sweep each, and the cells in front of it are squashed, turned
 // inside out and fly apart with several times the energy. It is known by what deforms while it touches, and by what comes
-// near something; two frames are over before most of it has become vibration. Not in a hand, and not beside other soft bodies, which would all take
-// its steps (in a heap of five a tick of 8 ms took 20), and which give way.
+// near something; two frames are over before most of it has become vibration. Not in a hand, and not beside other soft
+// bodies, which would all take its steps (in a heap of five a tick of 8 ms took 20), and which give way.
 bool CellsBody::struck_hard(const SubstepContext& context) {
   if (!context.others.empty() || forced_) return false;
   const bool comes = !touching_ && !(candidates_.empty() && touchable_.empty());

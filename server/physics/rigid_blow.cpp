@@ -12,6 +12,16 @@ namespace {
 
 constexpr double kLoadTime_s = 0.004;  // what is passed on through a body for longer than this is a load
 
+// In world axes. Whether there is anything.
+bool add_held(ImpulseSum& sum, const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& point_m) {
+  const double size = impulse_n_s.norm();
+  if (!(size > 0.0)) return false;
+  const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
+  sum.add(size, body_from_world * (impulse_n_s / size), body_from_world * point_m);
+  sum.from_colliders = false;
+  return true;
+}
+
 }  // namespace
 
 void ImpulseSum::add(double size_n_s, const Eigen::Vector3d& direction, const Eigen::Vector3d& point_m) {
@@ -32,20 +42,11 @@ void ImpulseSum::add(const ImpulseSum& other, double share) {
 }
 
 void RigidBlows::note_force(const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& point_m) {
-  const double size = impulse_n_s.norm();
-  if (!(size > 0.0)) return;
-  const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
-  forces_.add(size, body_from_world * (impulse_n_s / size), body_from_world * point_m);
-  forces_.from_colliders = false;
-  forces_.restitution = 1.0;
+  if (add_held(forces_, body, impulse_n_s, point_m)) forces_.restitution = 1.0;
 }
 
 void RigidBlows::note_joint(const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& point_m) {
-  const double size = impulse_n_s.norm();
-  if (!(size > 0.0)) return;
-  const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
-  contacts_.add(size, body_from_world * (impulse_n_s / size), body_from_world * point_m);
-  contacts_.from_colliders = false;
+  add_held(contacts_, body, impulse_n_s, point_m);
 }
 
 void RigidBlows::note_contact(const RigidBody& body, const ContactPatch& patch, const ContactPoint& point,
