@@ -44,6 +44,7 @@ CellsBody::CellsBody(const ElasticBodyDescription& description, double rate_hz, 
   set_up_materials();
   choose(description.cell_width_m);
   lattice_ = build_lattice(extent_, choice_.cell_width_m, description.regions);
+  neighbours_ = find_node_neighbours(lattice_.node_coordinates);
   if (const int pieces = piece_count(lattice_), own = description.particles.piece_count; own > 0 && pieces > own) {
     log_warn("object %u: its cells are in %d pieces and its surface in %d: it comes apart; a smaller spacing_m than %.3g m "
              "holds it together",
@@ -384,6 +385,7 @@ void CellsBody::write_drivers(ObjectDrivers& drivers) const {
   drivers.object_id = object_id_;
   drivers.kind = DriverKind::Lattice;
   drivers.asleep = asleep();
+  drivers.neighbours = neighbours_;
   drivers.poses.clear();
   drivers.rotations.clear();
   drivers.positions_m.resize(nodes_.count());

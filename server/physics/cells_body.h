@@ -16,6 +16,7 @@
 #include "physics/mass_motion.h"
 #include "physics/point_contact.h"
 #include "physics/rest_clock.h"
+#include "physics/rigid_motion.h"
 
 // The `cells` solver: an embedded lattice of eight-node cells, one sweep a substep, BDF2 (elastic-study.md).
 //
@@ -144,7 +145,8 @@ class CellsBody final : public ElasticBody {
   struct RigidMotion {
     Pose world_from_body;  // of the shape frozen in shape_m
     std::vector<Eigen::Vector3f> shape_m;  // nodes about the centre of mass
-    Matrix3d inverse_inertia;              // body axes
+    PrincipalAxes axes;
+    Matrix3d inverse_inertia;  // body axes
   };
 
   void set_up_materials();
@@ -240,6 +242,7 @@ class CellsBody final : public ElasticBody {
   Material material_;
   CellsOptions options_;
   Lattice lattice_;
+  NodeNeighboursPtr neighbours_;  // of its nodes, for who sends them
   BodyExtent extent_;
   std::vector<Vector3d> particle_rest_m_;
   std::vector<double> particle_volumes_m3_;

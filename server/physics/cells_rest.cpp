@@ -92,6 +92,7 @@ void CellsBody::become_rigid() {
     rigid.shape_m.push_back((nodes_.position_m(i) - motion_.centre_m).cast<float>());
   }
   if (!(motion_.inertia.determinant() > 0.0)) return;  // a single line of particles turns freely; it stays as it is
+  rigid.axes = principal_axes(motion_.inertia);
   rigid.inverse_inertia = motion_.inertia.inverse();
   rigid_ = std::move(rigid);
 }
@@ -115,7 +116,7 @@ bool CellsBody::rigid_substep(const SubstepContext& context) {
   }
   rigid_->world_from_body.position_m += h * velocity + 0.5 * h * h * context.gravity_m_s2;
   rigid_->world_from_body.orientation =
-      turned_freely(rigid_->world_from_body.orientation, rigid_->inverse_inertia, motion_.angular_momentum, h);
+      turned_freely(rigid_->world_from_body.orientation, rigid_->axes, motion_.angular_momentum, h);
   motion_.momentum += h * mass_kg_ * context.gravity_m_s2;
   motion_.inertia = rotated_tensor(rigid_->world_from_body.orientation, rigid_->inverse_inertia).inverse();
   supported_ = context.gravity_m_s2.squaredNorm() == 0.0;

@@ -113,7 +113,7 @@ struct BodyEnergy {
 // How far the numbers can be trusted at the chosen cells and substeps, known before anything runs (elastic-study.md
 // 2.4, 2.7).
 enum class ElasticBand {
-  Exact,    // Young's modulus within 4 %
+  Exact,    // Young's modulus within 5 %, pulled along the longest side
   Band,     // between modulus_ratio_low and modulus_ratio_high
   Clipped,  // the stiffness asked for is out of reach; reached_youngs_modulus_pa is simulated
   Unknown,  // no law is known: another solver, or cells and steps that never rest

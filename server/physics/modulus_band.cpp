@@ -11,6 +11,7 @@ namespace livegs {
 namespace {
 
 constexpr double kLeastExact = 4.0, kLeastExactPerBulk = 0.9, kLeastBand = 1.1;
+// Of what is predicted; with what is measured beside it, bodies called exact are within 5 % (tests/accuracy/tension_test.cpp).
 constexpr double kExactWithin = 0.04;
 // Of the ceiling: a modulus far above it shows less than one just above it.
 constexpr double kLeastOfCeiling = 0.45, kMostOfCeiling = 1.1;

@@ -28,6 +28,8 @@ void ImpulseSum::add(double size_n_s, const Eigen::Vector3d& direction, const Ei
   impulse_n_s += size_n_s;
   moment += size_n_s * point_m;
   push_n_s += size_n_s * direction;
+  given_n_s += size_n_s * direction;
+  given_moment += size_n_s * point_m.cross(direction);
   spread += size_n_s * direction * direction.transpose();
 }
 
@@ -36,6 +38,8 @@ void ImpulseSum::add(const ImpulseSum& other, double share) {
   impulse_n_s += share * other.impulse_n_s;
   moment += share * other.moment;
   push_n_s += share * other.push_n_s;
+  given_n_s += share * other.given_n_s;
+  given_moment += share * other.given_moment;
   spread += share * other.spread;
   from_colliders = from_colliders && other.from_colliders;
   restitution = std::max(restitution, other.restitution);
@@ -61,6 +65,14 @@ void RigidBlows::note_contact(const RigidBody& body, const ContactPatch& patch, 
   contacts_.add(point.impulse_n_s, body_from_world * normal, body_from_world * point_m);
   contacts_.restitution = std::max(contacts_.restitution, patch.restitution);
   if (patch.other) contacts_.from_colliders = false;
+}
+
+void RigidBlows::note_friction(const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& twist,
+                               const Eigen::Vector3d& point_m) {
+  if (!body.can_break) return;
+  const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
+  contacts_.given_n_s += body_from_world * impulse_n_s;
+  contacts_.given_moment += body_from_world * (point_m.cross(impulse_n_s) + twist);
 }
 
 void RigidBlows::end_substep(const RigidBody& body, double island_share, double duration_s) {

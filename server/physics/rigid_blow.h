@@ -29,6 +29,8 @@ struct ImpulseSum {
   double impulse_n_s = 0.0;                          // sum of sizes
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // impulse times point
   Eigen::Vector3d push_n_s = Eigen::Vector3d::Zero();
+  // All that contacts gave with it, friction and twist too, and its moment: without them it moves as if nothing had struck it.
+  Eigen::Vector3d given_n_s = Eigen::Vector3d::Zero(), given_moment = Eigen::Vector3d::Zero();
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();  // size times direction times direction transposed
   bool from_colliders = true;  // all of it, from things that do not move
   double restitution = 0.0;    // the largest of them; 1: of something that takes no energy, as a force
@@ -51,6 +53,9 @@ class RigidBlows {
   // `normal`: towards this body.
   void note_contact(const RigidBody& body, const ContactPatch& patch, const ContactPoint& point,
                     const Eigen::Vector3d& normal, const Eigen::Vector3d& point_m);
+  // What a patch's friction gave this body, at `point_m`, and its twist.
+  void note_friction(const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& twist,
+                     const Eigen::Vector3d& point_m);
   // The part of what this body's contacts gave in the substep that ended an approach, 0 … 1; the rest carried what
   // pressed on meanwhile.
   double struck_share() const { return struck_share_; }

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "physics/rigid_motion.h"
-
 namespace livegs {
 
 void RigidBody::update_turning() {
@@ -14,6 +12,11 @@ void RigidBody::update_turning() {
   angular_velocity_rad_s = inverse * angular_momentum;
   inverse_mass = asleep ? 0.0 : 1.0 / mass_kg;
   inverse_inertia = asleep ? Eigen::Matrix3d::Zero().eval() : inverse;
+}
+
+void RigidBody::set_unit_inertia(const Eigen::Matrix3d& of_one_kg) {
+  unit_inertia_body = 0.5 * (of_one_kg + of_one_kg.transpose());
+  unit_axes = principal_axes(unit_inertia_body);
 }
 
 void RigidBody::wake() {
@@ -54,7 +57,7 @@ Eigen::Vector3d RigidBody::mean_velocity(double duration_s) const {
 
 Eigen::Quaterniond RigidBody::orientation_after(double duration_s) const {
   const Eigen::Quaterniond& now = world_from_body.orientation;
-  if (!shape.is_ball()) return turned_freely(now, inverse_inertia_body(), angular_momentum, duration_s);
+  if (!shape.is_ball()) return turned_freely(now, unit_axes, angular_momentum / mass_kg, duration_s);
   return (rotation_exp(duration_s * angular_velocity_rad_s) * now).normalized();
 }
 

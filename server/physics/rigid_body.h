@@ -10,6 +10,7 @@
 #include "physics/contact_id.h"
 #include "physics/rigid_blow.h"
 #include "physics/rigid_contact.h"
+#include "physics/rigid_motion.h"
 #include "physics/rigid_shape.h"
 
 namespace livegs {
@@ -27,7 +28,8 @@ struct RigidBody {
   RigidShape shape;
 
   double mass_kg = 0.0;
-  Eigen::Matrix3d unit_inertia_body = Eigen::Matrix3d::Identity();  // of 1 kg
+  Eigen::Matrix3d unit_inertia_body = Eigen::Matrix3d::Identity();  // of 1 kg: by set_unit_inertia
+  PrincipalAxes unit_axes;                                          // of it
   double friction = 0.5;
   double restitution = 0.2;
 
@@ -79,6 +81,7 @@ struct RigidBody {
     return velocity_m_s + angular_velocity_rad_s.cross(arm_m);
   }
   void wake();
+  void set_unit_inertia(const Eigen::Matrix3d& of_one_kg);
   // Refreshes what follows from orientation, angular momentum and sleep.
   void update_turning();
   void set_angular_velocity(const Eigen::Vector3d& velocity_rad_s);

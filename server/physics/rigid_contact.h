@@ -42,6 +42,7 @@ struct ContactPoint {
   double impact_speed_m_s = 0;  // closing speed at touch, > 0 when closing
   double carried_speed_m_s = 0;  // what presses the two together would give them in the rest of the substep
   double impulse_n_s = 0;       // of this step, >= 0; the next one starts from it
+  double resting_impulse_n_s = 0;  // before restitution
   double largest_impulse_n_s = 0;
 
   // Refreshed when the bodies have moved.

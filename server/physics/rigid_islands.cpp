@@ -9,9 +9,15 @@
 
 namespace livegs {
 
+namespace {
+// What a body would fall in a substep of a 240th of a second: a sleeper nearer than that below one that is awake is woken, since
+// nobody knows yet that something else holds it. Such two have to fall asleep together, or they take turns for good.
+constexpr double kNearlyTouching_m = 2.5e-4;
+}  // namespace
+
 bool is_touching(const ContactPatch& patch) {
   for (int i = 0; i < patch.point_count; ++i) {
-    if (patch.points[i].impulse_n_s > 0.0 || patch.points[i].separation_m <= 0.0) return true;
+    if (patch.points[i].impulse_n_s > 0.0 || patch.points[i].separation_m <= kNearlyTouching_m) return true;
   }
   return false;
 }

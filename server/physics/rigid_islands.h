@@ -26,7 +26,7 @@ enum class IslandLink { AnyPatch, TouchingPatch };
 std::vector<RigidIsland> rigid_islands(std::span<RigidBody* const> bodies, IslandLink link,
                                        const Eigen::Vector3d& gravity_m_s2);
 
-// Pressed together, or overlapping.
+// Pressed together, overlapping, or nearer than a body falls in a substep.
 bool is_touching(const ContactPatch& patch);
 
 }  // namespace livegs

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "physics/rigid_motion.h"
@@ -33,6 +34,15 @@ constexpr int kMaxSmallSteps = 4;
 constexpr int kBendSweeps = 3;
 // A row whose pivot is below this part of its own diagonal says what others say already (two hinges on one door).
 constexpr double kDependent = 1e-11;
+// Rows of a group with a closed loop may say the same, or nearly: of a bridge of planks that lie in a line the way between its
+// ends is fixed twice. They give by this part of their own response (constraint force mixing, Smith 2006), a spring of
+// 1 / (kLoopSoftness h²) of the mass it holds, h of a short step: too stiff to be seen. A chain or a tree has none.
+constexpr double kLoopSoftness = 1e-4;
+// Joints may seem to have done this part of the largest kinetic energy of late, since the steps are of second order.
+constexpr double kWorkTolerance = 1e-3;
+constexpr double kForgotten_s = 2.0;
+constexpr double kRounding = 1e-18;  // of the energy that what joints hold up would have had, were it free
+constexpr double kSameNode_m = 1e-3;  // joints closer than this are in one node
 
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   Eigen::Matrix3d m;
@@ -54,6 +64,10 @@ Vector returned(const Vector& error, double substep_s, double fastest) {
   return size > 0.0 ? Vector(std::min(kTakenBack, fastest * substep_s / size) * error) : error;
 }
 
+std::pair<const RigidBody*, const RigidBody*> ordered(const RigidBody* one, const RigidBody* two) {
+  return std::less<>()(one, two) ? std::pair(one, two) : std::pair(two, one);
+}
+
 }  // namespace
 
 JointGroup::JointGroup(std::vector<RigidJoint> joints) : joints_(std::move(joints)) {
@@ -69,10 +83,16 @@ JointGroup::JointGroup(std::vector<RigidJoint> joints) : joints_(std::move(joint
   ends_.resize(bodies_.size());
   starts_.resize(bodies_.size());
   others_.resize(bodies_.size());
+  given_.resize(bodies_.size());
+  before_.resize(bodies_.size());
   swing_.resize(bodies_.size());
   const auto index_of = [&](const RigidBody* body) {
     return static_cast<size_t>(std::find(bodies_.begin(), bodies_.end(), body) - bodies_.begin());
   };
+
+  note_nodes();
+  const bool to_world = std::any_of(joints_.begin(), joints_.end(), [](const RigidJoint& joint) { return !joint.b; });
+  softness_ = joints_.size() + 1 > bodies_.size() + (to_world ? 1 : 0) ? kLoopSoftness : 0.0;
 
   int row_count = 0;
   for (const RigidJoint& joint : joints_) {
@@ -100,6 +120,7 @@ JointGroup::JointGroup(std::vector<RigidJoint> joints) : joints_(std::move(joint
   factor_.resize(envelope_.back());
   inverse_pivot_.resize(static_cast<size_t>(row_count));
   residual_.resize(row_count);
+  compliance_.resize(row_count);
 }
 
 // Cuthill-McKee: breadth first from a joint with few neighbours, so that a chain has a narrow band.
@@ -137,6 +158,29 @@ void JointGroup::order_joints() {
   std::vector<RigidJoint> ordered;
   for (size_t i : order) ordered.push_back(std::move(joints_[i]));
   joints_ = std::move(ordered);
+}
+
+// Bars that meet in a node overlap there, though each is joined to one other only.
+void JointGroup::note_nodes() {
+  const auto note = [&](const RigidBody* one, const RigidBody* two) {
+    if (one && two && one != two) meeting_.push_back(ordered(one, two));
+  };
+  for (size_t i = 0; i < joints_.size(); ++i) {
+    const RigidJoint& joint = joints_[i];
+    note(joint.a, joint.b);
+    for (size_t j = 0; j < i; ++j) {
+      if ((joints_[j].world_anchor_a() - joint.world_anchor_a()).norm() > kSameNode_m) continue;
+      for (const RigidBody* one : {joint.a, joint.b}) {
+        for (const RigidBody* two : {joints_[j].a, joints_[j].b}) note(one, two);
+      }
+    }
+  }
+  std::sort(meeting_.begin(), meeting_.end());
+  meeting_.erase(std::unique(meeting_.begin(), meeting_.end()), meeting_.end());
+}
+
+bool JointGroup::meet_in_a_joint(const RigidBody& a, const RigidBody& b) const {
+  return std::binary_search(meeting_.begin(), meeting_.end(), ordered(&a, &b));
 }
 
 bool JointGroup::asleep() const {
@@ -213,7 +257,8 @@ void JointGroup::factorise() {
     const int begin = begin_[static_cast<size_t>(r)];
     double* const row = &factor_[envelope_[static_cast<size_t>(r)]];
     const double diagonal = row[r - begin];
-    double pivot = diagonal;
+    compliance_[r] = softness_ * diagonal;
+    double pivot = diagonal + compliance_[r];
     for (int c = begin; c < r; ++c) {
       const int begin_c = begin_[static_cast<size_t>(c)];
       const double* const other = &factor_[envelope_[static_cast<size_t>(c)]];
@@ -248,11 +293,18 @@ void JointGroup::substitute(Eigen::VectorXd& rows) const {
 }
 
 void JointGroup::apply(const RigidJoint& joint, const Rows& rows, const RigidJoint::Impulse& impulse) {
-  joint.a->apply_impulse(impulse.point_n_s, rows.arm_a_m);
-  if (joint.b) joint.b->apply_impulse(-impulse.point_n_s, rows.arm_b_m);
-  if (!joint.hinge) return;
-  joint.a->apply_angular_impulse(impulse.turn);
-  if (joint.b) joint.b->apply_angular_impulse(-impulse.turn);
+  const auto give = [&](size_t index, double sign, const Eigen::Vector3d& arm_m) {
+    const Eigen::Vector3d push = sign * impulse.point_n_s;
+    const Eigen::Vector3d turn = arm_m.cross(push) + sign * impulse.turn;
+    RigidBody& body = *bodies_[index];
+    if (body.asleep) return;
+    body.velocity_m_s += body.inverse_mass * push;
+    body.apply_angular_impulse(turn);
+    given_[index].push_n_s += push;
+    given_[index].turn += turn;
+  };
+  give(rows.a, 1.0, rows.arm_a_m);
+  if (joint.b) give(rows.b, -1.0, rows.arm_b_m);
 }
 
 void JointGroup::warm_start(ContactPhase phase) {
@@ -372,9 +424,18 @@ void JointGroup::solve(ContactPhase phase, double substep_s) {
     solve_residual(phase);
     if (!measure_bend(substep_s)) break;
   }
+  if (!in_small_steps_) limit_push(substep_s);
 }
 
 void JointGroup::solve_residual(ContactPhase phase) {
+  for (size_t i = 0; i < joints_.size(); ++i) {
+    const Rows& rows = rows_[i];
+    const RigidJoint::Impulse& total = phase == ContactPhase::Push ? joints_[i].push : joints_[i].relax;
+    residual_.segment<3>(rows.first) -= compliance_.segment<3>(rows.first).cwiseProduct(total.point_n_s);
+    if (!joints_[i].hinge) continue;
+    residual_.segment<2>(rows.first + 3) -=
+        compliance_.segment<2>(rows.first + 3).cwiseProduct(rows.across.transpose() * total.turn);
+  }
   substitute(residual_);
   for (size_t i = 0; i < joints_.size(); ++i) {
     const Rows& rows = rows_[i];
@@ -420,22 +481,46 @@ void JointGroup::weigh(RigidBody& body, double factor) {
   body.update_turning();
 }
 
+JointGroup::Motion JointGroup::motion_of(const RigidBody& body) {
+  return {body.velocity_m_s, body.angular_momentum, body.angular_velocity_rad_s, body.world_from_body.position_m};
+}
+
+void JointGroup::forget() {
+  work_j_ = liveliest_j_ = 0.0;
+  for (RigidJoint& joint : joints_) joint.push = joint.relax = {};
+  for (RigidJoint& joint : joints_) joint.force_n.setZero();
+  for (Rows& rows : rows_) rows.next_bend = {};
+}
+
 void JointGroup::begin() {
   for (size_t i = 0; i < bodies_.size(); ++i) {
-    starts_[i] = {bodies_[i]->substep_velocity_m_s, bodies_[i]->angular_momentum};
+    starts_[i] = motion_of(*bodies_[i]);
+    starts_[i].velocity_m_s = bodies_[i]->substep_velocity_m_s;
+    before_[i] = starts_[i];
+    given_[i] = others_[i] = {};
   }
 }
 
-double JointGroup::kinetic_j() const {
-  double sum = 0.0;
-  for (const RigidBody* body : bodies_) sum += body->kinetic_j();
-  return sum;
+// Adds what other than joints changed the motion of its bodies since `before_`, and begins anew.
+void JointGroup::note_others() {
+  for (size_t i = 0; i < bodies_.size(); ++i) {
+    const RigidBody& body = *bodies_[i];
+    others_[i].push_n_s += body.mass_kg * (body.velocity_m_s - before_[i].velocity_m_s) - given_[i].push_n_s;
+    others_[i].turn += body.angular_momentum - before_[i].angular_momentum - given_[i].turn;
+    before_[i] = motion_of(body);
+    given_[i] = {};
+  }
 }
 
-// Joints do no work. Where the small steps are too large still, the motion of the group, about its own centre if it is
-// free, is slowed to the energy it can have. A free group's angular momentum about its centre shrinks with that motion,
-// which is wrong by as much; its linear momentum is kept.
-void JointGroup::slow_down_to(double allowed_j) {
+double JointGroup::kinetic_j(const Motion& motion, const RigidBody& body) {
+  return 0.5 * (body.mass_kg * motion.velocity_m_s.squaredNorm() + motion.spin_rad_s.dot(motion.angular_momentum));
+}
+
+// Joints do no work: what `others` gave with the mean of the motion before and after is all that a group may gain. Where
+// it has more than that and `allowance_j`, its motion, about its own centre if it is free, is slowed until that is so. A
+// free group's angular momentum about its centre shrinks with that motion, which is wrong by as much; its linear momentum
+// is kept. Returns by which factor.
+double JointGroup::slow_down(const std::vector<Motion>& starts, const std::vector<Impulses>& others, double allowance_j) {
   Eigen::Vector3d common = Eigen::Vector3d::Zero();
   double common_j = 0.0;
   if (std::none_of(joints_.begin(), joints_.end(), [](const RigidJoint& joint) { return joint.b == nullptr; })) {
@@ -447,14 +532,65 @@ void JointGroup::slow_down_to(double allowed_j) {
     common /= mass_kg;
     common_j = 0.5 * mass_kg * common.squaredNorm();
   }
-  const double own_j = kinetic_j() - common_j, allowed_own_j = std::max(0.0, allowed_j - common_j);
-  if (!(own_j > allowed_own_j)) return;
-  const double factor = std::sqrt(allowed_own_j / own_j);
+  // With the own motion times f: own_j f² = gained_j f + start_j.
+  double own_j = -common_j, gained_j = 0.0, start_j = allowance_j - common_j, rounding_j = 0.0;
+  for (size_t i = 0; i < bodies_.size(); ++i) {
+    const RigidBody& body = *bodies_[i];
+    own_j += body.kinetic_j();
+    start_j += kinetic_j(starts[i], body);
+    start_j += 0.5 * (others[i].push_n_s.dot(starts[i].velocity_m_s + common) + others[i].turn.dot(starts[i].spin_rad_s));
+    gained_j += 0.5 * (others[i].push_n_s.dot(body.velocity_m_s - common) + others[i].turn.dot(body.angular_velocity_rad_s));
+    rounding_j += kRounding * others[i].push_n_s.squaredNorm() / body.mass_kg;
+  }
+  if (!(own_j > gained_j + start_j + rounding_j)) return 1.0;  // what hangs still bears what it bears
+  const double root = std::sqrt(std::max(0.0, gained_j * gained_j + 4.0 * own_j * start_j));
+  const double factor = own_j > 0.0 ? std::clamp(0.5 * (gained_j + root) / own_j, 0.0, 1.0) : 1.0;
   for (RigidBody* body : bodies_) {
     body->velocity_m_s = common + factor * (body->velocity_m_s - common);
     body->angular_momentum *= factor;
     body->angular_velocity_rad_s *= factor;
   }
+  return factor;
+}
+
+// Close to a straight line a joint is closed by going far across it: no faster than with twice the energy there is.
+void JointGroup::limit_push(double substep_s) {
+  note_others();
+  double fastest_m_s = 0.0, mass_kg = 0.0, start_j = 0.0;
+  for (const Rows& rows : rows_) {
+    fastest_m_s = std::max(fastest_m_s, returned(rows.start_gap_m, substep_s, kMaxReturn_m_s).norm() / substep_s);
+  }
+  for (size_t i = 0; i < bodies_.size(); ++i) {
+    mass_kg += bodies_[i]->mass_kg;
+    start_j += kinetic_j(starts_[i], *bodies_[i]);
+  }
+  const double factor = slow_down(starts_, others_, start_j + 0.5 * mass_kg * fastest_m_s * fastest_m_s);
+  if (factor == 1.0) return;
+  for (RigidJoint& joint : joints_) {
+    joint.push.point_n_s *= factor;
+    joint.push.turn *= factor;
+  }
+  for (size_t i = 0; i < bodies_.size(); ++i) before_[i] = motion_of(*bodies_[i]);
+}
+
+void JointGroup::end(double substep_s) {
+  note_others();
+  double work_j = 0.0, lifted_j = 0.0, kinetic = 0.0;
+  for (size_t i = 0; i < bodies_.size(); ++i) {
+    const RigidBody& body = *bodies_[i];
+    const Eigen::Vector3d mean = 0.5 * (starts_[i].velocity_m_s + body.velocity_m_s);
+    kinetic += body.kinetic_j();
+    work_j += body.kinetic_j() - kinetic_j(starts_[i], body) - others_[i].push_n_s.dot(mean);
+    work_j -= 0.5 * others_[i].turn.dot(starts_[i].spin_rad_s + body.angular_velocity_rad_s);
+    const Eigen::Vector3d moved_m = body.world_from_body.position_m - starts_[i].position_m;
+    lifted_j -= body.mass_kg * body.substep_acceleration_m_s2.dot(moved_m - substep_s * mean);
+  }
+  liveliest_j_ = std::max(kinetic, (1.0 - substep_s / kForgotten_s) * liveliest_j_);
+  const double tolerance_j = kWorkTolerance * liveliest_j_;
+  work_j_ = std::max(work_j_ + work_j + lifted_j, -tolerance_j);
+  if (!(work_j_ > tolerance_j)) return;
+  slow_down(starts_, others_, work_j - (work_j_ - tolerance_j));
+  work_j_ = tolerance_j;
 }
 
 // Links that would swing too fast even so are heavier meanwhile, the forces on them the same: of a chain that bears
@@ -462,24 +598,29 @@ void JointGroup::slow_down_to(double allowed_j) {
 //
 // What else acted in the substep is spread over the small steps; each is a push, a move and a relax pass of its own.
 void JointGroup::move(double substep_s) {
+  note_others();
   const int steps = small_steps(substep_s);
   for (RigidJoint& joint : joints_) joint.borne_n_s = joint.push.point_n_s;
   if (steps == 1) {
     for (RigidBody* body : bodies_) body->move(substep_s);
-    return;
+  } else {
+    move_in_small_steps(substep_s, steps);
   }
-  for (size_t i = 0; i < joints_.size(); ++i) {
-    const RigidJoint::Impulse back{-joints_[i].push.point_n_s, -joints_[i].push.turn};
-    apply(joints_[i], rows_[i], back);
+  for (size_t i = 0; i < bodies_.size(); ++i) {
+    before_[i] = motion_of(*bodies_[i]);
+    given_[i] = {};
   }
+}
+
+void JointGroup::move_in_small_steps(double substep_s, int steps) {
   const double part = 1.0 / steps;
+  std::vector<Impulses> others = others_;
   for (size_t i = 0; i < bodies_.size(); ++i) {
     RigidBody& body = *bodies_[i];
-    others_[i] = {part * (body.velocity_m_s - starts_[i].velocity_m_s),
-                  part * (body.angular_momentum - starts_[i].angular_momentum)};
+    others[i].push_n_s *= part;
+    others[i].turn *= part;
     body.velocity_m_s = starts_[i].velocity_m_s;
     body.apply_angular_impulse(starts_[i].angular_momentum - body.angular_momentum);
-    others_[i].velocity_m_s /= swing_[i];
     if (swing_[i] > 1.0) weigh(body, swing_[i]);
   }
   std::vector<RigidJoint::Impulse> pushes;
@@ -493,23 +634,19 @@ void JointGroup::move(double substep_s) {
   }
   in_small_steps_ = true;
   const double step_s = part * substep_s;
+  std::vector<Motion> starts(bodies_.size());
   for (int step = 0; step < steps; ++step) {
-    double allowed_j = kinetic_j();
     for (size_t i = 0; i < bodies_.size(); ++i) {
-      allowed_j -= bodies_[i]->mass_kg / step_s * others_[i].velocity_m_s.dot(bodies_[i]->world_from_body.position_m);
-      allowed_j += others_[i].angular_momentum.dot(bodies_[i]->angular_velocity_rad_s);
-      bodies_[i]->velocity_m_s += others_[i].velocity_m_s;
-      bodies_[i]->apply_angular_impulse(others_[i].angular_momentum);
+      starts[i] = motion_of(*bodies_[i]);
+      bodies_[i]->velocity_m_s += others[i].push_n_s / bodies_[i]->mass_kg;
+      bodies_[i]->apply_angular_impulse(others[i].turn);
     }
     prepare(ContactPhase::Push);
     solve(ContactPhase::Push, step_s);
     for (RigidBody* body : bodies_) body->move(step_s);
     prepare(ContactPhase::Relax);
     solve(ContactPhase::Relax, step_s);
-    for (size_t i = 0; i < bodies_.size(); ++i) {
-      allowed_j += bodies_[i]->mass_kg / step_s * others_[i].velocity_m_s.dot(bodies_[i]->world_from_body.position_m);
-    }
-    slow_down_to(allowed_j);
+    slow_down(starts, others, 0.0);
     for (RigidJoint& joint : joints_) joint.borne_n_s += joint.push.point_n_s + joint.relax.point_n_s;
   }
   in_small_steps_ = false;
@@ -531,11 +668,7 @@ std::vector<JointGroup*> joint_groups(std::span<RigidBody* const> bodies) {
 }
 
 bool joined(const RigidBody& a, const RigidBody& b) {
-  if (!a.joints || a.joints != b.joints) return false;
-  for (const RigidJoint& joint : a.joints->joints()) {
-    if ((joint.a == &a && joint.b == &b) || (joint.a == &b && joint.b == &a)) return true;
-  }
-  return false;
+  return a.joints && a.joints == b.joints && a.joints->meet_in_a_joint(a, b);
 }
 
 }  // namespace livegs

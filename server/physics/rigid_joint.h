@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "physics/rigid_body.h"
@@ -20,6 +21,9 @@
 // which the joint is closed at its end, where the bodies will be; the relax pass takes out the velocity across the
 // rows there. Second order and without loss of energy. What error is left, from contacts that push the other way, is
 // taken back softly, as with contacts.
+//
+// In a closed loop rows may say the same twice, or nearly, when bodies lie in a line: there every row gives a little, and
+// the impulses stay bounded. Joints do no work: a group is slowed where it has more energy than what else acted gave it.
 
 namespace livegs {
 
@@ -61,13 +65,16 @@ class JointGroup {
 
   bool asleep() const;
   void wake_together();  // if some are awake, all are
+  bool meet_in_a_joint(const RigidBody& a, const RigidBody& b) const;
 
-  // The parts of one substep, in the order of use: begin before contacts act, prepare and solve (some sweeps), move, then
-  // prepare and solve again as the relax pass.
+  // The parts of one substep, in the order of use: begin before contacts act, prepare and solve (some sweeps), move,
+  // prepare and solve again as the relax pass, end.
   void begin();
   void prepare(ContactPhase phase);  // at the present poses; starts with the impulses of the substep before
   void solve(ContactPhase phase, double substep_s);
   void move(double substep_s);  // of its bodies
+  void end(double substep_s);    // when contacts are done too: sees to it that joints did no work
+  void forget();                 // what it starts the next substep from
 
  private:
   // How ways of the joint's points and axes bend: by how much mean velocities of a substep differ from the present
@@ -91,6 +98,7 @@ class JointGroup {
   static constexpr size_t kWorld = ~size_t{0};
 
   void order_joints();
+  void note_nodes();
   void factorise();
   void substitute(Eigen::VectorXd& rows) const;
   void apply(const RigidJoint& joint, const Rows& rows, const RigidJoint::Impulse& impulse);
@@ -101,36 +109,51 @@ class JointGroup {
   void relax_residual();
 
   int small_steps(double substep_s);
-  double kinetic_j() const;
-  void slow_down_to(double allowed_j);
   static void weigh(RigidBody& body, double factor);
 
   struct Motion {
-    Eigen::Vector3d velocity_m_s, angular_momentum;
+    Eigen::Vector3d velocity_m_s, angular_momentum, spin_rad_s, position_m;
   };
+  struct Impulses {
+    Eigen::Vector3d push_n_s = Eigen::Vector3d::Zero(), turn = Eigen::Vector3d::Zero();  // N s, N m s
+  };
+  static Motion motion_of(const RigidBody& body);
+  static double kinetic_j(const Motion& motion, const RigidBody& body);
+  void note_others();
+  double slow_down(const std::vector<Motion>& starts, const std::vector<Impulses>& others, double allowance_j);
+  void limit_push(double substep_s);
+  void move_in_small_steps(double substep_s, int steps);
+
   std::vector<double> swing_;  // of bodies_: by how much each is heavier during small steps
   static constexpr double kNotMeasured = -1.0;
 
   std::vector<RigidJoint> joints_;
   std::vector<RigidBody*> bodies_;
+  std::vector<std::pair<const RigidBody*, const RigidBody*>> meeting_;  // in a joint or a node of joints, ascending
   std::vector<Rows> rows_;  // one a joint
   // Lower triangle row by row from the first entry that is not zero: L of L D L^T, and 1 / D.
   std::vector<size_t> envelope_;  // where row r begins in factor_; one more than rows
   std::vector<int> begin_;        // first column of row r
   std::vector<double> factor_;
   std::vector<double> inverse_pivot_;
-  Eigen::VectorXd residual_;
+  double softness_ = 0.0;                  // what a row gives of its own response
+  Eigen::VectorXd residual_, compliance_;  // compliance_: speed that a row gives way by for an impulse
   bool in_small_steps_ = false;
   bool bend_settles_ = true;
   std::array<double, 2> bend_change_{kNotMeasured, kNotMeasured};  // of gaps and tilts, between the last two measures
   std::vector<Eigen::Quaterniond> ends_;  // of bodies_: at the end of the substep, as they turn now
-  std::vector<Motion> starts_, others_;  // of bodies_: at the start of the substep; what else acted, a small step
+  // Of bodies_: at the start of the substep and since what other than joints is noted; what its joints gave since then;
+  // what all else gave in the substep.
+  std::vector<Motion> starts_, before_;
+  std::vector<Impulses> given_, others_;
+  // What its joints seem to have done and the group still has; its kinetic energy, forgotten slowly.
+  double work_j_ = 0.0, liveliest_j_ = 0.0;
 };
 
 // The groups of which the first body is among `bodies`.
 std::vector<JointGroup*> joint_groups(std::span<RigidBody* const> bodies);
 
-// No contact is looked for between bodies that a joint connects.
+// No contact is looked for between bodies that a joint connects, or that meet in a node of joints.
 bool joined(const RigidBody& a, const RigidBody& b);
 
 }  // namespace livegs

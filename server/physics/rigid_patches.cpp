@@ -191,6 +191,10 @@ bool continue_patch(RigidBody& body, const ContactPair& pair, double duration_s)
 
 void append_patches(RigidBody& body, const ContactPair& pair, double duration_s,
                     std::vector<ContactCandidate>& candidates) {
+  // What is not finite has no order and touches nothing.
+  std::erase_if(candidates, [](const ContactCandidate& candidate) {
+    return !std::isfinite(candidate.separation_m) || !candidate.point_m.allFinite() || !candidate.normal.allFinite();
+  });
   std::sort(candidates.begin(), candidates.end(), [](const ContactCandidate& a, const ContactCandidate& b) {
     return a.separation_m != b.separation_m ? a.separation_m < b.separation_m : a.feature_id < b.feature_id;
   });

@@ -2,9 +2,12 @@
 #include "physics/rigid_step.h"
 
 #include <algorithm>
+#include <atomic>
 #include <vector>
 
+#include "core/log.h"
 #include "core/parallel_for.h"
+#include "physics/rigid_bounce.h"
 #include "physics/rigid_contact.h"
 #include "physics/rigid_find_contacts.h"
 #include "physics/rigid_islands.h"
@@ -22,6 +25,11 @@ constexpr int kSolverSteps = 4;
 constexpr int kPushSweeps = 1;
 constexpr int kRelaxSweeps = 2;  // with one, a pyramid never comes to rest
 constexpr int kImpactSweeps = 4;
+
+// What moves faster or is farther than this has no motion any more, whatever the numbers say.
+constexpr double kMost_m_s = 1e6;
+constexpr double kFarthest_m = 1e9;
+constexpr int kMostTold = 10;  // in a process
 
 // What fell asleep together wakes together, and so does what is joined. Returns whether anything woke.
 bool wake_groups(std::span<RigidBody* const> bodies) {
@@ -103,9 +111,23 @@ void tally(RigidBody& body, ContactPatch& patch) {
       struck = true;
     }
   }
+  const Eigen::Vector3d &rubbed = patch.friction_impulse_n_s, twist = patch.twist_impulse * patch.normal;
+  body.blows.note_friction(body, rubbed, twist, patch.arm_a_m);
+  if (patch.other) patch.other->blows.note_friction(*patch.other, -rubbed, -twist, patch.arm_b_m);
   if (struck) {
     patch.friction_impulse_n_s.setZero();
     patch.twist_impulse = 0.0;
+  }
+}
+
+void remember_impulses(ContactPatch& patch) {
+  for (int i = 0; i < patch.point_count; ++i) patch.points[i].resting_impulse_n_s = patch.points[i].impulse_n_s;
+}
+
+void cut_bounce(ContactPatch& patch, double part) {
+  for (int i = 0; i < patch.point_count; ++i) {
+    ContactPoint& point = patch.points[i];
+    point.impulse_n_s = point.resting_impulse_n_s + part * (point.impulse_n_s - point.resting_impulse_n_s);
   }
 }
 
@@ -141,17 +163,53 @@ void note_meeting(RigidBody& body, ContactPatch& patch) {
   if (!patch.other->asleep) patch.other->met_body = patch.other->pushed_by_owner = true;
 }
 
+bool moves_finitely(const RigidBody& body) {
+  const Pose& pose = body.world_from_body;
+  return body.velocity_m_s.squaredNorm() < kMost_m_s * kMost_m_s && pose.position_m.allFinite() &&
+         pose.position_m.cwiseAbs().maxCoeff() < kFarthest_m &&
+         pose.orientation.coeffs().allFinite() && body.angular_momentum.allFinite() && body.angular_velocity_rad_s.allFinite();
+}
+
+// What no longer moves finitely would take all that it touches along: the island stands still where it was.
+void put_back(RigidIsland& island, std::span<const Pose> poses, std::span<JointGroup* const> joints) {
+  static std::atomic<int> told{0};
+  const auto lost = std::find_if(island.bodies.begin(), island.bodies.end(),
+                                 [](const RigidBody* body) { return !moves_finitely(*body); });
+  if (told.fetch_add(1) < kMostTold) {
+    log_warn("object %u: its motion ran out of bounds; it and what it touches are stopped where they were. Look for parts "
+             "that overlap, or of very different mass, or raise substeps", (*lost)->object_id);
+  }
+  for (size_t i = 0; i < island.bodies.size(); ++i) {
+    RigidBody& body = *island.bodies[i];
+    body.world_from_body = poses[i];
+    body.velocity_m_s.setZero();
+    body.angular_momentum.setZero();
+    body.substep_velocity_m_s.setZero();
+    body.substep_acceleration_m_s2.setZero();
+    body.patches.clear();
+    body.previous_patches.clear();
+    body.blows = RigidBlows();
+    body.contact_impulse_n_s = body.outer_impulse_n_s = 0.0;
+    body.outer_moment.setZero();
+    body.update_turning();
+  }
+  for (JointGroup* group : joints) group->forget();
+}
+
 void solve_island(RigidIsland& island, double duration_s) {
   const auto each = [&](const auto& visit) {
     for (const RigidIsland::Contact& contact : island.contacts) visit(*contact.owner, *contact.patch);
   };
   const double step_s = duration_s / kSolverSteps;
+  std::vector<Pose> poses;
+  for (const RigidBody* body : island.bodies) poses.push_back(body->world_from_body);
   const bool struck = std::any_of(island.contacts.begin(), island.contacts.end(),
                                   [](const RigidIsland::Contact& contact) { return is_impact(*contact.patch); });
   const int push_sweeps = struck ? kImpactSweeps : kPushSweeps;
   const int relax_sweeps = struck ? kImpactSweeps : kRelaxSweeps;
   const std::vector<JointGroup*> joints = joint_groups(island.bodies);
   for (RigidBody* body : island.bodies) body->velocity_m_s = body->substep_velocity_m_s;
+  BounceGuard guard(island.bodies);
   for (int step = 0; step < kSolverSteps; ++step) {
     for (RigidBody* body : island.bodies) {
       body->pushed_by_owner = body->met_body = false;
@@ -186,16 +244,23 @@ void solve_island(RigidIsland& island, double duration_s) {
       each([&](RigidBody& body, ContactPatch& patch) { solve_patch(body, patch, ContactPhase::Relax, step_s); });
       for (JointGroup* group : joints) group->solve(ContactPhase::Relax, step_s);
     }
-    if (step + 1 == kSolverSteps) {
+    if (step + 1 == kSolverSteps && (struck || !joints.empty())) {
+      guard.begin();
+      each([](RigidBody&, ContactPatch& patch) { remember_impulses(patch); });
       for (int sweep = 0; sweep < kImpactSweeps; ++sweep) {
         each([&](RigidBody& body, ContactPatch& patch) {
           if (restitute_patch(body, patch)) rub_patch(body, patch);
         });
         for (JointGroup* group : joints) group->solve(ContactPhase::Relax, step_s);
       }
+      if (const double part = guard.end(); part < 1.0) each([&](RigidBody&, ContactPatch& patch) { cut_bounce(patch, part); });
     }
+    for (JointGroup* group : joints) group->end(step_s);
     each(tally);
     note_held(island, joints, step_s);
+  }
+  if (!std::all_of(island.bodies.begin(), island.bodies.end(), [](const RigidBody* body) { return moves_finitely(*body); })) {
+    put_back(island, poses, joints);
   }
   double struck_share = 0.0;
   for (const RigidBody* body : island.bodies) struck_share = std::max(struck_share, body->blows.struck_share());

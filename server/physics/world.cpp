@@ -120,7 +120,7 @@ Result<void> World::add_rigid(const RigidBodyDescription& description) {
   body.shape = description.sphere_radius_m > 0.0 ? ball_shape(description.sphere_radius_m)
                                                  : mesh_shape(description.mesh, body.rest_centre_m);
   body.mass_kg = description.material.mass_kg;
-  body.unit_inertia_body = 0.5 * (description.properties.inertia_m2 + description.properties.inertia_m2.transpose());
+  body.set_unit_inertia(description.properties.inertia_m2);
   body.friction = description.material.friction;
   body.restitution = description.material.restitution;
   body.world_from_body = normalized(description.world_from_object);
@@ -147,7 +147,7 @@ Result<void> World::add_ball(const BallDescription& description) {
   body.object_id = id;
   body.shape = ball_shape(description.radius_m);
   body.mass_kg = description.mass_kg;
-  body.unit_inertia_body = 0.4 * description.radius_m * description.radius_m * Eigen::Matrix3d::Identity();
+  body.set_unit_inertia(0.4 * description.radius_m * description.radius_m * Eigen::Matrix3d::Identity());
   body.friction = description.friction;
   body.restitution = description.restitution;
   body.world_from_body.position_m = description.position_m;

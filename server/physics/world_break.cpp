@@ -34,7 +34,7 @@ void forget_contacts(std::span<RigidBody* const> bodies, RigidBody& broken) {
 
 void take_mass(RigidBody& body, const MassProperties& properties, double mass_kg) {
   body.mass_kg = mass_kg;
-  body.unit_inertia_body = 0.5 * (properties.inertia_m2 + properties.inertia_m2.transpose());
+  body.set_unit_inertia(properties.inertia_m2);
   body.rest_centre_m = properties.centre_of_mass_m;
 }
 
@@ -95,6 +95,23 @@ Blow blow_of(const RigidObject& object, uint32_t body_index, const ImpulseSum& s
   return blow;
 }
 
+// Takes back what contacts gave (axes of the body), as far as the motion has no more than `most_j` then: it was given over
+// some substeps, in which the body turned.
+void give_back(RigidBody& body, const ImpulseSum& given, double part, double most_j) {
+  const Eigen::Vector3d impulse = -part * (body.world_from_body.orientation * given.given_n_s);
+  const Eigen::Vector3d moment = -part * (body.world_from_body.orientation * given.given_moment);
+  // kinetic + s linear + s² square <= most
+  const double linear = impulse.dot(body.velocity_m_s) + moment.dot(body.angular_velocity_rad_s);
+  const double square = 0.5 * (body.inverse_mass * impulse.squaredNorm() + moment.dot(body.inverse_inertia * moment));
+  const double room = std::max(0.0, most_j - body.kinetic_j());
+  double share = 1.0;
+  if (linear + square > room) {
+    share = square > 0.0 ? (std::sqrt(linear * linear + 4.0 * square * room) - linear) / (2.0 * square) : 0.0;
+  }
+  body.apply_impulse(share * impulse, Eigen::Vector3d::Zero());
+  body.apply_angular_impulse(share * moment);
+}
+
 // Faces of the bonds that broke, where they part bodies.
 void spring_back(RigidObject& object, std::span<const uint32_t> broken, double energy_j) {
   std::vector<RigidBody*> bodies;
@@ -139,7 +156,7 @@ void World::State::split_body(uint32_t object_id, RigidObject& object, uint32_t 
 }
 
 bool World::State::strike(uint32_t object_id, RigidObject& object, uint32_t body_index, const Blow& blow,
-                          const Eigen::Vector3d& given_back_n_s, double recoil_j) {
+                          const ImpulseSum& given, double given_back, double recoil_j) {
   const std::vector<uint32_t> broken = broken_bonds(object.bonds, blow);
   for (const uint32_t bond : broken) object.bonds.bonds[bond].health = 0.0;
   const std::vector<uint32_t> group_of = connected_groups(object.bonds);
@@ -151,8 +168,8 @@ bool World::State::strike(uint32_t object_id, RigidObject& object, uint32_t body
   std::vector<std::vector<uint32_t>> groups;
   for (auto& [first, group] : members) groups.push_back(std::move(group));
   RigidBody& body = object.body_at(body_index);
-  const Eigen::Vector3d arm = body.arm_of(blow.point_m);
-  body.apply_impulse(-(body.world_from_body.orientation * given_back_n_s), arm);
+  // Never more than it had when the tick began.
+  give_back(body, given, given_back, body.tick_energy_j - (energy_j(body) - body.kinetic_j()));
   if (object.piece_bodies.empty()) {
     object.piece_bodies.assign(group_of.size(), 0);
     hold_pieces(object_id, object);
@@ -204,20 +221,19 @@ void World::State::break_struck() {
       const Blow blow = blow_of(*object, index, sum);
       const Eigen::Vector3d where = body.world_from_body * Eigen::Vector3d(blow.point_m - body.rest_centre_m);
       // What the bonds did not bear was never passed on: of a blow from the floor, fragments keep the velocity they had
-      // before it, less the part that broke them, and go on until they hit the floor themselves. Kinetic energy is convex
-      // in that part, so it lies below what it was before or after. Blows from other bodies are kept whole, because those
-      // have had theirs.
-      Eigen::Vector3d given_back = Eigen::Vector3d::Zero();
+      // before it, less the part that broke them, and go on until they hit the floor themselves. Blows from other bodies are
+      // kept whole, because those have had theirs.
+      double given_back = 0.0;
       const bool one_way = sum.push_n_s.norm() > kOneWay * sum.impulse_n_s;
       double borne = 1.0;
       if (sum.from_colliders && one_way) {
         borne = std::min(1.0, break_threshold_n_s(object->bonds, blow) / sum.impulse_n_s);
-        given_back = (1.0 - borne) * sum.push_n_s;
+        given_back = 1.0 - borne;
       }
       const Eigen::Vector3d arm = blow.point_m - body.rest_centre_m;
       const double restitution = body.touches_elastic ? 1.0 : sum.restitution;  // what is soft takes no energy at once
       const double recoil_j = kRecoilPart * blow_loss_j(body, sum.push_n_s, arm, borne, restitution);
-      if (!strike(id, *object, index, blow, given_back, recoil_j)) continue;
+      if (!strike(id, *object, index, blow, sum, given_back, recoil_j)) continue;
       broke = true;
       events.push_back({tick, WorldEventKind::Fracture, id, sum.impulse_n_s, where});
     }
@@ -244,7 +260,7 @@ Result<void> World::set_pieces(uint32_t object_id, std::shared_ptr<const Breakab
                             std::to_string(apart) + " m away");
   }
   const Eigen::Vector3d spin = body.angular_velocity_rad_s;
-  body.unit_inertia_body = 0.5 * (whole.inertia_m2 + whole.inertia_m2.transpose());
+  body.set_unit_inertia(whole.inertia_m2);
   body.set_angular_velocity(spin);
   object->pieces = std::move(pieces);
   object->bonds = bond_graph_of(*object);
@@ -257,7 +273,7 @@ Result<void> World::break_object(uint32_t object_id, const Eigen::Vector3d& rest
   WorldObject* thing = state_->find(object_id);
   RigidObject* object = thing ? thing->rigid() : nullptr;
   if (!object) return not_found(name + ": there is no rigid object of this id to break");
-  if (!object->pieces) return invalid_argument(name + ": it cannot break (yet): it has no pieces");
+  if (!object->pieces) return invalid_argument(name + ": it has no pieces to break into; make it fragile, or wait until it is cut");
   Blow blow;
   blow.piece = object->pieces->cut.locate(rest_point_m);
   blow.point_m = rest_point_m;
@@ -272,7 +288,7 @@ Result<void> World::break_object(uint32_t object_id, const Eigen::Vector3d& rest
   blow.impulse_n_s = kBreakAtWill * threshold * direction;
   const Eigen::Vector3d where = body.world_from_body.position_m + body.arm_of(rest_point_m);
   thing->wake();
-  if (!state_->strike(object_id, *object, index, blow, Eigen::Vector3d::Zero(), 0.0)) {
+  if (!state_->strike(object_id, *object, index, blow, {}, 0.0, 0.0)) {
     return invalid_argument(name + ": nothing breaks at this point");
   }
   state_->events.push_back({state_->tick, WorldEventKind::Fracture, object_id, 0.0, where});

@@ -31,8 +31,8 @@ TEST(BreakingLoads, AWeightLaidOnACupBreaksNothing) {
       World world = weighed(rate, substeps, substeps == 1 ? 1.0 : substeps == 2 ? 4.0 : 10.0);
       run_seconds(world, 5.0);
       EXPECT_EQ(world.revision(kCup), 0u);
-      // Two substeps of 60 Hz under 4 kg sink in by 2.3 mm, all others by 0.32 mm at most.
-      EXPECT_NEAR(body_state(world, kWeight).world_from_body.position_m.y(), 0.125, substeps < 4 ? 0.0025 : 0.0002);
+      // Two substeps of 60 Hz under 4 kg sink in by 2.3 mm, all others by 0.35 mm at most.
+      EXPECT_NEAR(body_state(world, kWeight).world_from_body.position_m.y(), 0.125, substeps < 4 ? 0.0025 : 0.0004);
     }
   }
 }

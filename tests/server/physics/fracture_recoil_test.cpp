@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 RigidBody part_at(const Vector3d& at, double mass_kg, const Vector3d& velocity, const Vector3d& spin) {
   RigidBody body;
   body.mass_kg = mass_kg;
-  body.unit_inertia_body = Vector3d(0.13, 0.10, 0.05).asDiagonal() * (1.0 / 12.0);
+  body.set_unit_inertia(Vector3d(0.13, 0.10, 0.05).asDiagonal() * (1.0 / 12.0));
   body.world_from_body.position_m = at;
   body.velocity_m_s = velocity + spin.cross(at);
   body.set_angular_velocity(spin);

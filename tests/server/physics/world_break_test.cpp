@@ -57,6 +57,36 @@ TEST(Breaking, FragmentsComeToRestAndSleepAndNoneGainsEnergy) {
   }
 }
 
+// Plates, boxes and rods that break on the floor, in twelve ways each: what is given back to the fragments of the blow that its
+// bonds did not bear is friction's part too, and no more than there was. Of plates six in twelve gained up to 28 % in that tick.
+TEST(Breaking, WhatBreaksOnTheFloorInWhateverWayGainsNothing) {
+  int broken = 0;
+  for (const Vector3d& size : {Vector3d(0.25, 0.02, 0.25), Vector3d(0.1, 0.1, 0.1), Vector3d(0.03, 0.3, 0.03)}) {
+    const TriangleMesh mesh = box_mesh(size);
+    const auto pieces = pieces_of(mesh, 16, 3);
+    for (int way = 0; way < 12; ++way) {
+      const double rate = way % 2 ? 60.0 : 90.0;
+      SCOPED_TRACE(std::to_string(size.x()) + " m wide, way " + std::to_string(way));
+      RigidBodyDescription thing = body_of(kCup, mesh, 0.6);
+      thing.material.fragile = true;
+      thing.material.break_impulse_n_s = 0.5;
+      thing.world_from_object = {Vector3d(0, 2, 0), rotation_about(way + 1)};
+      World world = with_cup(thing, world_at(rate, 4), pieces);
+      world.add_collider(floor_plane());
+      const auto total = [&] { return world.energy().kinetic_j + world.energy().gravity_j; };
+      const double start_j = total();
+      double last_j = start_j;
+      for (int tick = 0; tick < 1.2 * rate; ++tick) {
+        world.step();
+        EXPECT_LT(total(), last_j + 0.01 * start_j) << tick;
+        last_j = std::min(last_j, total());
+      }
+      broken += body_count(world, kCup) > 1;
+    }
+  }
+  EXPECT_EQ(broken, 36);
+}
+
 // Upright, from four times the height that breaks it: its sherds do not stand on as a cup. Mean distance from the axis over that
 // of the same pieces in the whole is 1.7, and the highest corner is at 54 mm; without recoil 1.30, and 103 mm of the 100 it was high.
 TEST(Breaking, ACupThatLandsUprightComesApart) {
