@@ -51,13 +51,13 @@ int lattice_exponent(const ObjectDrivers& drivers, const DriverGrid* before, con
   LIVEGS_ASSERT(std::isfinite(side));
   const double steps = static_cast<double>((1 << precision.position_bits) - 1);
   const int fitting =
-      coarse_enough(side > 0.0 ? std::max(precision.finest_exponent, exponent_above(side / steps))
+      coarse_enough(side > 0.0 ? std::max(precision.finest_exponent, exponent_above(side / steps / kStepPart))
                                : precision.finest_exponent,
-                    farthest);
+                    farthest / kStepPart);
   if (!before) return fitting;
   const int kept = before->exponent;
   if (kept < fitting) return fitting;
-  const bool shrunk = kept > precision.finest_exponent && side < kShrunk * steps * std::ldexp(1.0, kept);
+  const bool shrunk = kept > precision.finest_exponent && side < kShrunk * steps * kStepPart * std::ldexp(1.0, kept);
   return shrunk ? fitting : kept;
 }
 
@@ -119,6 +119,11 @@ Eigen::Quaterniond rotation_at(const DriverGrid& grid, size_t i, double scale) {
 
 }  // namespace
 
+bool same_form(const DriverGrid& a, const DriverGrid& b) {
+  return a.kind == b.kind && a.count == b.count && a.revision == b.revision && a.exponent == b.exponent &&
+         a.neighbours == b.neighbours;
+}
+
 DriverGrid to_grid(const ObjectDrivers& drivers, const DriverGrid* before, const GridPrecision& precision) {
   DriverGrid grid;
   grid.object_id = drivers.object_id;
@@ -131,11 +136,15 @@ DriverGrid to_grid(const ObjectDrivers& drivers, const DriverGrid* before, const
   if (before &&
       (before->kind != grid.kind || before->count != grid.count || before->revision != grid.revision))
     before = nullptr;
-  grid.values.resize(grid.channels() * n);
+  if (drivers.kind == DriverKind::Lattice && drivers.neighbours && drivers.neighbours->before.size() == n) {
+    const bool as_before = before && before->neighbours && same_neighbours(before->neighbours, drivers.neighbours);
+    grid.neighbours = as_before ? before->neighbours : drivers.neighbours;
+  }
+  grid.values = GridValues(grid.channels() * n);
   if (n == 0) return grid;
   grid.exponent =
       rigid ? pose_exponent(drivers, before, precision) : lattice_exponent(drivers, before, precision);
-  const double steps_per_m = std::ldexp(1.0, -grid.exponent);
+  const double steps_per_m = 1.0 / grid.step_m();
   int32_t* const x = grid.values.data();
   if (rigid) {
     for (size_t i = 0; i < n; ++i) {
@@ -165,8 +174,9 @@ ObjectDrivers from_grid(const DriverGrid& grid) {
   drivers.kind = grid.kind;
   drivers.revision = grid.revision;
   drivers.asleep = grid.asleep;
+  drivers.neighbours = grid.neighbours;
   const size_t n = grid.count;
-  const double step_m = std::ldexp(1.0, grid.exponent), scale = rotation_scale(grid.kind);
+  const double step_m = grid.step_m(), scale = rotation_scale(grid.kind);
   const int32_t* const x = grid.values.data();
   if (grid.kind == DriverKind::Rigid) {
     drivers.poses.resize(n);

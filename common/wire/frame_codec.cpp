@@ -2,6 +2,8 @@
 // The layout is proto/frame_format.md.
 #include "wire/frame_codec.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
@@ -18,7 +20,6 @@ namespace {
 constexpr uint32_t kMagic = 0x4647564C;  // "LVGF"
 constexpr uint16_t kVersion = 1;
 constexpr uint8_t kSelfContained = 0;
-constexpr uint8_t kPlain = 0;
 constexpr uint8_t kAsleep = 1;
 
 constexpr int kPoseBits = 21;
@@ -30,6 +31,9 @@ constexpr size_t kObjectHeaderBytes = 12;
 constexpr size_t kPoseBytes = 16;
 constexpr size_t kPositionBytes = 6;
 constexpr size_t kRotationBytes = 5;
+constexpr size_t kRawPositionBytes = 12, kRawRotationBytes = 16;
+// As for poses elsewhere: what floats of a unit quaternion are off by, and no more.
+constexpr float kUnitTolerance = 1e-3f;
 
 // What grows to hold points; a NaN or an infinity among them is our own mistake.
 struct Bounds {
@@ -75,16 +79,52 @@ std::optional<Pose> read_pose(ByteReader& in, const QuantisedBox& box) {
   return Pose{box.position_m(steps, kPoseBits), unpack_quaternion(orientation, kPoseComponentBits)};
 }
 
-void write_object(ByteWriter& out, const QuantisedBox& frame_box, const ObjectDrivers& object) {
+void write_raw(ByteWriter& out, const Eigen::Vector3f& position_m) {
+  LIVEGS_ASSERT(position_m.allFinite());
+  for (int d = 0; d < 3; ++d) out.write(position_m[d]);
+}
+void write_raw(ByteWriter& out, const Eigen::Quaternionf& rotation) {
+  LIVEGS_ASSERT(rotation.coeffs().allFinite());
+  for (int d = 0; d < 4; ++d) out.write(rotation.coeffs()[d]);
+}
+
+void write_raw_drivers(ByteWriter& out, const ObjectDrivers& object) {
+  for (const Pose& pose : object.poses) {
+    write_raw(out, Eigen::Vector3f(pose.position_m.cast<float>()));
+    write_raw(out, pose.orientation.normalized().cast<float>());
+  }
+  for (size_t i = 0; i < object.positions_m.size(); ++i) {
+    write_raw(out, object.positions_m[i]);
+    if (object.kind == DriverKind::Particles) write_raw(out, object.rotations[i].normalized());
+  }
+}
+
+Eigen::Vector3f read_raw_position(ByteReader& in) {
+  const float x = in.read<float>(), y = in.read<float>(), z = in.read<float>();
+  return {x, y, z};
+}
+Eigen::Quaternionf read_raw_rotation(ByteReader& in) {
+  Eigen::Quaternionf rotation;
+  for (int d = 0; d < 4; ++d) rotation.coeffs()[d] = in.read<float>();
+  return rotation;
+}
+bool is_rotation(const Eigen::Quaternionf& rotation) { return std::abs(rotation.norm() - 1.0f) <= kUnitTolerance; }  // not NaN
+
+size_t raw_driver_bytes(DriverKind kind) {
+  return kRawPositionBytes + (kind == DriverKind::Lattice ? 0 : kRawRotationBytes);
+}
+
+void write_object(ByteWriter& out, const QuantisedBox& frame_box, const ObjectDrivers& object, DriverEncoding encoding) {
   const bool rigid = object.kind == DriverKind::Rigid;
   const size_t count = rigid ? object.poses.size() : object.positions_m.size();
   out.write(object.object_id);
   out.write(static_cast<uint8_t>(object.kind));
   out.write(static_cast<uint8_t>(object.asleep ? kAsleep : 0));
-  out.write(kPlain);
+  out.write(static_cast<uint8_t>(encoding));
   out.write(static_cast<uint8_t>(object.revision));
   out.write(static_cast<uint32_t>(count));
   if (count == 0) return;
+  if (encoding == DriverEncoding::Raw) return write_raw_drivers(out, object);
   if (rigid) {
     for (const Pose& pose : object.poses) write_pose(out, frame_box, pose);
     return;
@@ -105,11 +145,15 @@ void write_object(ByteWriter& out, const QuantisedBox& frame_box, const ObjectDr
   }
 }
 
-size_t encoded_size(const DriverFrame& frame) {
+size_t encoded_size(const DriverFrame& frame, DriverEncoding encoding) {
   size_t size = kFrameHeaderBytes;
   for (const ObjectDrivers& object : frame.objects) {
     const size_t positions = object.positions_m.size();
     size += kObjectHeaderBytes;
+    if (encoding == DriverEncoding::Raw) {
+      size += raw_driver_bytes(object.kind) * std::max(positions, object.poses.size());
+      continue;
+    }
     if (object.kind == DriverKind::Rigid) {
       size += kPoseBytes * object.poses.size();
     } else if (positions > 0) {
@@ -125,6 +169,25 @@ Error bad_object(size_t index, uint32_t object_id, const std::string& what) {
                       ") " + what);
 }
 
+// Preconditions: the object's kind is set, and its bytes are there.
+Result<ObjectDrivers> read_raw_drivers(ByteReader& in, size_t index, size_t count, ObjectDrivers object) {
+  const uint32_t id = object.object_id;
+  const bool rigid = object.kind == DriverKind::Rigid;
+  for (size_t i = 0; i < count; ++i) {
+    const Eigen::Vector3f position_m = read_raw_position(in);
+    if (!position_m.allFinite()) return bad_object(index, id, "has a position that is not finite: driver " + std::to_string(i));
+    if (!rigid) object.positions_m.push_back(position_m);
+    if (object.kind == DriverKind::Lattice) continue;
+    const Eigen::Quaternionf rotation = read_raw_rotation(in);
+    if (!is_rotation(rotation)) return bad_object(index, id, "has a rotation that is none: driver " + std::to_string(i));
+    if (rigid)
+      object.poses.push_back({position_m.cast<double>(), rotation.cast<double>().normalized()});
+    else
+      object.rotations.push_back(rotation.normalized());
+  }
+  return object;
+}
+
 Result<ObjectDrivers> read_object(ByteReader& in, size_t index, const QuantisedBox& frame_box) {
   ObjectDrivers object;
   object.object_id = in.read<uint32_t>();
@@ -138,7 +201,7 @@ Result<ObjectDrivers> read_object(ByteReader& in, size_t index, const QuantisedB
   if (kind < static_cast<uint8_t>(DriverKind::Rigid) || kind > static_cast<uint8_t>(DriverKind::Particles)) {
     return bad_object(index, id, "has unknown kind " + std::to_string(kind));
   }
-  if (encoding != kPlain) return bad_object(index, id, "has unknown encoding " + std::to_string(encoding));
+  if (encoding > static_cast<uint8_t>(DriverEncoding::Raw)) return bad_object(index, id, "has unknown encoding " + std::to_string(encoding));
   object.kind = static_cast<DriverKind>(kind);
   if ((flags & ~kAsleep) != 0 || (revision != 0 && object.kind != DriverKind::Rigid)) {
     return bad_object(index, id, "sets a reserved bit");
@@ -149,6 +212,11 @@ Result<ObjectDrivers> read_object(ByteReader& in, size_t index, const QuantisedB
 
   // Counts are held against the bytes that are there before anything is allocated.
   const bool rigid = object.kind == DriverKind::Rigid;
+  if (encoding == static_cast<uint8_t>(DriverEncoding::Raw)) {
+    if (count > in.remaining() / raw_driver_bytes(object.kind))
+      return bad_object(index, id, "claims " + std::to_string(count) + " drivers but is cut short");
+    return read_raw_drivers(in, index, count, std::move(object));
+  }
   const size_t driver_bytes =
       rigid ? kPoseBytes : kPositionBytes + (object.kind == DriverKind::Particles ? kRotationBytes : 0);
   if (count > in.remaining() / driver_bytes ||
@@ -186,10 +254,10 @@ Result<ObjectDrivers> read_object(ByteReader& in, size_t index, const QuantisedB
 
 }  // namespace
 
-std::vector<std::byte> encode_frame(const DriverFrame& frame) {
+std::vector<std::byte> encode_frame(const DriverFrame& frame, DriverEncoding encoding) {
   Bounds bounds;
   for (const ObjectDrivers& object : frame.objects) {
-    if (object.kind != DriverKind::Rigid) continue;
+    if (object.kind != DriverKind::Rigid || encoding == DriverEncoding::Raw) continue;
     for (const Pose& pose : object.poses) {
       LIVEGS_ASSERT(pose.orientation.coeffs().allFinite());
       bounds.add(pose.position_m);
@@ -197,7 +265,7 @@ std::vector<std::byte> encode_frame(const DriverFrame& frame) {
   }
   const QuantisedBox box = bounds.box();
   ByteWriter out;
-  out.reserve(encoded_size(frame));
+  out.reserve(encoded_size(frame, encoding));
   out.write(kMagic);
   out.write(kVersion);
   out.write(kSelfContained);
@@ -206,7 +274,7 @@ std::vector<std::byte> encode_frame(const DriverFrame& frame) {
   out.write(frame.simulated_ns);
   out.write(static_cast<uint32_t>(frame.objects.size()));
   write_box(out, box);
-  for (const ObjectDrivers& object : frame.objects) write_object(out, box, object);
+  for (const ObjectDrivers& object : frame.objects) write_object(out, box, object, encoding);
   std::vector<std::byte> bytes = std::move(out).take();
   LIVEGS_ASSERT(bytes.size() <= kMaxFrameBytes);
   return bytes;

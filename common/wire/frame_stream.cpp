@@ -2,8 +2,6 @@
 // The layout is proto/frame_format.md, "Streams".
 #include "wire/frame_stream.h"
 
-#include <zstd.h>
-
 #include <algorithm>
 #include <utility>
 
@@ -17,82 +15,54 @@ using namespace stream_layout;
 
 namespace {
 
-Prediction choose(const Entry& entry, uint64_t tick) {
-  if (!entry.before || !same_form(entry.before->now, entry.after->now)) return Prediction::Intra;
-  if (!has_line(*entry.before, tick)) return Prediction::Last;
-  Entry linear = entry;
-  linear.prediction = Prediction::Linear;
-  uint64_t by_last = 0, by_line = 0;
-  for (size_t c = 0; c < 3; ++c) {
-    const PredictionCost cost = prediction_cost(
-        linear.source(c, tick), entry.after->now.values.data() + c * entry.count(), entry.count());
-    by_last += cost.last;
-    by_line += cost.linear;
-  }
-  return by_line < by_last ? Prediction::Linear : Prediction::Last;
-}
-
-void write_descriptor(ByteWriter& out, const Entry& entry, uint32_t id_step) {
-  const DriverGrid& grid = entry.after->now;
-  const bool intra = entry.prediction == Prediction::Intra;
-  write_varint(out, id_step);
-  out.write(static_cast<uint8_t>(static_cast<uint8_t>(entry.prediction) | (grid.asleep ? kAsleepBit : 0) |
-                                 (intra ? static_cast<uint8_t>(grid.kind) << kKindShift : 0)));
-  if (intra) {
-    out.write(static_cast<uint8_t>(grid.revision));
-    out.write(static_cast<int8_t>(grid.exponent));
-    write_varint(out, grid.count);
-  }
-  for (size_t c = 0; c < grid.channels(); c += 2) {
-    out.write(
-        static_cast<uint8_t>(entry.planes[c] | (c + 1 < grid.channels() ? entry.planes[c + 1] << 4 : 0)));
-  }
-}
-
-struct Compressor {
-  ZSTD_CCtx* context = ZSTD_createCCtx();
-  ~Compressor() { ZSTD_freeCCtx(context); }
-};
-
 // Buffers that are kept: fresh ones of this size cost more than what is done with them.
 struct Buffers {
-  Scratch scratch;
-  std::vector<std::byte> raw, packed;
+  std::vector<std::byte> body;
+  GridScratch scratch;
 };
 
-// Empty where it would not be smaller.
-std::span<const std::byte> compressed(std::span<const std::byte> raw, std::vector<std::byte>& packed) {
-  if (raw.size() < kWorthCompressing) return {};
-  thread_local Compressor compressor;
-  if (packed.size() < ZSTD_compressBound(raw.size())) packed.resize(ZSTD_compressBound(raw.size()));
-  const size_t size =
-      ZSTD_compressCCtx(compressor.context, packed.data(), packed.size(), raw.data(), raw.size(), kLevel);
-  if (ZSTD_isError(size) || size >= raw.size()) return {};
-  return std::span(packed).first(size);
+// An object that is in the frame.
+struct Entry {
+  const GridHistory* before;  // null: it is new, or not as it was
+  GridHistory* after;
+};
+
+Prediction choose(const Entry& entry, GridPast& past) {
+  const DriverGrid& grid = entry.after->now;
+  if (!entry.before || !same_form(entry.before->now, grid)) return Prediction::Intra;
+  const bool linear = has_line(*entry.before, entry.after->tick), curve = has_curve(*entry.before, entry.after->tick);
+  if (curve && grid.neighbours) {
+    fit_curve(grid, past);
+    return Prediction::Curve;
+  }
+  if (!linear) return Prediction::Last;
+  const PredictionCosts costs = prediction_costs(grid, past, linear, curve);
+  if (costs.curve < std::min(costs.last, costs.linear)) return Prediction::Curve;
+  return costs.linear < costs.last ? Prediction::Linear : Prediction::Last;
 }
 
-void take_all_residuals(std::vector<Entry>& entries, uint64_t tick, Scratch& scratch) {
-  size_t total = 0;
-  for (Entry& entry : entries) {
-    entry.first_left = total;
-    total += entry.after->now.values.size();
-  }
-  scratch.left.resize(total);
-  for (Entry& entry : entries) {
-    const DriverGrid& grid = entry.after->now;
-    entry.prediction = choose(entry, tick);
-    for (size_t c = 0; c < grid.channels(); ++c) {
-      PredictionSource source = entry.source(c, tick);
-      const int32_t* const left_out = grid.channels() > 6 ? grid.values.data() + 6 * entry.count() : nullptr;
-      forget_turned(entry, left_out, c, scratch, source);
-      const int planes =
-          take_residuals(entry.prediction, source, grid.values.data() + c * entry.count(), entry.count(),
-                         scratch.left.data() + entry.first_left + c * entry.count());
-      // A new object's drivers take a byte each at least, so that a few bytes cannot claim millions.
-      const int least = entry.prediction == Prediction::Intra && entry.count() > 0 ? 1 : 0;
-      entry.planes[c] = static_cast<uint8_t>(std::max(planes, least));
+void write_object(RiceWriter& bits, const Entry& entry, uint32_t id_step, GridScales& scales, GridScratch& scratch) {
+  DriverGrid& grid = entry.after->now;
+  GridPast past = past_of(entry.before, entry.after->tick);
+  const Prediction prediction = choose(entry, past);
+  bits.code(id_step, kIdBits);
+  bits.bits(static_cast<uint32_t>(prediction), 2);
+  bits.bits(grid.asleep ? 1 : 0, 1);
+  if (prediction == Prediction::Intra) {
+    bits.bits(static_cast<uint32_t>(grid.kind), 2);
+    bits.bits(grid.revision, 8);
+    bits.bits(static_cast<uint8_t>(grid.exponent), 8);
+    bits.code(grid.count, kDriverCountBits);
+    if (grid.kind == DriverKind::Lattice) bits.bits(grid.neighbours ? 1 : 0, 1);
+    if (grid.neighbours) {
+      std::vector<Eigen::Vector3i> coordinates = grid.neighbours->coordinates;
+      code_coordinates(bits, coordinates);
     }
+  } else if (prediction == Prediction::Curve && grid.neighbours) {
+    for (const int32_t weight : {past.weight_v, past.weight_a})
+      bits.bits(static_cast<uint32_t>(weight) & ((1u << kWeightBits) - 1), kWeightBits);
   }
+  code_values(bits, grid, prediction, past, scales, scratch);
 }
 
 }  // namespace
@@ -104,9 +74,10 @@ bool same_state(const StreamBaseline& a, const StreamBaseline& b) {
   const auto rests = [&](const GridHistory& object) { return a.tick - object.tick >= kMaxGap; };
   const auto alike = [&](const auto& one, const auto& other) {
     if (one == other) return true;  // both streams were sent it in one frame
-    return one->now == other->now && ((rests(*one) && rests(*other)) ||
-                                      (one->tick == other->tick && one->earlier_tick == other->earlier_tick &&
-                                       one->earlier == other->earlier));
+    return one->now == other->now &&
+           ((rests(*one) && rests(*other)) ||
+            (one->tick == other->tick && one->earlier_tick == other->earlier_tick && one->earliest_tick == other->earliest_tick &&
+             one->earlier == other->earlier && one->earliest == other->earliest));
   };
   return a.tick == b.tick && std::equal(a.objects.begin(), a.objects.end(), b.objects.begin(), b.objects.end(), alike);
 }
@@ -131,7 +102,11 @@ EncodedStreamFrame encode_stream_frame(const DriverFrame& frame, const StreamBas
   auto next = std::make_shared<StreamBaseline>();
   next->tick = frame.tick;
   next->simulated_ns = frame.simulated_ns;
+  next->objects.reserve(ordered.size());
+  HistoryPlaces places;
   std::vector<Entry> entries;
+  entries.reserve(ordered.size());
+  size_t codes = 8;
   for (const ObjectDrivers* object : ordered) {
     const auto* known = baseline ? baseline->find(object->object_id) : nullptr;
     if (known && (*known)->now.revision == object->revision && options.leave_out &&
@@ -139,19 +114,19 @@ EncodedStreamFrame encode_stream_frame(const DriverFrame& frame, const StreamBas
       next->objects.push_back(*known);
       continue;
     }
-    auto after = std::make_shared<GridHistory>();
-    after->now = to_grid(*object, known ? &(*known)->now : nullptr, options.precision);
-    after->tick = frame.tick;
-    if (known && after->now == (*known)->now) {
+    DriverGrid grid = to_grid(*object, known ? &(*known)->now : nullptr, options.precision);
+    if (!options.tell_neighbours) grid.neighbours = nullptr;
+    if (known && grid == (*known)->now) {
       next->objects.push_back(*known);
       continue;
     }
-    Entry entry;
-    entry.before = known ? known->get() : nullptr;
-    remember(*after, entry.before);
-    entry.after = after;
+    auto after = places.take(grid.count);
+    after->now = std::move(grid);
+    after->tick = frame.tick;
+    remember(*after, known ? known->get() : nullptr);
+    entries.push_back({known ? known->get() : nullptr, after.get()});
+    codes += 12 + 2 * after->now.values.size() + after->now.count;
     next->objects.push_back(std::move(after));
-    entries.push_back(std::move(entry));
   }
   std::vector<uint32_t> gone;
   if (baseline) {
@@ -161,51 +136,35 @@ EncodedStreamFrame encode_stream_frame(const DriverFrame& frame, const StreamBas
   }
 
   thread_local Buffers buffers;
-  Scratch& scratch = buffers.scratch;
-  take_all_residuals(entries, frame.tick, scratch);
-  ByteWriter head;
-  write_varint(head, entries.size());
-  write_varint(head, gone.size());
+  RiceWriter bits(buffers.body, codes + gone.size());
+  bits.code(static_cast<uint32_t>(entries.size()), kObjectCountBits);
+  bits.code(static_cast<uint32_t>(gone.size()), 0);
   uint32_t last_id = 0;
-  for (const uint32_t id : gone) write_varint(head, id - std::exchange(last_id, id));
+  for (const uint32_t id : gone) bits.code(id - std::exchange(last_id, id), kIdBits);
   last_id = 0;
-  size_t plane_bytes = 0;
+  GridScales scales;
   for (const Entry& entry : entries) {
     const uint32_t id = entry.after->now.object_id;
-    write_descriptor(head, entry, id - std::exchange(last_id, id));
-    for (size_t c = 0; c < entry.after->now.channels(); ++c) plane_bytes += entry.planes[c] * entry.count();
+    write_object(bits, entry, id - std::exchange(last_id, id), scales, buffers.scratch);
   }
-  const std::vector<std::byte> front = std::move(head).take();
-  std::vector<std::byte>& raw = buffers.raw;
-  raw.resize(front.size() + plane_bytes);
-  std::copy(front.begin(), front.end(), raw.begin());
-  size_t at = front.size();
-  each_plane(entries, [&](const Entry& entry, size_t channel, int plane) {
-    write_plane(scratch.left.data() + entry.first_left + channel * entry.count(), entry.count(), plane,
-                raw.data() + at);
-    at += entry.count();
-  });
+  const std::span<const std::byte> body = bits.written();
 
   // By ticks alone, so that streams with the same state take the same bytes.
   const bool hashed = options.hash_interval > 0 &&
                       (!baseline || frame.tick / options.hash_interval != baseline->tick / options.hash_interval);
-  const std::span<const std::byte> packed = compressed(raw, buffers.packed);
-  const std::span<const std::byte> body = packed.empty() ? raw : packed;
   ByteWriter out;
   out.reserve(body.size() + 40);
   out.write(kMagic);
   out.write(kVersion);
-  out.write(static_cast<uint8_t>((baseline ? 0 : kKeyFrame) | (packed.empty() ? 0 : kCompressed) |
-                                 (hashed ? kHashed : 0)));
+  out.write(static_cast<uint8_t>((baseline ? 0 : kKeyFrame) | (hashed ? kHashed : 0)));
   write_varint(out, frame.tick);
   out.write(frame.simulated_ns);
   if (baseline) write_varint(out, frame.tick - baseline->tick);
   if (hashed) out.write(hash_of(*next));
-  if (!packed.empty()) write_varint(out, raw.size());
   EncodedStreamFrame encoded;
   encoded.bytes = std::move(out).take();
   encoded.bytes.insert(encoded.bytes.end(), body.begin(), body.end());
-  LIVEGS_ASSERT(encoded.bytes.size() <= kMaxFrameBytes && raw.size() <= kMaxFrameBytes);
+  LIVEGS_ASSERT(encoded.bytes.size() <= kMaxFrameBytes);
   encoded.object_count = entries.size();
   encoded.next = std::move(next);
   return encoded;

@@ -34,6 +34,8 @@ struct StreamOptions {
   GridPrecision precision;
   // Of so many ticks, the first that the stream is sent carries a hash of everything the reader should have. 0: none.
   uint32_t hash_interval = 32;
+  // Whether a key frame tells who stands beside whom in a lattice, where that is known: what a stream saves by in every frame.
+  bool tell_neighbours = true;
   // Object ids to leave as the reader has them although they moved; new ones are never left out.
   std::function<bool(uint32_t object_id)> leave_out;
 };

@@ -37,7 +37,10 @@ std::vector<std::byte> encode_publication(const Publication& publication) {
   out.write(publication.event_number);
   out.write(publication.stepped_ns);
   std::vector<std::byte> bytes = std::move(out).take();
-  const std::vector<std::byte> frame = encode_stream_frame(publication.frame, nullptr).bytes;
+  // Who listens reads each frame by itself: finding neighbours anew would cost more than they save.
+  StreamOptions options;
+  options.tell_neighbours = false;
+  const std::vector<std::byte> frame = encode_stream_frame(publication.frame, nullptr, options).bytes;
   bytes.insert(bytes.end(), frame.begin(), frame.end());
   return bytes;
 }

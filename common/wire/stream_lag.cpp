@@ -8,14 +8,14 @@
 
 namespace livegs {
 
-std::vector<ObjectLag> lag_behind(const DriverFrame& frame, const StreamBaseline& baseline) {
+std::vector<ObjectLag> lag_behind(const DriverFrame& frame, const StreamBaseline& baseline, const GridPrecision& precision) {
   std::vector<ObjectLag> lags;
   for (const ObjectDrivers& object : frame.objects) {
     const auto* known = baseline.find(object.object_id);
     const size_t count = std::max(object.poses.size(), object.positions_m.size());
     if (!known || (*known)->now.kind != object.kind || (*known)->now.revision != object.revision || (*known)->now.count != count)
       continue;
-    if (to_grid(object, &(*known)->now, {}) == (*known)->now) continue;
+    if (to_grid(object, &(*known)->now, precision) == (*known)->now) continue;
     const ObjectDrivers has = from_grid((*known)->now);
     ObjectLag lag;
     lag.object_id = object.object_id;

@@ -18,7 +18,7 @@ struct ObjectLag {
 };
 
 // Of the objects that the next frame of the stream would hold, those that may be left out of it: the reader has them in the
-// same form. In the frame's order. Any thread.
-std::vector<ObjectLag> lag_behind(const DriverFrame& frame, const StreamBaseline& baseline);
+// same form. In the frame's order. `precision`: what the stream is written with. Any thread.
+std::vector<ObjectLag> lag_behind(const DriverFrame& frame, const StreamBaseline& baseline, const GridPrecision& precision = {});
 
 }  // namespace livegs

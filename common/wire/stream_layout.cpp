@@ -13,17 +13,14 @@ uint32_t hash_of(const StreamBaseline& baseline) {
     hash.add(uint64_t{grid.object_id} << 32 | grid.revision << 16 | static_cast<uint64_t>(grid.kind) << 8 |
              (grid.asleep ? 1u : 0u));
     hash.add(uint64_t{grid.count} << 32 | static_cast<uint32_t>(grid.exponent));
-    const std::vector<int32_t>& v = grid.values;
+    const int32_t* const v = grid.values.data();
+    const size_t count = grid.values.size();
     size_t i = 0;
-    for (; i + 1 < v.size(); i += 2)
+    for (; i + 1 < count; i += 2)
       hash.add(uint64_t{static_cast<uint32_t>(v[i])} << 32 | static_cast<uint32_t>(v[i + 1]));
-    if (i < v.size()) hash.add(static_cast<uint32_t>(v[i]));
+    if (i < count) hash.add(static_cast<uint32_t>(v[i]));
   }
   return hash.value();
-}
-
-bool same_form(const DriverGrid& a, const DriverGrid& b) {
-  return a.kind == b.kind && a.count == b.count && a.revision == b.revision && a.exponent == b.exponent;
 }
 
 bool has_line(const GridHistory& before, uint64_t tick) {
@@ -31,34 +28,39 @@ bool has_line(const GridHistory& before, uint64_t tick) {
          before.tick - before.earlier_tick <= kMaxGap;
 }
 
+bool has_curve(const GridHistory& before, uint64_t tick) {
+  return !before.earliest.empty() && has_line(before, tick) && tick - before.tick == before.tick - before.earlier_tick &&
+         tick - before.tick == before.earlier_tick - before.earliest_tick;
+}
+
 void remember(GridHistory& after, const GridHistory* before) {
   if (!before || !same_form(before->now, after.now)) return;
   after.earlier = before->now.values;
   after.earlier_tick = before->tick;
+  after.earliest = before->earlier;
+  after.earliest_tick = before->earlier_tick;
 }
 
-void forget_turned(const Entry& entry, const int32_t* left_out, size_t channel, Scratch& scratch,
-                   PredictionSource& source) {
-  if (entry.prediction == Prediction::Intra || channel < 3 || channel > 5 ||
-      entry.after->now.kind == DriverKind::Lattice)
-    return;
-  const size_t n = entry.count();
-  const int32_t* const was = entry.before->now.values.data() + 6 * n;
-  if (std::equal(left_out, left_out + n, was) &&
-      (!source.earlier || std::equal(left_out, left_out + n, entry.before->earlier.data() + 6 * n))) {
-    return;
+GridPast past_of(const GridHistory* before, uint64_t tick) {
+  GridPast past;
+  if (!before) return past;
+  past.last = before->now.values.data();
+  if (!before->earlier.empty()) past.earlier = before->earlier.data();
+  if (!before->earliest.empty()) past.earliest = before->earliest.data();
+  if (has_line(*before, tick)) {
+    past.ahead = static_cast<int32_t>(tick - before->tick);
+    past.behind = static_cast<int32_t>(before->tick - before->earlier_tick);
   }
-  std::vector<int32_t>&last = scratch.last, &earlier = scratch.earlier;
-  last.assign(source.last, source.last + n);
-  earlier.assign(n, 0);
-  if (source.earlier) earlier.assign(source.earlier, source.earlier + n);
-  const int32_t* const before_that = source.earlier ? entry.before->earlier.data() + 6 * n : was;
-  for (size_t i = 0; i < n; ++i) {
-    if (left_out[i] != was[i]) last[i] = earlier[i] = 0;
-    if (left_out[i] != before_that[i]) earlier[i] = last[i];
+  return past;
+}
+
+std::shared_ptr<GridHistory> HistoryPlaces::take(size_t drivers) {
+  if (drivers > kFewDrivers) return std::make_shared<GridHistory>();
+  if (taken_ == kTogether) {
+    together_ = std::make_shared<GridHistory[]>(kTogether);
+    taken_ = 0;
   }
-  source.last = last.data();
-  source.earlier = earlier.data();
+  return std::shared_ptr<GridHistory>(together_, &together_[static_cast<std::ptrdiff_t>(taken_++)]);
 }
 
 }  // namespace livegs::stream_layout

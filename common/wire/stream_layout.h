@@ -2,15 +2,14 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
 #include "wire/driver_grid.h"
 #include "wire/frame_stream.h"
+#include "wire/grid_coder.h"
 #include "wire/little_endian.h"
-#include "wire/residual_planes.h"
 #include "wire/varint.h"
 
 // What writing and reading a frame of a stream have in common; proto/frame_format.md, "Streams". For these
@@ -20,23 +19,21 @@ namespace livegs {
 
 namespace stream_layout {
 inline constexpr uint8_t kMagic = 0xD6;
-inline constexpr uint8_t kVersion = 1;
-inline constexpr uint8_t kKeyFrame = 1, kCompressed = 2, kHashed = 4;
-inline constexpr uint8_t kModeBits = 3, kAsleepBit = 4, kKindShift = 3;
-inline constexpr int kMaxPlanes = 4;
-inline constexpr int kLevel = 1;
-inline constexpr size_t kWorthCompressing = 64;  // fewer bytes are sent as they are
-inline constexpr int32_t kMaxGap = 16;           // ticks over which a straight line is believed
+inline constexpr uint8_t kVersion = 2;
+inline constexpr uint8_t kKeyFrame = 1, kHashed = 4;
+inline constexpr int32_t kMaxGap = 16;  // ticks over which a straight line is believed
 inline constexpr int kMinExponent = -30, kMaxExponent = 30;
+// Low bits of the codes of numbers of objects, of steps between ids, of driver counts.
+inline constexpr int kObjectCountBits = 4, kIdBits = 1, kDriverCountBits = 2;
 
 }  // namespace stream_layout
 
-// One object as the reader has it, and its integers one frame of its own earlier.
+// One object as the reader has it, and its integers in the frames of its own before, in the same form.
 struct GridHistory {
   DriverGrid now;
   uint64_t tick = 0;
-  std::vector<int32_t> earlier;  // empty: there is none
-  uint64_t earlier_tick = 0;
+  GridValues earlier, earliest;  // empty: there are none
+  uint64_t earlier_tick = 0, earliest_tick = 0;
 };
 
 class StreamBaseline {
@@ -57,54 +54,25 @@ namespace stream_layout {
 
 uint32_t hash_of(const StreamBaseline& baseline);
 
-// Of one object of a frame: how its integers are written.
-struct Entry {
-  const GridHistory* before = nullptr;  // null: the object is new, or not as it was
-  std::shared_ptr<GridHistory> after;
-  Prediction prediction = Prediction::Intra;
-  std::array<uint8_t, kMaxGridChannels> planes{};
-  size_t first_left = 0;  // of its residuals
-
-  size_t count() const { return after->now.count; }
-  PredictionSource source(size_t channel, uint64_t tick) const {
-    PredictionSource source;
-    if (prediction == Prediction::Intra) return source;
-    source.last = before->now.values.data() + channel * count();
-    if (!before->earlier.empty()) source.earlier = before->earlier.data() + channel * count();
-    source.ahead = static_cast<int32_t>(tick - before->tick);
-    source.behind = static_cast<int32_t>(before->tick - before->earlier_tick);
-    return source;
-  }
-};
-
-bool same_form(const DriverGrid& a, const DriverGrid& b);
-// Whether a straight line through the last two frames may be used; both ends decide it alike.
+// Whether a straight line through the last two frames may be used, and a curve through the last three; both ends decide it alike.
 bool has_line(const GridHistory& before, uint64_t tick);
+bool has_curve(const GridHistory& before, uint64_t tick);
 // Keeps what was, where the next frame may be predicted from it too.
 void remember(GridHistory& after, const GridHistory* before);
+// What there is to predict from; null: nothing.
+GridPast past_of(const GridHistory* before, uint64_t tick);
 
-struct Scratch {
-  std::vector<uint32_t> left;
-  std::vector<int32_t> last, earlier;
+// Places for the objects of one frame. Few bodies share a piece of memory, of which each costs as much as a body's integers;
+// no more than these stay because of one that moves no more.
+class HistoryPlaces {
+ public:
+  std::shared_ptr<GridHistory> take(size_t drivers);
+
+ private:
+  static constexpr size_t kTogether = 16, kFewDrivers = 1;
+  std::shared_ptr<GridHistory[]> together_;
+  size_t taken_ = kTogether;
 };
-
-// Rotations whose left-out component changed are not predicted: their three integers stand for other things
-// now. What is predicted for them is 0. `left_out`: channel 6 of the frame that is written or read.
-void forget_turned(const Entry& entry, const int32_t* left_out, size_t channel, Scratch& scratch,
-                   PredictionSource& source);
-
-// Calls `visit(entry, channel, plane)` in the order of the bytes: low planes first, equal channels together.
-template <class Visit>
-void each_plane(const std::vector<Entry>& entries, const Visit& visit) {
-  for (int plane = 0; plane < kMaxPlanes; ++plane) {
-    for (size_t channel = 0; channel < kMaxGridChannels; ++channel) {
-      for (const Entry& entry : entries) {
-        if (channel < entry.after->now.channels() && entry.planes[channel] > plane)
-          visit(entry, channel, plane);
-      }
-    }
-  }
-}
 
 }  // namespace stream_layout
 }  // namespace livegs

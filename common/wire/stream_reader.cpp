@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <zstd.h>
-
 #include <string>
 #include <utility>
 
@@ -13,11 +11,6 @@ namespace livegs {
 using namespace stream_layout;
 
 namespace {
-
-struct Decompressor {
-  ZSTD_DCtx* context = ZSTD_createDCtx();
-  ~Decompressor() { ZSTD_freeDCtx(context); }
-};
 
 Error bad(const std::string& what) { return invalid_data("stream frame: " + what); }
 
@@ -37,7 +30,7 @@ Result<Header> read_header(ByteReader& in) {
     return unsupported("stream frame: version " + std::to_string(version) + ", this build reads version " +
                        std::to_string(kVersion) + "; update the older of server and client");
   }
-  if ((header.flags & ~(kKeyFrame | kCompressed | kHashed)) != 0) return bad("sets a reserved bit");
+  if ((header.flags & ~(kKeyFrame | kHashed)) != 0) return bad("sets a reserved bit");
   const auto tick = read_varint(in);
   header.simulated_ns = in.read<int64_t>();
   if (!tick) return bad("header is cut short");
@@ -52,107 +45,105 @@ Result<Header> read_header(ByteReader& in) {
   return header;
 }
 
-// In `buffer` where it was compressed.
-Result<std::span<const std::byte>> read_body(ByteReader& in, std::span<const std::byte> bytes,
-                                             bool is_compressed, std::vector<std::byte>& buffer) {
-  if (!is_compressed) return bytes.subspan(in.offset());
-  const auto size = read_varint(in);
-  if (!size || *size > kMaxFrameBytes) return bad("claims a body over the limit");
-  const auto rest = bytes.subspan(in.offset());
-  // zstd never makes more than about 2^17 bytes of one: what claims more is not tried.
-  if (*size > (uint64_t{rest.size()} << 18)) return bad("claims a body that its bytes cannot hold");
-  if (buffer.size() < *size) buffer.resize(*size);
-  const std::span<std::byte> body = std::span(buffer).first(*size);
-  thread_local Decompressor decompressor;
-  const size_t made =
-      ZSTD_decompressDCtx(decompressor.context, body.data(), body.size(), rest.data(), rest.size());
-  if (ZSTD_isError(made) || made != body.size()) return bad("body does not decompress");
-  return std::span<const std::byte>(body);
+// Buffers that are kept: fresh ones of this size cost more than what is done with them.
+struct Buffers {
+  std::vector<std::byte> body;
+  GridScratch scratch;
+};
+
+// Ids that ascend, each written as the step from the one before.
+class IdReader {
+ public:
+  std::optional<uint32_t> next(RiceReader& bits) {
+    const uint64_t step = bits.code(0, kIdBits);
+    if ((begun_ && step == 0) || (id_ += step) > UINT32_MAX) return std::nullopt;
+    begun_ = true;
+    return static_cast<uint32_t>(id_);
+  }
+
+ private:
+  uint64_t id_ = 0;
+  bool begun_ = false;
+};
+
+// A new object's form. Counts are held against the bits that are there before anything is allocated.
+Result<DriverGrid> read_form(RiceReader& bits) {
+  DriverGrid grid;
+  const uint32_t kind = bits.bits(0, 2);
+  grid.revision = bits.bits(0, 8);
+  grid.exponent = static_cast<int8_t>(bits.bits(0, 8));
+  grid.count = bits.code(0, kDriverCountBits);
+  if (kind < static_cast<uint32_t>(DriverKind::Rigid)) return bad("an object has unknown kind 0");
+  grid.kind = static_cast<DriverKind>(kind);
+  if (grid.exponent < kMinExponent || grid.exponent > kMaxExponent) return bad("an object's step is out of range");
+  if (grid.revision != 0 && grid.kind != DriverKind::Rigid) return bad("sets a reserved bit");
+  const bool told = grid.kind == DriverKind::Lattice && bits.bits(0, 1) != 0;
+  if (bits.failed() || grid.count > bits.remaining_bits() / kLeastIntraDriverBits)
+    return bad("claims " + std::to_string(grid.count) + " drivers but is cut short");
+  if (!told) return grid;
+  std::vector<Eigen::Vector3i> coordinates(grid.count);
+  if (!code_coordinates(bits, coordinates)) return bad("an object is cut short");
+  grid.neighbours = find_node_neighbours(std::move(coordinates));
+  if (!grid.neighbours) return bad("a node's coordinates are out of range");
+  if (grid.count > bits.remaining_bits() / kLeastIntraDriverBits) return bad("an object is cut short");
+  return grid;
 }
 
-// The object's form and how it is written, without its integers.
-Result<Entry> read_descriptor(ByteReader& in, uint32_t id, const StreamBaseline* baseline, uint64_t tick) {
-  Entry entry;
-  const uint8_t how = in.read<uint8_t>();
-  const uint8_t mode = how & kModeBits, kind = how >> kKindShift;
+int32_t read_weight(RiceReader& bits) {
+  const auto raw = static_cast<int32_t>(bits.bits(0, kWeightBits));
+  return raw >= 1 << (kWeightBits - 1) ? raw - (1 << kWeightBits) : raw;
+}
+
+Result<std::shared_ptr<GridHistory>> read_object(RiceReader& bits, GridScratch& scratch, uint32_t id, const StreamBaseline* baseline, uint64_t tick,
+                                                 HistoryPlaces& places, GridScales& scales) {
+  const auto prediction = static_cast<Prediction>(bits.bits(0, 2));
+  const bool asleep = bits.bits(0, 1) != 0;
   const auto* known = baseline ? baseline->find(id) : nullptr;
-  if (known) entry.before = known->get();
-  if (mode > static_cast<uint8_t>(Prediction::Linear)) return bad("uses an unknown prediction");
-  entry.prediction = static_cast<Prediction>(mode);
-  entry.after = std::make_shared<GridHistory>();
-  DriverGrid& grid = entry.after->now;
-  entry.after->tick = tick;
-  if (entry.prediction == Prediction::Intra) {
-    grid.revision = in.read<uint8_t>();
-    grid.exponent = in.read<int8_t>();
-    const auto count = read_varint(in);
-    if (in.failed() || !count) return bad("an object is cut short");
-    if (kind < static_cast<uint8_t>(DriverKind::Rigid) ||
-        kind > static_cast<uint8_t>(DriverKind::Particles)) {
-      return bad("object " + std::to_string(id) + " has unknown kind " + std::to_string(kind));
-    }
-    grid.kind = static_cast<DriverKind>(kind);
-    if (grid.exponent < kMinExponent || grid.exponent > kMaxExponent)
-      return bad("an object's step is out of range");
-    if (grid.revision != 0 && grid.kind != DriverKind::Rigid) return bad("sets a reserved bit");
-    if (*count > in.remaining()) return bad("claims " + std::to_string(*count) + " drivers but is cut short");
-    grid.count = static_cast<uint32_t>(*count);
+  const GridHistory* const before = known ? known->get() : nullptr;
+  DriverGrid grid;
+  GridPast past;
+  if (prediction == Prediction::Intra) {
+    auto form = read_form(bits);
+    if (!form) return form.error();
+    grid = std::move(*form);
   } else {
-    if (!entry.before) return bad("predicts object " + std::to_string(id) + ", which was not sent before");
-    if (kind != 0) return bad("sets a reserved bit");
-    if (entry.prediction == Prediction::Linear && !has_line(*entry.before, tick))
+    if (!before) return bad("predicts object " + std::to_string(id) + ", which was not sent before");
+    if ((prediction == Prediction::Linear && !has_line(*before, tick)) ||
+        (prediction == Prediction::Curve && !has_curve(*before, tick))) {
       return bad("predicts from frames that are not there");
-    const DriverGrid& was = entry.before->now;
+    }
+    past = past_of(before, tick);
+    const DriverGrid& was = before->now;
     grid.kind = was.kind;
     grid.revision = was.revision;
     grid.exponent = was.exponent;
     grid.count = was.count;
-  }
-  grid.object_id = id;
-  grid.asleep = (how & kAsleepBit) != 0;
-  for (size_t c = 0; c < grid.channels(); c += 2) {
-    const uint8_t pair = in.read<uint8_t>();
-    entry.planes[c] = pair & 15;
-    if (c + 1 < grid.channels()) {
-      entry.planes[c + 1] = pair >> 4;
-    } else if (pair >> 4 != 0) {
-      return bad("sets a reserved bit");
+    grid.neighbours = was.neighbours;
+    if (prediction == Prediction::Curve && grid.neighbours) {
+      past.weight_v = read_weight(bits);
+      past.weight_a = read_weight(bits);
     }
   }
-  if (in.failed()) return bad("an object is cut short");
-  for (size_t c = 0; c < grid.channels(); ++c) {
-    if (entry.planes[c] > kMaxPlanes) return bad("an integer has more than four bytes");
-    if (entry.prediction == Prediction::Intra && grid.count > 0 && entry.planes[c] == 0)
-      return bad("a new object has no bytes");
-  }
-  return entry;
+  grid.object_id = id;
+  grid.asleep = asleep;
+  grid.values = GridValues(grid.channels() * grid.count);
+  if (!code_values(bits, grid, prediction, past, scales, scratch) || bits.failed()) return bad("an object is cut short");
+  std::shared_ptr<GridHistory> after = places.take(grid.count);
+  after->now = std::move(grid);
+  after->tick = tick;
+  remember(*after, before);
+  return after;
 }
 
-void add_all_residuals(Entry& entry, uint64_t tick, Scratch& scratch) {
-  DriverGrid& grid = entry.after->now;
-  const size_t n = entry.count();
-  grid.values.resize(grid.channels() * n);
-  // What was left out of rotations first: it says which predictions hold.
-  for (size_t k = grid.channels(); k-- > 0;) {
-    PredictionSource source = entry.source(k, tick);
-    forget_turned(entry, grid.channels() > 6 ? grid.values.data() + 6 * n : nullptr, k, scratch, source);
-    add_residuals(entry.prediction, source, scratch.left.data() + entry.first_left + k * n, n,
-                  grid.values.data() + k * n);
-  }
-  remember(*entry.after, entry.before);
-}
-
-Result<std::vector<uint32_t>> read_gone(ByteReader& in, uint64_t count, const StreamBaseline* baseline) {
+Result<std::vector<uint32_t>> read_gone(RiceReader& bits, uint32_t count, const StreamBaseline* baseline) {
   std::vector<uint32_t> gone;
-  if (count > in.remaining()) return bad("is cut short");
-  uint64_t id = 0;
-  for (uint64_t i = 0; i < count; ++i) {
-    const auto step = read_varint(in);
-    if (!step || (i > 0 && *step == 0) || *step > UINT32_MAX || (id += *step) > UINT32_MAX)
-      return bad("lists ids out of order");
-    if (!baseline || !baseline->find(static_cast<uint32_t>(id)))
-      return bad("takes away an object that is not there");
-    gone.push_back(static_cast<uint32_t>(id));
+  IdReader ids;
+  if (count > bits.remaining_bits()) return bad("is cut short");
+  for (uint32_t i = 0; i < count; ++i) {
+    const auto id = ids.next(bits);
+    if (!id || bits.failed()) return bad("lists ids out of order");
+    if (!baseline || !baseline->find(*id)) return bad("takes away an object that is not there");
+    gone.push_back(*id);
   }
   return gone;
 }
@@ -160,20 +151,21 @@ Result<std::vector<uint32_t>> read_gone(ByteReader& in, uint64_t count, const St
 // The objects of the frame after it, from those before and those that are in it.
 std::vector<std::shared_ptr<const GridHistory>> joined(const StreamBaseline* baseline,
                                                        const std::vector<uint32_t>& gone,
-                                                       const std::vector<Entry>& entries) {
+                                                       const std::vector<std::shared_ptr<GridHistory>>& entries) {
   std::vector<std::shared_ptr<const GridHistory>> objects;
+  objects.reserve((baseline ? baseline->objects.size() : 0) + entries.size());
   size_t next = 0;
   if (baseline) {
     for (const auto& object : baseline->objects) {
       const uint32_t id = object->now.object_id;
-      for (; next < entries.size() && entries[next].after->now.object_id < id; ++next)
-        objects.push_back(entries[next].after);
-      const bool renewed = next < entries.size() && entries[next].after->now.object_id == id;
-      if (renewed) objects.push_back(entries[next++].after);
+      for (; next < entries.size() && entries[next]->now.object_id < id; ++next)
+        objects.push_back(entries[next]);
+      const bool renewed = next < entries.size() && entries[next]->now.object_id == id;
+      if (renewed) objects.push_back(entries[next++]);
       if (!renewed && !std::binary_search(gone.begin(), gone.end(), id)) objects.push_back(object);
     }
   }
-  for (; next < entries.size(); ++next) objects.push_back(entries[next].after);
+  for (; next < entries.size(); ++next) objects.push_back(entries[next]);
   return objects;
 }
 
@@ -190,40 +182,24 @@ Result<StreamBaselinePtr> read_frame(std::span<const std::byte> bytes, const Str
                                              std::to_string(header->tick - header->gap) +
                                              ", which was not read; ask for a key frame"};
   }
-  thread_local std::vector<std::byte> buffer;
-  const auto body = read_body(in, bytes, (header->flags & kCompressed) != 0, buffer);
-  if (!body) return body.error();
-
-  ByteReader parts(*body);
-  const auto entry_count = read_varint(parts), gone_count = read_varint(parts);
-  if (!entry_count || !gone_count || *entry_count > parts.remaining()) return bad("is cut short");
-  const auto gone = read_gone(parts, *gone_count, baseline);
+  thread_local Buffers buffers;
+  RiceReader bits(buffers.body, bytes.subspan(in.offset()));
+  const uint32_t entry_count = bits.code(0, kObjectCountBits), gone_count = bits.code(0, 0);
+  const auto gone = read_gone(bits, gone_count, baseline);
   if (!gone) return gone.error();
-  std::vector<Entry> entries;
-  uint64_t id = 0, integers = 0, plane_bytes = 0;
-  for (uint64_t i = 0; i < *entry_count; ++i) {
-    const auto step = read_varint(parts);
-    if (!step || (i > 0 && *step == 0) || *step > UINT32_MAX || (id += *step) > UINT32_MAX)
-      return bad("lists ids out of order");
-    auto entry = read_descriptor(parts, static_cast<uint32_t>(id), baseline, header->tick);
+  std::vector<std::shared_ptr<GridHistory>> entries;
+  IdReader ids;
+  HistoryPlaces places;
+  GridScales scales;
+  for (uint32_t i = 0; i < entry_count; ++i) {
+    const auto id = ids.next(bits);
+    if (!id) return bad("lists ids out of order");
+    if (bits.failed()) return bad("is cut short");
+    auto entry = read_object(bits, buffers.scratch, *id, baseline, header->tick, places, scales);
     if (!entry) return entry.error();
-    entry->first_left = integers;
-    integers += entry->after->now.channels() * entry->count();
-    for (size_t c = 0; c < entry->after->now.channels(); ++c)
-      plane_bytes += entry->planes[c] * entry->count();
     entries.push_back(std::move(*entry));
   }
-  if (plane_bytes != parts.remaining()) return bad("holds fewer or more bytes than its objects need");
-
-  thread_local Scratch scratch;
-  scratch.left.assign(integers, 0);
-  size_t at = parts.offset();
-  each_plane(entries, [&](const Entry& entry, size_t channel, int plane) {
-    read_plane(body->data() + at, entry.count(), plane,
-               scratch.left.data() + entry.first_left + channel * entry.count());
-    at += entry.count();
-  });
-  for (Entry& entry : entries) add_all_residuals(entry, header->tick, scratch);
+  if (!bits.at_end()) return bad("holds fewer or more bits than its objects need");
   auto next = std::make_shared<StreamBaseline>();
   next->tick = header->tick;
   next->simulated_ns = header->simulated_ns;

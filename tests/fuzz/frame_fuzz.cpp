@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is read by itself: frames, publications and rest bodies (proto/frame_format.md). The first byte says which.
+// What is read by itself: frames, publications, rest bodies and kernels (proto/frame_format.md). The first byte says which.
+#include <algorithm>
+#include <cmath>
+
 #include "fuzz/moving_objects.h"
 #include "wire/frame_codec.h"
+#include "wire/kernel_codec.h"
 #include "wire/publication.h"
 #include "wire/rest_body_codec.h"
 
 namespace livegs::fuzz {
 namespace {
 
-enum class What : uint8_t { Frame, Publication, RestBody, Count };
+enum class What : uint8_t { Frame, Publication, RestBody, Kernels, Count };
 
 Bytes with(What what, const Bytes& bytes) {
   Bytes all{static_cast<std::byte>(what)};
@@ -48,6 +52,15 @@ void look_at(std::span<const std::byte> input) {
     case What::RestBody:
       look_at_rest_body(bytes);
       break;
+    case What::Kernels:
+      if (const auto kernels = decode_kernels(bytes)) {
+        for (const ObjectKernels& object : kernels->objects) {
+          for (const Eigen::Vector3f& position : object.kernels.positions_m) check(position.allFinite(), "kernels are finite");
+          for (const Symmetric3f& s : object.kernels.covariances_m2)
+            check(std::all_of(s.begin(), s.end(), [](float entry) { return std::isfinite(entry); }), "covariances are finite");
+        }
+      }
+      break;
     case What::Count:
       break;
   }
@@ -57,8 +70,15 @@ std::vector<Bytes> seeds() {
   std::vector<Bytes> seeds;
   for (uint64_t tick = 1; tick < 4; ++tick) {
     seeds.push_back(with(What::Frame, encode_frame(frame_at(tick))));
+    seeds.push_back(with(What::Frame, encode_frame(frame_at(tick), DriverEncoding::Raw)));
     seeds.push_back(with(What::Publication, encode_publication({"00112233445566778899aabbccddeeff", tick, 5, frame_at(tick)})));
   }
+  KernelFrame kernels{3, 5, {{7, {}}, {8, {}}}};
+  kernels.objects[0].kernels.positions_m = {{1, 2, 3}, {-1, 0, 0.5f}};
+  kernels.objects[0].kernels.covariances_m2 = {{1e-4f, 0, 1e-5f, 2e-4f, 0, 1e-6f}, {1e-2f, 0, 0, 1e-2f, 0, 1e-2f}};
+  kernels.objects[0].kernels.world_from_asset.assign(2, Eigen::Quaternionf(0.5f, 0.5f, -0.5f, 0.5f));
+  for (const KernelEncoding encoding : {KernelEncoding::Exact, KernelEncoding::Quantised})
+    seeds.push_back(with(What::Kernels, encode_kernels(kernels, encoding)));
   for (const RestBody& rest : rest_bodies()) seeds.push_back(with(What::RestBody, encode_rest_body(rest)));
   return seeds;
 }

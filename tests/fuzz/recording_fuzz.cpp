@@ -96,6 +96,10 @@ void use(RecordingReader& reader) {
     }
   }
   (void)reader.asset(std::string(64, 'a'));
+  (void)reader.files([](const RecordedFilePiece& piece) -> Result<void> {
+    check(!piece.name.empty() && piece.offset + piece.bytes.size() <= piece.total, "a piece lies in its file");
+    return {};
+  });
 }
 
 }  // namespace
@@ -142,6 +146,7 @@ std::vector<Bytes> seeds() {
       check(writer->add_tick(std::move(tick)).has_value(), "a tick is taken");
     }
     check(writer->add_asset(std::string(64, 'a'), Bytes(100)).has_value(), "an asset is taken");
+    check(writer->add_file("../cup.ply", Bytes(50)).has_value(), "a file is taken");
     check(writer->finish().has_value(), "and it ends");
     Bytes file(writer->bytes());
     std::FILE* const in = std::fopen(path.c_str(), "rb");

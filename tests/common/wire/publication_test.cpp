@@ -33,9 +33,9 @@ TEST(Publication, IsReadByItself) {
   EXPECT_EQ(read->stepped_ns, 123456789);
   EXPECT_EQ(read->frame.tick, 42u);
   ASSERT_EQ(read->frame.objects.size(), 2u);
-  // Half a step of 2^-15 m on each axis.
+  // Half a step of 15/16 of 2^-14 m on each axis.
   for (int i = 0; i < 50; ++i)
-    EXPECT_LE((read->frame.objects[0].positions_m[i] - some().frame.objects[0].positions_m[i]).cwiseAbs().maxCoeff(), 1.6e-5f);
+    EXPECT_LE((read->frame.objects[0].positions_m[i] - some().frame.objects[0].positions_m[i]).cwiseAbs().maxCoeff(), 2.87e-5f);
 }
 
 // proto/frame_format.md, "Publications".

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+namespace livegs {
+
+// The integers of one object. Written once, by who makes it, then shared: copies of many are the same memory, copies of few
+// (a single body has seven) their own, since each piece of memory costs as much as a hundred integers.
+class GridValues {
+ public:
+  GridValues() = default;
+  explicit GridValues(size_t count) : count_(count) {
+    if (count > kFew) many_ = std::make_shared_for_overwrite<int32_t[]>(count);
+  }
+
+  size_t size() const { return count_; }
+  bool empty() const { return count_ == 0; }
+  const int32_t* data() const { return count_ > kFew ? many_.get() : few_.data(); }
+  int32_t* data() { return count_ > kFew ? many_.get() : few_.data(); }  // before it is shared only
+  int32_t operator[](size_t i) const { return data()[i]; }
+  bool operator==(const GridValues& other) const {
+    return count_ == other.count_ && (data() == other.data() || std::equal(data(), data() + count_, other.data()));
+  }
+
+ private:
+  static constexpr size_t kFew = 8;
+  size_t count_ = 0;
+  std::array<int32_t, kFew> few_{};
+  std::shared_ptr<int32_t[]> many_;
+};
+
+}  // namespace livegs

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <vector>
+
+// Integers as Rice codes in a stream of bits, the lowest of a byte first; proto/frame_format.md, "Bits". Writer and reader have
+// the same face, so that what codes a grid is written once: code() takes what is to be written and returns what is read.
+
+namespace livegs {
+
+inline constexpr int kMostZeros = 24;   // of a code; then 32 bits as they are
+inline constexpr int kMostRiceBits = 24;
+
+inline uint64_t little_endian(uint64_t word) {
+  return std::endian::native == std::endian::little ? word : __builtin_bswap64(word);
+}
+
+// Both are some registers' worth over memory that others hold: a loop takes a copy and gives it back, since what it writes
+// could otherwise be the reader itself, for all the compiler knows.
+class RiceWriter {
+ public:
+  static constexpr bool kReads = false;
+  // Over room for `most_codes` codes or strings of bits in all.
+  RiceWriter(std::vector<std::byte>& buffer, size_t most_codes) {
+    if (buffer.size() < 7 * most_codes + 16) buffer.resize(7 * most_codes + 16);
+    begin_ = at_ = buffer.data();
+  }
+  uint32_t code(uint32_t value, int k) {
+    const uint32_t zeros = value >> k;
+    if (zeros < kMostZeros) {
+      put((uint64_t{value & ((uint32_t{1} << k) - 1)} << 1 | 1) << zeros, static_cast<int>(zeros) + 1 + k);
+    } else {
+      put(uint64_t{value} << kMostZeros, kMostZeros + 32);
+    }
+    return value;
+  }
+  void three(std::array<uint32_t, 3>& values, int k) {
+    for (const uint32_t value : values) code(value, k);
+  }
+  // 1 to 32 bits.
+  uint32_t bits(uint32_t value, int count) {
+    put(value, count);
+    return value;
+  }
+  std::span<const std::byte> written() const { return {begin_, static_cast<size_t>(at_ - begin_) + (count_ > 0 ? 1u : 0u)}; }
+
+ private:
+  void put(uint64_t value, int count) {
+    waiting_ |= value << count_;
+    count_ += count;
+    const uint64_t word = little_endian(waiting_);
+    std::memcpy(at_, &word, 8);
+    at_ += count_ >> 3;
+    waiting_ >>= count_ & ~7;  // 56 at most: 7 bits waited, and none has more than 56
+    count_ &= 7;
+  }
+
+  std::byte *begin_ = nullptr, *at_ = nullptr;
+  uint64_t waiting_ = 0;  // fewer than 8 bits between calls
+  int count_ = 0;
+};
+
+// Behind the end it reads zeros. Who reads asks failed() before it takes what it read for true, and after a driver's codes at
+// least: no more than kSlack bytes are there behind the end.
+class RiceReader {
+ public:
+  static constexpr bool kReads = true;
+  static constexpr size_t kSlack = 128;  // some 16 codes of 56 bits
+  RiceReader(std::vector<std::byte>& buffer, std::span<const std::byte> bytes) : end_(8 * bytes.size()) {
+    if (buffer.size() < bytes.size() + kSlack) buffer.resize(bytes.size() + kSlack);
+    std::copy(bytes.begin(), bytes.end(), buffer.begin());
+    std::fill_n(buffer.begin() + static_cast<std::ptrdiff_t>(bytes.size()), kSlack, std::byte{0});
+    data_ = buffer.data();
+  }
+  uint32_t code(uint32_t, int k) {
+    const uint64_t word = peek();
+    const int zeros = std::countr_zero(word | uint64_t{1} << kMostZeros);
+    if (zeros == kMostZeros) {
+      at_ += kMostZeros + 32;
+      return static_cast<uint32_t>(word >> kMostZeros);
+    }
+    at_ += static_cast<uint64_t>(zeros + 1 + k);
+    return static_cast<uint32_t>(zeros) << k | (static_cast<uint32_t>(word >> (zeros + 1)) & ((uint32_t{1} << k) - 1));
+  }
+  // As three calls of code(), from one look at the bits while they suffice.
+  void three(std::array<uint32_t, 3>& values, int k) {
+    uint64_t word = peek();
+    const uint32_t mask = (uint32_t{1} << k) - 1;
+    int left = 57;
+    size_t i = 0;
+    for (; i < 3; ++i) {
+      const int zeros = std::countr_zero(word | uint64_t{1} << kMostZeros), used = zeros + 1 + k;
+      if (zeros == kMostZeros || used > left) break;
+      word >>= zeros + 1;
+      values[i] = static_cast<uint32_t>(zeros) << k | (static_cast<uint32_t>(word) & mask);
+      word >>= k;
+      left -= used;
+    }
+    at_ += static_cast<uint64_t>(57 - left);
+    for (; i < 3; ++i) values[i] = code(0, k);
+  }
+  uint32_t bits(uint32_t, int count) {
+    const uint64_t word = peek();
+    at_ += static_cast<uint64_t>(count);
+    return static_cast<uint32_t>(word & ((uint64_t{1} << count) - 1));
+  }
+  bool failed() const { return at_ > end_; }
+  uint64_t remaining_bits() const { return end_ - std::min(end_, at_); }
+  // Whether what is left are fewer than 8 bits, all of them 0.
+  bool at_end() const {
+    return at_ <= end_ && end_ - at_ < 8 && (at_ == end_ || std::to_integer<unsigned>(data_[at_ / 8]) >> (at_ % 8) == 0);
+  }
+
+ private:
+  uint64_t peek() const {  // 57 bits at least
+    uint64_t word;
+    std::memcpy(&word, data_ + at_ / 8, 8);
+    return little_endian(word) >> (at_ % 8);
+  }
+
+  const std::byte* data_ = nullptr;
+  uint64_t at_ = 0, end_ = 0;  // bits
+};
+
+// How large integers are in a class of theirs, as a mean that forgets; both ends keep it alike.
+class RiceScale {
+ public:
+  static constexpr int kForget = 5;
+  // `expected`: of the sum of the magnitudes of three integers, which add() is given too.
+  explicit RiceScale(uint32_t expected = 64) : mean_(expected << kForget) { choose(); }
+  // Low bits that suit a code of such an integer's zigzag.
+  int k() const { return k_; }
+  void add(uint32_t sum) {
+    mean_ += sum - (mean_ >> kForget);
+    choose();
+  }
+
+ private:
+  void choose() { k_ = std::min(kMostRiceBits, static_cast<int>(std::bit_width((mean_ - (mean_ > 0)) >> (kForget + 1)))); }
+
+  uint32_t mean_;  // times 2^kForget
+  int k_;
+};
+
+}  // namespace livegs

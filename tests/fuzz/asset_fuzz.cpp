@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// An asset as it comes (proto/asset_format.md). An even first byte: the rest is what was sent, in pieces. An odd one: the rest are a
+// head and columns of blocks, which are given the zstd frames that would else keep what is spoilt from the decoders behind them.
+#include <zstd.h>
+
+#include "fuzz/fuzz_target.h"
+#include "gaussian/progressive_asset.h"
+#include "gaussian/progressive_layout.h"
+
+namespace livegs::fuzz {
+namespace {
+
+using namespace progressive_layout;
+
+void append(Bytes& to, std::span<const std::byte> bytes) { to.insert(to.end(), bytes.begin(), bytes.end()); }
+
+// The first part is the head, each other a u32 of kernels and the columns of a block.
+Bytes framed(std::span<const std::byte> input) {
+  Bytes sent;
+  bool head = true;
+  for (const auto part : parts_of(input)) {
+    if (std::exchange(head, false)) {
+      append(sent, part);
+      sent.resize(kHeadBytes);
+      continue;
+    }
+    ByteReader in(part);
+    const auto kernels = in.read<uint32_t>();
+    const auto columns = part.subspan(std::min<size_t>(4, part.size()));
+    Bytes frame(ZSTD_compressBound(columns.size()));
+    frame.resize(ZSTD_compress(frame.data(), frame.size(), columns.data(), columns.size(), 1));
+    frame.resize(std::max(frame.size(), least_payload_bytes(3 * 15, std::min<size_t>(kernels, kMostBlockKernels))));
+    ByteWriter block;
+    block.write(static_cast<uint32_t>(frame.size()));
+    block.write(kernels);
+    append(sent, std::move(block).take());
+    append(sent, frame);
+  }
+  return sent;
+}
+
+void use(std::span<const std::byte> sent) {
+  ProgressiveDecoder decoder;
+  for (size_t at = 0; at < sent.size();) {
+    const size_t length = std::min<size_t>(4096, sent.size() - at);
+    const bool taken = decoder.take(sent.subspan(at, length)).has_value();
+    at += length;
+    check(decoder.arrived() <= decoder.kernel_count() && decoder.arrived_harmonics() <= decoder.arrived(), "no more comes than there is");
+    if (!taken) {
+      check(!decoder.complete() && !decoder.take({}), "what is spoilt stays so");
+      return;
+    }
+  }
+  const AssetPart part = decoder.part();
+  check(part.indices.size() == part.asset.size(), "each kernel has a number");
+  for (size_t i = 0; i < part.asset.size(); ++i) {
+    check(part.asset.positions[i].allFinite() && part.asset.log_scales[i].allFinite() && part.asset.sh_dc[i].allFinite(),
+          "what is drawn is finite");
+    check(part.indices[i] < decoder.kernel_count() && (i == 0 || part.indices[i] >= part.indices[i - 1]), "numbers ascend");
+  }
+  if (const auto whole = decoder.whole()) check(whole->size() == decoder.kernel_count(), "a whole asset has all kernels");
+}
+
+GaussianAsset made_up(size_t count, int degree) {
+  GaussianAsset asset;
+  asset.sh_degree = degree;
+  asset.resize(count);
+  for (size_t i = 0; i < count; ++i) {
+    const auto number = static_cast<float>(i);
+    asset.positions[i] = {0.01f * number, static_cast<float>(i % 7), -0.5f * number};
+    asset.log_scales[i] = {-3.0f, -4.0f - 0.1f * static_cast<float>(i % 3), -5.0f};
+    asset.rotations[i] = Eigen::Quaternionf(1, 0.1f * static_cast<float>(i % 5), 0, 0).normalized();
+    asset.opacity_logits[i] = static_cast<float>(i % 11) - 4.0f;
+    asset.sh_dc[i] = {0.1f, 0.2f, static_cast<float>(i % 2)};
+  }
+  for (size_t i = 0; i < asset.sh_rest.size(); ++i) asset.sh_rest[i] = {0.0f, 0.01f * static_cast<float>(i % 13), 0.0f};
+  return asset;
+}
+
+Bytes columns_of(std::span<const std::byte> sent) {
+  std::vector<Bytes> parts{Bytes(sent.begin(), sent.begin() + kHeadBytes)};
+  for (size_t at = kHeadBytes; at < sent.size();) {
+    ByteReader head(sent.subspan(at, kBlockHeadBytes));
+    const auto size = head.read<uint32_t>(), kernels = head.read<uint32_t>();
+    ByteWriter part;
+    part.write(kernels);
+    Bytes block = std::move(part).take(), columns(most_raw_bytes(3 * 15, kernels));
+    const auto frame = sent.subspan(at + kBlockHeadBytes, size);
+    columns.resize(ZSTD_decompress(columns.data(), columns.size(), frame.data(), ZSTD_findFrameCompressedSize(frame.data(), frame.size())));
+    append(block, columns);
+    parts.push_back(std::move(block));
+    at += kBlockHeadBytes + size;
+  }
+  return joined(parts);
+}
+
+}  // namespace
+
+void look_at(std::span<const std::byte> input) {
+  if (input.empty()) return;
+  const bool columns = (std::to_integer<uint8_t>(input[0]) & 1) != 0;
+  if (columns)
+    use(framed(input.subspan(1)));
+  else
+    use(input.subspan(1));
+}
+
+std::vector<Bytes> seeds() {
+  std::vector<Bytes> seeds;
+  for (const auto& [count, degree] : {std::pair<size_t, int>{1, 0}, {30, 0}, {40, 1}, {25, 3}, {1100, 0}}) {
+    const Bytes sent = encode_progressive(made_up(count, degree));
+    Bytes raw{std::byte{0}};
+    append(raw, sent);
+    seeds.push_back(std::move(raw));
+    if (count > 100) continue;
+    Bytes columns{std::byte{1}};
+    append(columns, columns_of(sent));
+    seeds.push_back(std::move(columns));
+  }
+  return seeds;
+}
+
+}  // namespace livegs::fuzz
