@@ -70,6 +70,12 @@ std::string kernels(size_t count) { return std::to_string(count) + (count == 1 ?
 
 }  // namespace
 
+bool meets_invariants(const GaussianAsset& asset, size_t kernel) {
+  return usable(asset, kernel) && (asset.log_scales[kernel].array() >= kMinLogScale).all() &&
+         std::isfinite(asset.opacity_logits[kernel]) &&
+         std::abs(asset.rotations[kernel].cast<double>().squaredNorm() - 1) <= kUnitTolerance;
+}
+
 Result<void> establish_invariants(AssetFile& file, std::string_view name) {
   GaussianAsset& asset = file.asset;
   const size_t count = asset.size();

@@ -12,4 +12,7 @@ namespace livegs {
 // reader. asset_file.h states the policy. Values that keep them already are left alone to the bit.
 Result<void> establish_invariants(AssetFile& file, std::string_view name);
 
+// Whether a kernel is as it would leave it.
+bool meets_invariants(const GaussianAsset& asset, size_t kernel);
+
 }  // namespace livegs

@@ -263,4 +263,44 @@ Result<std::vector<std::byte>> RecordingReader::asset(const std::string& hash) {
   return not_found(file_.path().string() + ": does not hold the asset " + hash.substr(0, 12));
 }
 
+Result<void> RecordingReader::files(const std::function<Result<void>(const RecordedFilePiece& piece)>& take) const {
+  std::string name;  // of the file that is to go on, at `next` of `total`
+  uint64_t next = 0, total = 0;
+  for (uint64_t at = first_;;) {
+    std::array<std::byte, kChunkHeadBytes> head_bytes;
+    if (at > file_.size() || file_.size() - at < kChunkHeadBytes) break;
+    if (auto read = file_.read(at, head_bytes); !read) return read.error();
+    ByteReader head(head_bytes);
+    const auto size = head.read<uint32_t>();
+    if (is(head.read<uint8_t>(), ChunkKind::File)) {
+      const auto chunk = read_chunk(at);
+      if (!chunk) return chunk.error();
+      if (!*chunk) break;
+      const std::span<const std::byte> payload((*chunk)->payload);
+      ByteReader in(payload);
+      const auto length = read_varint(in);
+      if (!length || *length == 0 || *length > kMostFileName || *length > in.remaining()) return bad("holds a file without a name");
+      RecordedFilePiece piece;
+      piece.name.assign(reinterpret_cast<const char*>(payload.data()) + in.offset(), *length);
+      in.skip(*length);
+      piece.offset = in.read<uint64_t>();
+      piece.total = in.read<uint64_t>();
+      if (in.failed()) return bad("holds a piece of a file that cannot be read");
+      piece.bytes = payload.subspan(in.offset());
+      const bool goes_on = next < total;
+      if (piece.offset != next || (goes_on && (piece.name != name || piece.total != total)) || piece.bytes.size() > piece.total - next ||
+          (piece.bytes.empty() && piece.total > 0)) {
+        return bad("holds the pieces of a file out of order");
+      }
+      if (auto taken = take(piece); !taken) return taken;
+      name = piece.name;
+      total = piece.total;
+      next += piece.bytes.size();
+      if (next == total) next = total = 0;
+    }
+    at += kChunkHeadBytes + size;
+  }
+  return {};
+}
+
 }  // namespace livegs

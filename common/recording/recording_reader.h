@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -25,6 +26,13 @@ struct RecordedEvent {
 };
 using RecordedItem = std::variant<RecordedEvent, TickRecord>;
 
+// A piece of a file that the scene was built from.
+struct RecordedFilePiece {
+  std::string name;  // as the scene names it: never to be taken for a path as it is
+  uint64_t offset = 0, total = 0;
+  std::span<const std::byte> bytes;
+};
+
 // Reads a recording, proto/recording_format.md, from its beginning or from any key tick; any bytes, with an error for
 // those that are none. Memory is bounded by the largest chunk and the index. One thread.
 class RecordingReader {
@@ -47,9 +55,12 @@ class RecordingReader {
   // To the last key tick that is not after the moment, or the first: the objects that are there then; next() goes on with
   // that tick. NotFound in a recording without one.
   Result<std::vector<v1::ObjectDescription>> seek(int64_t simulated_ns);
-  // The bytes of an asset, whole; NotFound when the recording has none of this hash (64 hexadecimal digits). Their hash is
-  // for the caller to check.
+  // The bytes of an asset, whole, as proto/asset_format.md has them; NotFound when the recording has none of this name (64
+  // hexadecimal digits). Whether they are it is for the caller to check.
   Result<std::vector<std::byte>> asset(const std::string& hash);
+  // Each piece of the files that it holds: one file after the other, each from its beginning to its end. Stops at an error of
+  // `take`. A file that breaks off is left out if nothing of it came.
+  Result<void> files(const std::function<Result<void>(const RecordedFilePiece& piece)>& take) const;
 
  private:
   struct Chunk {

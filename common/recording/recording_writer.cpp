@@ -95,6 +95,22 @@ Result<void> RecordingWriter::add_asset(const std::string& hash, std::span<const
   return {};
 }
 
+Result<void> RecordingWriter::add_file(const std::string& name, std::span<const std::byte> bytes) {
+  LIVEGS_ASSERT(!name.empty() && name.size() <= kMostFileName);
+  uint64_t offset = 0;
+  do {
+    const auto piece = bytes.subspan(offset, std::min<uint64_t>(kAssetPieceBytes, bytes.size() - offset));
+    ByteWriter head;
+    write_varint(head, name.size());
+    for (const char letter : name) head.write(static_cast<uint8_t>(letter));
+    head.write(offset);
+    head.write(static_cast<uint64_t>(bytes.size()));
+    if (auto added = append(static_cast<uint8_t>(ChunkKind::File), joined(std::move(head), piece)); !added) return added;
+    offset += piece.size();
+  } while (offset < bytes.size());
+  return {};
+}
+
 Result<void> RecordingWriter::add_objects(uint64_t tick) {
   ByteWriter out;
   write_varint(out, tick);

@@ -32,8 +32,11 @@ class RecordingWriter {
 
   // Before the tick in which it came, changed or went.
   Result<void> add_event(uint64_t tick, const v1::SessionEvent& event);
-  // The bytes that the hash, 64 hexadecimal digits, is of.
+  // The bytes of the asset that the hash, 64 hexadecimal digits, names (proto/asset_format.md).
   Result<void> add_asset(const std::string& hash, std::span<const std::byte> bytes);
+
+  // A file that the scene names so, 1 to 4096 bytes long.
+  Result<void> add_file(const std::string& name, std::span<const std::byte> bytes);
 
   struct Tick {
     uint64_t tick = 0;

@@ -38,12 +38,14 @@ void use(const std::filesystem::path& path) {
     }
   }
   (void)reader->asset(std::string(64, 'a'));
+  (void)reader->files([](const RecordedFilePiece&) -> Result<void> { return {}; });
 }
 
 std::vector<std::byte> session_bytes(const ScratchFolder& folder) {
   auto writer = write_session(folder / "good.lvgrec", 300);
   EXPECT_TRUE(writer);
   EXPECT_TRUE(writer->add_asset(std::string(64, 'a'), std::vector<std::byte>(100)));
+  EXPECT_TRUE(writer->add_file("cup.ply", std::vector<std::byte>(100)));
   EXPECT_TRUE(writer->finish());
   auto bytes = read_file(folder / "good.lvgrec");
   EXPECT_TRUE(bytes);

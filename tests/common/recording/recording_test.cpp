@@ -4,6 +4,7 @@
 
 #include <csignal>
 #include <fstream>
+#include <map>
 
 #include "common/recording/recorded_session.h"
 #include "core/file.h"
@@ -177,6 +178,8 @@ TEST(Recording, HoldsAssetsWhereAsked) {
   ASSERT_TRUE(writer);
   ASSERT_TRUE(writer->add_asset(empty_hash, {}));
   ASSERT_TRUE(writer->add_asset(hash, asset));
+  ASSERT_TRUE(writer->add_file("empty", {}));
+  ASSERT_TRUE(writer->add_file("../a thing.ply", asset));
   ASSERT_TRUE(writer->finish());
   auto reader = RecordingReader::open(folder / "a.lvgrec");
   ASSERT_TRUE(reader);
@@ -185,6 +188,13 @@ TEST(Recording, HoldsAssetsWhereAsked) {
   EXPECT_EQ(*read, asset);
   EXPECT_TRUE(reader->asset(empty_hash));
   EXPECT_EQ(reader->asset(std::string(64, 'c')).error().code, ErrorCode::NotFound);
+  std::map<std::string, std::vector<std::byte>> files;
+  ASSERT_TRUE(reader->files([&](const RecordedFilePiece& piece) -> Result<void> {
+    EXPECT_EQ(piece.offset, files[piece.name].size());
+    files[piece.name].insert(files[piece.name].end(), piece.bytes.begin(), piece.bytes.end());
+    return {};
+  }));
+  EXPECT_EQ(files, (std::map<std::string, std::vector<std::byte>>{{"../a thing.ply", asset}, {"empty", {}}}));
 }
 
 TEST(Recording, IsNeverWrittenOverAnything) {
