@@ -37,6 +37,7 @@ class VulkanBackend final : public Backend, public VulkanCommands {
   Result<void> read(BufferId buffer, std::span<std::byte> bytes) override;
 
   Result<VkCommandBuffer> record() override;
+  const Traffic& traffic() const override { return traffic_; }
   VkBuffer buffer_of(BufferId buffer) const override;
 
  private:
@@ -49,7 +50,7 @@ class VulkanBackend final : public Backend, public VulkanCommands {
   Result<void> begin();   // starts recording unless it has
   Result<void> finish();  // runs what is recorded, waits, makes everything ready to record again
   void barrier();
-  Result<void> copy(VkBuffer from, VkBuffer to, const VkBufferCopy& region);
+  Result<void> record_copy(VkBuffer from, VkBuffer to, const VkBufferCopy& region);
   Result<const VulkanPipeline*> pipeline_of(const Pass& pass);
 
   std::shared_ptr<VulkanDevice> device_;
@@ -61,6 +62,7 @@ class VulkanBackend final : public Backend, public VulkanCommands {
   std::map<const uint32_t*, VulkanPipeline> pipelines_;  // by the SPIR-V of the pass
 
   HostBuffer staging_;
+  VkDeviceSize staged_ = 0;  // bytes at its front that recorded copies have yet to read
 
   VkCommandPool command_pool_ = VK_NULL_HANDLE;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
@@ -68,6 +70,7 @@ class VulkanBackend final : public Backend, public VulkanCommands {
   VkFence fence_ = VK_NULL_HANDLE;
   bool recording_ = false;
   uint32_t recorded_dispatches_ = 0;
+  Traffic traffic_;
 };
 
 VulkanBackend::~VulkanBackend() {
@@ -185,6 +188,7 @@ Result<void> VulkanBackend::finish() {
   if (!recording_) return {};
   recording_ = false;
   recorded_dispatches_ = 0;
+  staged_ = 0;
   if (const VkResult ended = vk_.EndCommandBuffer(commands_); ended != VK_SUCCESS) {
     return vulkan_error("vkEndCommandBuffer", ended);
   }
@@ -195,6 +199,7 @@ Result<void> VulkanBackend::finish() {
   info.pCommandBufferInfos = &commands;
   VkResult done = vk_.QueueSubmit2(handles_.queue, 1, &info, fence_);
   if (done != VK_SUCCESS) return vulkan_error("vkQueueSubmit2", done);
+  ++traffic_.submissions;
   done = vk_.WaitForFences(handles_.device, 1, &fence_, VK_TRUE, UINT64_MAX);
   if (done != VK_SUCCESS) return vulkan_error("vkWaitForFences", done);
   vk_.ResetFences(handles_.device, 1, &fence_);
@@ -203,24 +208,30 @@ Result<void> VulkanBackend::finish() {
   return {};
 }
 
-Result<void> VulkanBackend::copy(VkBuffer from, VkBuffer to, const VkBufferCopy& region) {
+Result<void> VulkanBackend::record_copy(VkBuffer from, VkBuffer to, const VkBufferCopy& region) {
   if (auto begun = begin(); !begun) return begun;
   barrier();
   vk_.CmdCopyBuffer(commands_, from, to, 1, &region);
-  barrier();
-  return finish();
+  return {};
 }
 
+// Copies are recorded like dispatches, so that a frame's drivers and passes are one submission; only when the staging
+// buffer is full does what is recorded run first.
 Result<void> VulkanBackend::upload(BufferId buffer, std::span<const std::byte> bytes) {
   const auto found = buffers_.find(buffer);
   if (found == buffers_.end()) return unknown_buffer(buffer);
   if (auto checked = check_transfer(bytes.size(), found->second.bytes); !checked) return checked;
-  if (auto done = finish(); !done) return done;
-  for (size_t offset = 0; offset < bytes.size(); offset += kStagingBytes) {
-    const size_t part = std::min<size_t>(kStagingBytes, bytes.size() - offset);
-    std::memcpy(staging_.bytes(), bytes.data() + offset, part);
-    if (auto copied = copy(staging_.buffer(), found->second.buffer, {0, offset, part}); !copied) return copied;
+  for (size_t offset = 0; offset < bytes.size();) {
+    if (staged_ == kStagingBytes) {
+      if (auto done = finish(); !done) return done;
+    }
+    const size_t part = std::min<size_t>(kStagingBytes - staged_, bytes.size() - offset);
+    std::memcpy(staging_.bytes() + staged_, bytes.data() + offset, part);
+    if (auto copied = record_copy(staging_.buffer(), found->second.buffer, {staged_, offset, part}); !copied) return copied;
+    staged_ += part;
+    offset += part;
   }
+  traffic_.uploaded_bytes += bytes.size();
   return {};
 }
 
@@ -231,7 +242,9 @@ Result<void> VulkanBackend::read(BufferId buffer, std::span<std::byte> bytes) {
   if (auto done = finish(); !done) return done;
   for (size_t offset = 0; offset < bytes.size(); offset += kStagingBytes) {
     const size_t part = std::min<size_t>(kStagingBytes, bytes.size() - offset);
-    if (auto copied = copy(found->second.buffer, staging_.buffer(), {offset, 0, part}); !copied) return copied;
+    if (auto copied = record_copy(found->second.buffer, staging_.buffer(), {offset, 0, part}); !copied) return copied;
+    barrier();
+    if (auto done = finish(); !done) return done;
     std::memcpy(bytes.data() + offset, staging_.bytes(), part);
   }
   return {};

@@ -13,8 +13,14 @@ class VulkanCommands {
   virtual ~VulkanCommands() = default;
 
   // The command buffer that dispatches are recorded into, after a barrier on everything in it. It runs at the
-  // next submit, upload, read or destroy_buffer of the backend, which wait for it.
+  // next submit, read or destroy_buffer of the backend, which wait for it, or when an upload finds no more room.
   virtual Result<VkCommandBuffer> record() = 0;
+
+  // Since the backend was made.
+  struct Traffic {
+    uint64_t uploaded_bytes = 0, submissions = 0;
+  };
+  virtual const Traffic& traffic() const = 0;
 
   // Null if unknown. Storage, indirect and transfer are what it may be used for.
   virtual VkBuffer buffer_of(BufferId buffer) const = 0;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/pose.h"
+#include "skin/node_neighbours.h"
 
 namespace livegs {
 
@@ -27,6 +28,8 @@ struct ObjectDrivers {
   std::vector<Pose> poses;                     // Rigid: world_from_body; the body's origin is its centre of mass
   std::vector<Eigen::Vector3f> positions_m;    // Lattice, Particles
   std::vector<Eigen::Quaternionf> rotations;   // Particles: world_from_object turn since rest
+  // Lattice: who stands beside whom at rest, from which a stream predicts. Null: not told.
+  NodeNeighboursPtr neighbours{};
 };
 
 // Everything the server simulated at one tick; the only thing that crosses the wire every frame.

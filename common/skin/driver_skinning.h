@@ -41,6 +41,15 @@ Result<void> bind_lattice(const RestKernels& kernels, const RestBody& rest, Kern
 Result<void> bind_particles(const RestKernels& kernels, const RestBody& rest, KernelBindings& bindings);
 Result<void> bind_rigid(const RestKernels& kernels, const RestBody& rest, KernelBindings& bindings);
 
+// A rigid body as it moves its kernels.
+struct TurnedBody {
+  Eigen::Matrix3f world_from_body;
+  Eigen::Vector3f position_m;
+  Eigen::Matrix3f world_from_object;
+  Eigen::Quaternionf world_from_asset;
+};
+std::vector<TurnedBody> turned_bodies(const RestBody& rest, const ObjectDrivers& drivers);
+
 // Preconditions as skin_kernels; `kernels` and `deformation_gradients`, if given, have the right length
 // already.
 void skin_lattice(const RestBody& rest, const KernelBindings& bindings, const ObjectDrivers& drivers,

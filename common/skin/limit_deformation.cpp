@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Polar factor: Newton's iteration, Higham 1986, Computing the polar decomposition.
+// Polar factor: Newton's iteration, Higham 1986, Computing the polar decomposition. Singular values: Hestenes 1958,
+// Inversion of matrices by biorthogonalization.
 #include "skin/limit_deformation.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "skin/skin_kernels.h"
+#include "skin/skin_lattice_layout.h"
 
 namespace livegs {
 namespace {
@@ -27,42 +29,100 @@ Lanes dot(const LaneVector& a, const LaneVector& b) { return a.x * b.x + a.y * b
 // 2.1, 1.3, 1.03, 1.0006, 1 + 2e-7, and then float has no more digits.
 constexpr int kNewtonSteps = 6;
 static_assert(kMaxKernelStretch <= 4.0f && kMinKernelStretch >= 0.25f);
+static_assert(kMaxKernelStretch == kMostKernelStretch && kMinKernelStretch * kMostKernelStretch == 1.0f);
 
-// Any unit vector across `axis`, which is unit.
-Eigen::Vector3d across(const Eigen::Vector3d& axis) { return axis.unitOrthogonal(); }
+// From three columns of any angles; convergence is quadratic, and four sweeps were the most seen.
+constexpr int kJacobiSweeps = 6;
 
+// A stretch below which its direction is no longer known: the nodes of a cell of 10 mm, as floats some metres from the
+// origin, are that much off.
+constexpr float kVanishing = 1e-4f;
+
+struct Vector {
+  float x, y, z;
+};
+
+Vector operator*(float s, const Vector& v) { return {s * v.x, s * v.y, s * v.z}; }
+Vector operator+(const Vector& a, const Vector& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+Vector operator-(const Vector& a, const Vector& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+float dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Vector cross(const Vector& a, const Vector& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+Vector unit(const Vector& v) { return (1.0f / std::sqrt(dot(v, v))) * v; }
+
+// One-sided Jacobi: turns two columns of F V, and those of V with them, until they are at right angles.
+void part_columns(Vector (&b)[3], Vector (&v)[3], int p, int q) {
+  const float alpha = dot(b[p], b[p]), beta = dot(b[q], b[q]), gamma = dot(b[p], b[q]);
+  if (gamma * gamma <= 1e-14f * alpha * beta) return;
+  const float zeta = (beta - alpha) / (2.0f * gamma);
+  const float magnitude = 1.0f / (std::abs(zeta) + std::sqrt(1.0f + zeta * zeta));
+  const float t = zeta < 0.0f ? -magnitude : magnitude;
+  const float c = 1.0f / std::sqrt(1.0f + t * t), s = c * t;
+  const Vector b_p = b[p], v_p = v[p];
+  b[p] = c * b_p - s * b[q];
+  b[q] = s * b_p + c * b[q];
+  v[p] = c * v_p - s * v[q];
+  v[q] = s * v_p + c * v[q];
+}
+
+void order_columns(Vector (&b)[3], Vector (&v)[3], int p, int q) {  // the longer first
+  if (dot(b[p], b[p]) >= dot(b[q], b[q])) return;
+  std::swap(b[p], b[q]);
+  std::swap(v[p], v[q]);
+}
+
+// The twin of limit_by_singular_values in limit_deformation.glsl, step by step. In plain floats, so that both crush a cell
+// in the same way where rounding decides which.
 void limit_by_singular_values(Eigen::Matrix3f& gradient, Eigen::Quaternionf& rotation) {
-  const Eigen::Matrix3d f = gradient.cast<double>();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(f.transpose() * f);
-  Eigen::Matrix3d v;  // right singular vectors, largest first
-  v.col(0) = solver.eigenvectors().col(2);
-  v.col(1) = solver.eigenvectors().col(1);
-  v.col(2) = v.col(0).cross(v.col(1));
-
-  // Left singular vectors. Where the gradient has lost a dimension the missing direction is the rest state's
-  // own, as near as it can be: a body crushed to a plane keeps its third axis along the plane's normal.
-  Eigen::Matrix3d u;
-  Eigen::Vector3d sigma;
-  const Eigen::Vector3d first = f * v.col(0);
-  sigma[0] = first.norm();
-  const double vanishing = 1e-6;
-  u.col(0) = sigma[0] > vanishing ? Eigen::Vector3d(first / sigma[0]) : Eigen::Vector3d(v.col(0));
-  Eigen::Vector3d second = f * v.col(1);
-  second -= u.col(0) * u.col(0).dot(second);
-  sigma[1] = second.norm();
-  if (sigma[1] > vanishing) {
-    u.col(1) = second / sigma[1];
-  } else {
-    const Eigen::Vector3d projected = v.col(1) - u.col(0) * u.col(0).dot(v.col(1));
-    u.col(1) = projected.norm() > vanishing ? Eigen::Vector3d(projected.normalized()) : across(u.col(0));
+  const float scale = gradient.cwiseAbs().maxCoeff();
+  if (scale < kVanishing) {
+    gradient = kMinKernelStretch * Eigen::Matrix3f::Identity();
+    rotation.setIdentity();
+    return;
   }
-  u.col(2) = u.col(0).cross(u.col(1));
-  sigma[2] = u.col(2).dot(f * v.col(2));  // negative where the gradient is inverted
+  Vector b[3], v[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (int c = 0; c < 3; ++c) b[c] = {gradient(0, c) / scale, gradient(1, c) / scale, gradient(2, c) / scale};
+  const Vector f[3] = {b[0], b[1], b[2]};
+  for (int sweep = 0; sweep < kJacobiSweeps; ++sweep) {
+    part_columns(b, v, 0, 1);
+    part_columns(b, v, 0, 2);
+    part_columns(b, v, 1, 2);
+  }
+  order_columns(b, v, 0, 1);
+  order_columns(b, v, 1, 2);
+  order_columns(b, v, 0, 1);
+  v[0] = unit(v[0]);
+  v[1] = unit(v[1] - dot(v[0], v[1]) * v[0]);
+  v[2] = cross(v[0], v[1]);
 
-  const Eigen::Vector3d limited =
-      sigma.cwiseMax(static_cast<double>(kMinKernelStretch)).cwiseMin(static_cast<double>(kMaxKernelStretch));
-  gradient = (u * limited.asDiagonal() * v.transpose()).cast<float>();
-  rotation = Eigen::Quaterniond(Eigen::Matrix3d(u * v.transpose())).normalized().cast<float>();
+  // Left singular vectors. A body crushed to a plane keeps its third axis along the plane's normal; one crushed to a line
+  // turns as the line did, by the shortest way.
+  Vector u[3];
+  u[0] = unit(b[0]);
+  const Vector second = b[1] - dot(u[0], b[1]) * u[0];
+  const float second_length = std::sqrt(dot(second, second));
+  if (scale * second_length > kVanishing) {
+    u[1] = (1.0f / second_length) * second;
+  } else {
+    const float along = 1.0f + dot(v[0], u[0]);
+    const Vector turned = along > 1e-3f ? v[1] - (dot(u[0], v[1]) / along) * (u[0] + v[0]) : v[1];
+    u[1] = unit(turned - dot(u[0], turned) * u[0]);
+  }
+  u[2] = cross(u[0], u[1]);
+  // Negative where the gradient is inverted.
+  const float third = dot(u[2], v[2].x * f[0] + v[2].y * f[1] + v[2].z * f[2]);
+
+  const float sigma[3] = {scale * std::sqrt(dot(b[0], b[0])), scale * second_length, scale * third};
+  gradient.setZero();
+  Eigen::Matrix3f turn = Eigen::Matrix3f::Zero();
+  for (int i = 0; i < 3; ++i) {
+    const float stretch = std::clamp(sigma[i], kMinKernelStretch, kMaxKernelStretch);
+    const Eigen::Vector3f left(u[i].x, u[i].y, u[i].z), right(v[i].x, v[i].y, v[i].z);
+    gradient += stretch * left * right.transpose();
+    turn += left * right.transpose();
+  }
+  rotation = Eigen::Quaternionf(turn).normalized();
 }
 
 }  // namespace

@@ -2,24 +2,22 @@
 #include "skin/pose_rigid_kernels.h"
 
 #include <algorithm>
-#include <array>
-#include <cstring>
 
+#include "compute/pass_rows.h"
 #include "core/assert.h"
 #include "pose_rigid_kernels.spv.h"
 
 namespace livegs {
-
 namespace {
 
 // The twin of main() in pose_rigid_kernels.comp.glsl.
-RigidKernelRow posed_row(const RigidKernelRow& kernel, const RigidPoseRows& p) {
+PosedKernelRow posed_row(const RestKernelRow& kernel, const RigidPoseRow& p) {
   const float r[3][3] = {{p.r00, p.r01, p.r02}, {p.r10, p.r11, p.r12}, {p.r20, p.r21, p.r22}};
   const float s[3][3] = {{kernel.sxx_m2, kernel.sxy_m2, kernel.sxz_m2},
                          {kernel.sxy_m2, kernel.syy_m2, kernel.syz_m2},
                          {kernel.sxz_m2, kernel.syz_m2, kernel.szz_m2}};
   const auto turned = [&](int i) {
-    return r[i][0] * kernel.x_m + r[i][1] * kernel.y_m + r[i][2] * kernel.z_m;
+    return r[i][0] * kernel.at_x + r[i][1] * kernel.at_y + r[i][2] * kernel.at_z;
   };
   float rs[3][3];
   for (int i = 0; i < 3; ++i) {
@@ -28,30 +26,22 @@ RigidKernelRow posed_row(const RigidKernelRow& kernel, const RigidPoseRows& p) {
   const auto entry = [&](int i, int j) {
     return rs[i][0] * r[j][0] + rs[i][1] * r[j][1] + rs[i][2] * r[j][2];
   };
-  return {turned(0) + p.x_m, turned(1) + p.y_m, turned(2) + p.z_m, kernel.body, entry(0, 0), entry(0, 1),
-          entry(0, 2),       entry(1, 1),       entry(1, 2),       entry(2, 2), 0.0f,        0.0f};
-}
-
-// Rows of a buffer; the bytes of one are read and written by memcpy, which the compiler turns into plain
-// moves.
-template <class Row>
-Row row_at(std::span<const std::byte> buffer, size_t index) {
-  Row row;
-  std::memcpy(&row, buffer.data() + index * sizeof(Row), sizeof(Row));
-  return row;
+  return {turned(0) + p.x_m, turned(1) + p.y_m, turned(2) + p.z_m, entry(0, 0), entry(0, 1), entry(0, 2),
+          entry(1, 1),       entry(1, 2),       entry(2, 2),       p.qx,        p.qy,        p.qz,
+          p.qw};
 }
 
 void pose_rigid_kernels(const PassArguments& arguments, size_t begin, size_t end) {
   const auto constants = row_at<PoseRigidKernelsConstants>(arguments.constants, 0);
   end = std::min<size_t>(end, constants.kernel_count);
-  LIVEGS_ASSERT(end * sizeof(RigidKernelRow) <= arguments.buffers[0].size());
-  LIVEGS_ASSERT(constants.body_count * sizeof(RigidPoseRows) <= arguments.buffers[1].size());
-  LIVEGS_ASSERT(end * sizeof(RigidKernelRow) <= arguments.buffers[2].size());
-  for (size_t k = begin; k < end; ++k) {
-    const auto kernel = row_at<RigidKernelRow>(arguments.buffers[0], k);
-    const uint32_t body = std::min(kernel.body, constants.body_count - 1);
-    const RigidKernelRow posed = posed_row(kernel, row_at<RigidPoseRows>(arguments.buffers[1], body));
-    std::memcpy(arguments.buffers[2].data() + k * sizeof(posed), &posed, sizeof(posed));
+  LIVEGS_ASSERT(constants.body_count > 0);
+  LIVEGS_ASSERT((constants.first_kernel + end) * sizeof(RestKernelRow) <= arguments.buffers[0].size());
+  LIVEGS_ASSERT(constants.body_count * sizeof(RigidPoseRow) <= arguments.buffers[1].size());
+  LIVEGS_ASSERT(end * sizeof(PosedKernelRow) <= arguments.buffers[2].size());
+  for (size_t i = begin; i < end; ++i) {
+    const auto kernel = row_at<RestKernelRow>(arguments.buffers[0], constants.first_kernel + i);
+    const uint32_t body = std::min(kernel.driver, constants.body_count - 1);
+    set_row(arguments.buffers[2], i, posed_row(kernel, row_at<RigidPoseRow>(arguments.buffers[1], body)));
   }
 }
 
@@ -65,15 +55,6 @@ const Pass& pose_rigid_kernels_pass() {
                          .spirv = pose_rigid_kernels_spirv,
                          .run = pose_rigid_kernels};
   return pass;
-}
-
-Result<void> dispatch_pose_rigid_kernels(Backend& backend, const PoseRigidKernels& work) {
-  if (work.body_count == 0)
-    return invalid_argument("pass pose_rigid_kernels: no bodies; it needs at least one");
-  const PoseRigidKernelsConstants constants{work.kernel_count, work.body_count};
-  const std::array buffers{work.rest, work.poses, work.posed};
-  return backend.dispatch(pose_rigid_kernels_pass(), buffers, std::as_bytes(std::span(&constants, 1)),
-                          work.kernel_count);
 }
 
 }  // namespace livegs

@@ -1,33 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// What the pass pose_rigid_kernels reads and writes, for C++ and GLSL alike. Scalars only, so that std430 and C++
-// lay the members out in the same way.
+// What the pass pose_rigid_kernels reads besides RestKernelRow, for C++ and GLSL alike; it writes PosedKernelRow. Scalars
+// only, so that std430 and C++ lay the members out in the same way.
 
 #ifdef __cplusplus
 #pragma once
-#include <cstdint>
+#endif
+#include "gaussian/posed_kernel_row.h"
+#include "skin/rest_kernel_row.h"
+#ifdef __cplusplus
 namespace livegs {
-using uint = uint32_t;
 #endif
 
-// A kernel at rest in its body's frame, or posed in the world frame.
-struct RigidKernelRow {
-  float x_m;
-  float y_m;
-  float z_m;
-  uint body;  // index into the poses; posed rows carry it on
-  float sxx_m2;
-  float sxy_m2;
-  float sxz_m2;
-  float syy_m2;
-  float syz_m2;
-  float szz_m2;
-  float spare0;  // posed rows: 0
-  float spare1;
-};
-
-// world_from_body: rows of [R | t], t in metres.
-struct RigidPoseRows {
+// world_from_body: rows of [R | t], t in metres; and world_from_asset, the rotation alone.
+struct RigidPoseRow {
   float r00;
   float r01;
   float r02;
@@ -40,16 +26,20 @@ struct RigidPoseRows {
   float r21;
   float r22;
   float z_m;
+  float qx;
+  float qy;
+  float qz;
+  float qw;
 };
 
 struct PoseRigidKernelsConstants {
   uint kernel_count;
-  uint body_count;
+  uint first_kernel;  // where their rest rows begin; the posed rows begin at 0
+  uint body_count;    // a kernel of a body past the end moves with the last
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(RigidKernelRow) == 48 && alignof(RigidKernelRow) == 4);
-static_assert(sizeof(RigidPoseRows) == 48 && alignof(RigidPoseRows) == 4);
-static_assert(sizeof(PoseRigidKernelsConstants) == 8);
+static_assert(sizeof(RigidPoseRow) == 64 && alignof(RigidPoseRow) == 4);
+static_assert(sizeof(PoseRigidKernelsConstants) == 12);
 }  // namespace livegs
 #endif

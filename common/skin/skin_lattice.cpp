@@ -16,7 +16,7 @@
 #include "core/parallel_for.h"
 #include "skin/cell_fill.h"
 #include "skin/driver_skinning.h"
-#include "skin/limit_deformation.h"
+#include "skin/lattice_skinning.h"
 #include "skin/nearest_cubes.h"
 
 namespace livegs {
@@ -27,14 +27,6 @@ constexpr size_t kNodeBlock = 512;
 // Cells that a kernel looks for the nearest material in: those about a cell, and some more where parts of the
 // object have cells of their own.
 constexpr size_t kCellsConsidered = 48;
-
-// Where a node is and how the body deforms there, in the lanes of two AVX registers: x y z 0 | dx/dX 0, then
-// dx/dY 0 | dx/dZ 0, with X Y Z along the lattice's axes. One cache line.
-struct alignas(64) NodeState {
-  Eigen::Array<float, 8, 1> position_and_x;
-  Eigen::Array<float, 8, 1> y_and_z;
-};
-static_assert(sizeof(NodeState) == 64);
 
 Result<void> check_lattice(const RestBody& rest) {
   if (rest.cells.empty()) return invalid_argument("rest body: a lattice needs at least one cell");
@@ -101,27 +93,8 @@ void bind_node_gradients(const RestBody& rest, KernelBindings& bindings) {
   }
 }
 
-std::vector<NodeState> node_states(const KernelBindings& bindings,
-                                   const std::vector<Eigen::Vector3f>& positions_m) {
-  std::vector<NodeState> states(positions_m.size());
-  parallel_for(states.size(), kNodeBlock, [&](size_t begin, size_t end) {
-    for (size_t n = begin; n < end; ++n) {
-      Eigen::Matrix3f gradient = Eigen::Matrix3f::Zero();
-      for (uint32_t t = bindings.node_terms_begin[n]; t < bindings.node_terms_begin[n + 1]; ++t) {
-        const NodeGradientTerm& term = bindings.node_terms[t];
-        gradient.col(term.axis) += term.weight_per_m * (positions_m[term.neighbour] - positions_m[n]);
-      }
-      const Eigen::Vector3f& x = positions_m[n];
-      states[n].position_and_x << x[0], x[1], x[2], 0, gradient(0, 0), gradient(1, 0), gradient(2, 0), 0;
-      states[n].y_and_z << gradient(0, 1), gradient(1, 1), gradient(2, 1), 0, gradient(0, 2), gradient(1, 2),
-          gradient(2, 2), 0;
-    }
-  });
-  return states;
-}
-
 // How the body deforms as a whole: the mean over its nodes, each counted once a cell, as mass would.
-Eigen::Matrix3f mean_gradient(const RestBody& rest, const std::vector<NodeState>& states) {
+Eigen::Matrix3f mean_gradient(const RestBody& rest, std::span<const NodeState> states) {
   Eigen::Array<double, 8, 1> x = Eigen::Array<double, 8, 1>::Zero(), yz = x;
   for (const std::array<uint32_t, 8>& cell : rest.cells) {
     for (const uint32_t node : cell) {
@@ -155,7 +128,7 @@ Eigen::Array3f local_of(const KernelBinding& binding) {
 }
 
 // The state at local coordinates `at` of a cell, trilinear. Precondition: 0 <= at <= 1.
-NodeState interpolate(const std::vector<NodeState>& states, const std::array<uint32_t, 8>& cell,
+NodeState interpolate(std::span<const NodeState> states, const std::array<uint32_t, 8>& cell,
                       const Eigen::Array3f& at) {
   const float x[2] = {1.0f - at[0], at[0]};
   const float yz[4] = {(1.0f - at[1]) * (1.0f - at[2]), at[1] * (1.0f - at[2]), (1.0f - at[1]) * at[2],
@@ -207,50 +180,83 @@ Result<void> bind_lattice(const RestKernels& kernels, const RestBody& rest, Kern
   return {};
 }
 
+std::vector<NodeState> node_states(const KernelBindings& bindings, const std::vector<Eigen::Vector3f>& positions_m) {
+  std::vector<NodeState> states(positions_m.size());
+  parallel_for(states.size(), kNodeBlock, [&](size_t begin, size_t end) {
+    for (size_t n = begin; n < end; ++n) {
+      Eigen::Matrix3f gradient = Eigen::Matrix3f::Zero();
+      for (uint32_t t = bindings.node_terms_begin[n]; t < bindings.node_terms_begin[n + 1]; ++t) {
+        const NodeGradientTerm& term = bindings.node_terms[t];
+        gradient.col(term.axis) += term.weight_per_m * (positions_m[term.neighbour] - positions_m[n]);
+      }
+      const Eigen::Vector3f& x = positions_m[n];
+      states[n].position_and_x << x[0], x[1], x[2], 0, gradient(0, 0), gradient(1, 0), gradient(2, 0), 0;
+      states[n].y_and_z << gradient(0, 1), gradient(1, 1), gradient(2, 1), 0, gradient(0, 2), gradient(1, 2),
+          gradient(2, 2), 0;
+    }
+  });
+  return states;
+}
+
+LatticeBody lattice_body_of(const RestBody& rest, std::span<const NodeState> states) {
+  LimitedDeformations whole_body;
+  whole_body.gradients.fill(mean_gradient(rest, states));
+  limit_deformations(whole_body);
+  const Eigen::Quaterniond lattice_from_object = rest.object_from_lattice.orientation.conjugate();
+  return {whole_body.gradients[0], (lattice_from_object * rest.object_from_asset.rotation).normalized().cast<float>(),
+          static_cast<float>(rest.cell_width_m)};
+}
+
+void skin_lanes(std::span<const NodeState> states, std::span<const std::array<uint32_t, 8>> cells, const LatticeBody& body,
+                LatticeLanes& lanes, size_t count) {
+  lanes.deformations.gradients.fill(Eigen::Matrix3f::Identity());
+  for (size_t lane = 0; lane < count; ++lane) {
+    const NodeState here = interpolate(states, cells[lanes.cells[lane]], lanes.local[lane].max(0.0f).min(1.0f));
+    const Eigen::Array<float, 8, 1>&x = here.position_and_x, &yz = here.y_and_z;
+    lanes.positions_m[lane] << x[0], x[1], x[2];
+    lanes.deformations.gradients[lane] << x[4], yz[0], yz[4], x[5], yz[1], yz[5], x[6], yz[2], yz[6];
+  }
+  limit_deformations(lanes.deformations);
+  for (size_t lane = 0; lane < count; ++lane) {
+    const Eigen::Matrix3f& gradient = lanes.deformations.gradients[lane];
+    const Eigen::Array3f local = lanes.local[lane];
+    const Eigen::Array3f beyond = local - local.max(0.0f).min(1.0f);
+    if ((beyond != 0.0f).any()) {
+      const Eigen::Vector3f offset = (beyond * body.cell_width_m).matrix();
+      const float near_share = std::min(1.0f, body.cell_width_m / offset.norm());
+      lanes.positions_m[lane] += gradient * (near_share * offset) + body.gradient * ((1.0f - near_share) * offset);
+    }
+    lanes.covariances_m2[lane] = transformed(gradient, lanes.rest_covariances_m2[lane]);
+    lanes.world_from_asset[lane] = lanes.deformations.rotations[lane] * body.lattice_from_asset;
+  }
+}
+
 void skin_lattice(const RestBody& rest, const KernelBindings& bindings, const ObjectDrivers& drivers,
                   PosedKernels& kernels, std::vector<Eigen::Matrix3f>* deformation_gradients) {
   LIVEGS_ASSERT(drivers.positions_m.size() == rest.node_coordinates.size());
   LIVEGS_ASSERT(bindings.node_terms_begin.size() == rest.node_coordinates.size() + 1);
   const std::vector<NodeState> states = node_states(bindings, drivers.positions_m);
-  LimitedDeformations whole_body;
-  whole_body.gradients.fill(mean_gradient(rest, states));
-  limit_deformations(whole_body);
-  const Eigen::Matrix3f& body_gradient = whole_body.gradients[0];
-  const Eigen::Quaterniond lattice_from_object = rest.object_from_lattice.orientation.conjugate();
-  const Eigen::Matrix3f lattice_from_object_matrix = lattice_from_object.toRotationMatrix().cast<float>();
-  const Eigen::Quaternionf lattice_from_asset =
-      (lattice_from_object * rest.object_from_asset.rotation).normalized().cast<float>();
-  const float width_m = static_cast<float>(rest.cell_width_m);
+  const LatticeBody body = lattice_body_of(rest, states);
+  const Eigen::Matrix3f lattice_from_object =
+      rest.object_from_lattice.orientation.conjugate().toRotationMatrix().cast<float>();
 
   parallel_for(bindings.kernels.size(), kSkinBlock, [&](size_t begin, size_t end) {
+    LatticeLanes lanes;
     // Groups are counted from the block's start, so a kernel's lane does not depend on the threads.
     for (size_t group = begin; group < end; group += kDeformationLanes) {
-      const size_t lanes = std::min<size_t>(kDeformationLanes, end - group);
-      LimitedDeformations deformations;
-      deformations.gradients.fill(Eigen::Matrix3f::Identity());
-      for (size_t lane = 0; lane < lanes; ++lane) {
-        const KernelBinding& binding = bindings.kernels[group + lane];
-        const NodeState here =
-            interpolate(states, rest.cells[binding.drivers[0]], local_of(binding).max(0.0f).min(1.0f));
-        const Eigen::Array<float, 8, 1>&x = here.position_and_x, &yz = here.y_and_z;
-        kernels.positions_m[group + lane] << x[0], x[1], x[2];
-        deformations.gradients[lane] << x[4], yz[0], yz[4], x[5], yz[1], yz[5], x[6], yz[2], yz[6];
+      const size_t count = std::min<size_t>(kDeformationLanes, end - group);
+      for (size_t lane = 0; lane < count; ++lane) {
+        lanes.cells[lane] = bindings.kernels[group + lane].drivers[0];
+        lanes.local[lane] = local_of(bindings.kernels[group + lane]);
+        lanes.rest_covariances_m2[lane] = bindings.rest_covariances_m2[group + lane];
       }
-      limit_deformations(deformations);
-      for (size_t lane = 0; lane < lanes; ++lane) {
+      skin_lanes(states, rest.cells, body, lanes, count);
+      for (size_t lane = 0; lane < count; ++lane) {
         const size_t k = group + lane;
-        const Eigen::Matrix3f& gradient = deformations.gradients[lane];
-        const Eigen::Array3f local = local_of(bindings.kernels[k]);
-        const Eigen::Array3f beyond = local - local.max(0.0f).min(1.0f);
-        if ((beyond != 0.0f).any()) {
-          const Eigen::Vector3f offset = (beyond * width_m).matrix();
-          const float near_share = std::min(1.0f, width_m / offset.norm());
-          kernels.positions_m[k] +=
-              gradient * (near_share * offset) + body_gradient * ((1.0f - near_share) * offset);
-        }
-        kernels.covariances_m2[k] = transformed(gradient, bindings.rest_covariances_m2[k]);
-        kernels.world_from_asset[k] = deformations.rotations[lane] * lattice_from_asset;
-        if (deformation_gradients) (*deformation_gradients)[k] = gradient * lattice_from_object_matrix;
+        kernels.positions_m[k] = lanes.positions_m[lane];
+        kernels.covariances_m2[k] = lanes.covariances_m2[lane];
+        kernels.world_from_asset[k] = lanes.world_from_asset[lane];
+        if (deformation_gradients) (*deformation_gradients)[k] = lanes.deformations.gradients[lane] * lattice_from_object;
       }
     }
   });

@@ -62,15 +62,8 @@ Result<void> bind_rigid(const RestKernels& kernels, const RestBody& rest, Kernel
   return {};
 }
 
-void skin_rigid(const RestBody& rest, const KernelBindings& bindings, const ObjectDrivers& drivers,
-                PosedKernels& kernels, std::vector<Eigen::Matrix3f>* deformation_gradients) {
+std::vector<TurnedBody> turned_bodies(const RestBody& rest, const ObjectDrivers& drivers) {
   LIVEGS_ASSERT(drivers.poses.size() == rest.bodies.size());
-  struct TurnedBody {
-    Eigen::Matrix3f world_from_body;
-    Eigen::Vector3f position_m;
-    Eigen::Matrix3f world_from_object;
-    Eigen::Quaternionf world_from_asset;
-  };
   std::vector<TurnedBody> bodies(rest.bodies.size());
   for (size_t b = 0; b < bodies.size(); ++b) {
     const Eigen::Quaterniond since_rest =
@@ -80,6 +73,12 @@ void skin_rigid(const RestBody& rest, const KernelBindings& bindings, const Obje
     bodies[b].world_from_object = since_rest.toRotationMatrix().cast<float>();
     bodies[b].world_from_asset = (since_rest * rest.object_from_asset.rotation).normalized().cast<float>();
   }
+  return bodies;
+}
+
+void skin_rigid(const RestBody& rest, const KernelBindings& bindings, const ObjectDrivers& drivers,
+                PosedKernels& kernels, std::vector<Eigen::Matrix3f>* deformation_gradients) {
+  const std::vector<TurnedBody> bodies = turned_bodies(rest, drivers);
   parallel_for(bindings.kernels.size(), kSkinBlock, [&](size_t begin, size_t end) {
     for (size_t k = begin; k < end; ++k) {
       const TurnedBody& body = bodies[bindings.kernels[k].drivers[0]];

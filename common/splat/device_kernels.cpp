@@ -76,9 +76,6 @@ Result<BufferId> DeviceKernels::make_buffer(size_t bytes) {
 Result<void> DeviceKernels::make_part(const GaussianAsset& asset, uint32_t first, uint32_t count) {
   Part& part = parts_.emplace_back(Part{.first = first, .count = count});
   const size_t band_words = std::max<size_t>(1, size_t{count} * sh_row_words_);
-  auto posed = make_buffer(count * sizeof(PosedKernelRow));
-  if (!posed) return posed.error();
-  part.posed = *posed;
   auto looks = make_buffer(count * sizeof(KernelLookRow));
   if (!looks) return looks.error();
   part.looks = *looks;
@@ -107,7 +104,12 @@ Result<void> DeviceKernels::make_part(const GaussianAsset& asset, uint32_t first
 Result<void> DeviceKernels::pose(const PosedKernels& kernels) {
   LIVEGS_ASSERT(kernels.positions_m.size() == asset_size_);
   std::vector<PosedKernelRow> rows;
-  for (const Part& part : parts_) {
+  for (Part& part : parts_) {
+    if (part.posed == BufferId{}) {
+      auto made = make_buffer(part.count * sizeof(PosedKernelRow));
+      if (!made) return made.error();
+      part.posed = *made;
+    }
     rows.resize(part.count);
     parallel_for(part.count, kBlock, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {

@@ -9,8 +9,8 @@
 namespace livegs {
 
 // The kernels of one asset where passes run. They lie in parts, so that no buffer is larger than a device
-// binds: 128 MiB on lavapipe, which is 1.4 million kernels with three bands. 68 bytes a kernel, and up to 92
-// for its bands.
+// binds: 128 MiB on lavapipe, which is 1.4 million kernels with three bands. 16 bytes a kernel, up to 92 for its
+// bands, and 52 if it is the host that poses them.
 class DeviceKernels {
  public:
   // `backend` outlives the kernels. `kept`: which of the asset's kernels, ascending; empty: all.
@@ -19,10 +19,10 @@ class DeviceKernels {
   DeviceKernels(DeviceKernels&& other) noexcept;
   DeviceKernels& operator=(DeviceKernels&& other) noexcept;
 
-  // Where the asset's kernels are now, those that are not kept as well.
+  // Where the asset's kernels are now, those that are not kept as well: for kernels that no pass skins.
   Result<void> pose(const PosedKernels& kernels);
 
-  // What project_splats reads, for kernels [first, first + count).
+  // What project_splats reads, for kernels [first, first + count). `posed` is none before pose().
   struct Part {
     uint32_t first = 0, count = 0;
     BufferId posed{}, looks{}, bands{};

@@ -12,6 +12,8 @@
 namespace livegs {
 namespace {
 
+constexpr uint32_t kFewestPosedAtOnce = 4096;
+
 FrameViews frame_views(std::span<const Camera> eyes, const FrameSplats::Options& options) {
   FrameViews views{};
   Eigen::Vector3d origin = Eigen::Vector3d::Zero(), axis = Eigen::Vector3d::Zero();
@@ -33,89 +35,116 @@ FrameViews frame_views(std::span<const Camera> eyes, const FrameSplats::Options&
   return views;
 }
 
+// Of kernels that passes pose: an eighth of the frame takes little memory and still fills a device.
+uint32_t rows_posed_at_once(uint32_t kernels) { return std::min(kernels, std::max(kernels / 8, kFewestPosedAtOnce)); }
+
+// How many more than are wanted a buffer may hold: beyond that it is made anew.
+uint32_t most_spare(uint32_t wanted) { return std::max(wanted / 16, 256u); }
+
 }  // namespace
 
 FrameSplats::~FrameSplats() { release(); }
 
 void FrameSplats::release() {
   sorter_.reset();
-  for (BufferId* buffer : {&views_, &rows_[0], &rows_[1]}) {
+  for (BufferId* buffer : {&views_, &rows_[0], &rows_[1], &posed_}) {
     if (*buffer != BufferId{}) (void)backend_->destroy_buffer(*buffer);
     *buffer = {};
   }
-  rows_held_[0] = rows_held_[1] = 0;
+  rows_held_[0] = rows_held_[1] = posed_held_ = 0;
+  device_bytes_ = 0;
 }
 
-Result<void> FrameSplats::make_room(uint32_t kernels, size_t eyes) {
-  const uint32_t wanted[2] = {kernels, eyes == 2 ? kernels : 1};
-  if (sorter_ && sorter_->capacity() >= kernels && rows_held_[0] >= wanted[0] && rows_held_[1] >= wanted[1])
-    return {};
-  // A quarter more than asked for where something grows, so that a scene that breaks apart settles soon. All
-  // goes before anything is made: the old and the new together might not fit.
+Result<void> FrameSplats::make_room(uint32_t kernels, size_t eyes, bool poses) {
+  const uint32_t wanted[4] = {kernels, kernels, eyes == 2 ? kernels : 1, poses ? rows_posed_at_once(kernels) : 0};
+  const uint32_t held[4] = {sorter_ ? sorter_->capacity() : 0, rows_held_[0], rows_held_[1], posed_held_};
+  bool fits = true;
+  for (int i = 0; i < 4; ++i) fits = fits && held[i] >= wanted[i] && held[i] <= wanted[i] + most_spare(wanted[i]);
+  if (fits) return {};
+  // A little more than asked for where something grows, so that a ball more is room enough. All goes before anything
+  // is made: the old and the new together might not fit.
   const bool grows = sorter_.has_value();
   release();
   const auto with_spare = [&](uint32_t count) {
-    return count > 1 && grows ? std::min(count + count / 4, KeySorter::kMaxKeys) : count;
+    return count > 1 && grows ? std::min(count + most_spare(count) / 2, KeySorter::kMaxKeys) : count;
   };
   const auto failed = [&](const Error& error) {
     release();
     return Error{error.code, "a frame of " + std::to_string(kernels) + " kernels: " + error.message};
   };
-  auto views = backend_->create_buffer(sizeof(FrameViews));
-  if (!views) return failed(views.error());
-  views_ = *views;
-  device_bytes_ = sizeof(FrameViews);
+  const auto make = [&](BufferId& buffer, size_t bytes) -> Result<void> {
+    auto made = backend_->create_buffer(bytes);
+    if (!made) return failed(made.error());
+    buffer = *made;
+    device_bytes_ += bytes;
+    return {};
+  };
+  if (auto made = make(views_, sizeof(FrameViews)); !made) return made;
   for (int e = 0; e < 2; ++e) {
-    const uint32_t count = with_spare(wanted[e]);
-    auto rows = backend_->create_buffer(count * sizeof(SplatRow));
-    if (!rows) return failed(rows.error());
-    rows_[e] = *rows;
+    const uint32_t count = with_spare(wanted[1 + e]);
+    if (auto made = make(rows_[e], count * sizeof(SplatRow)); !made) return made;
     rows_held_[e] = count;
-    device_bytes_ += count * sizeof(SplatRow);
+  }
+  if (poses) {
+    posed_held_ = with_spare(wanted[3]);
+    if (auto made = make(posed_, posed_held_ * sizeof(PosedKernelRow)); !made) return made;
   }
   auto sorter = KeySorter::create(*backend_, with_spare(kernels));
   if (!sorter) return failed(sorter.error());
   sorter_.emplace(*std::move(sorter));
-  device_bytes_ += size_t{16} * sorter_->capacity();
+  device_bytes_ += sorter_->device_bytes();
   return {};
 }
 
-Result<void> FrameSplats::project(std::span<const DeviceKernels* const> objects, std::span<const Camera> eyes,
+Result<void> FrameSplats::project(std::span<const Object> objects, std::span<const Camera> eyes,
                                   const Options& options) {
   if (auto done = prepare(objects, eyes, options); !done) return done;
   return project_prepared(objects, options);
 }
 
-Result<void> FrameSplats::prepare(std::span<const DeviceKernels* const> objects, std::span<const Camera> eyes,
+Result<void> FrameSplats::prepare(std::span<const Object> objects, std::span<const Camera> eyes,
                                   const Options& options) {
   LIVEGS_ASSERT(eyes.size() == 1 || eyes.size() == 2);
   uint64_t total = 0;
-  for (const DeviceKernels* object : objects) total += object->size();
+  bool poses = false;
+  for (const Object& object : objects) {
+    total += object.kernels->size();
+    poses = poses || object.pose;
+  }
   if (total > KeySorter::kMaxKeys) {
     return Error{ErrorCode::TooLarge, "a frame of " + std::to_string(total) + " kernels; the most is " +
                                           std::to_string(KeySorter::kMaxKeys)};
   }
   kernel_count_ = static_cast<uint32_t>(total);
-  if (auto made = make_room(std::max(1u, kernel_count_), eyes.size()); !made) return made;
+  if (auto made = make_room(std::max(1u, kernel_count_), eyes.size(), poses); !made) return made;
   const FrameViews views = frame_views(eyes, options);
   return backend_->upload(views_, std::as_bytes(std::span(&views, 1)));
 }
 
-Result<void> FrameSplats::project_prepared(std::span<const DeviceKernels* const> objects, const Options& options) {
+Result<void> FrameSplats::project_rows(const Object& object, const Options& options, BufferId posed,
+                                       const DeviceKernels::Part& part, uint32_t first, uint32_t count, uint32_t first_row) {
+  const DeviceKernels& kernels = *object.kernels;
+  const int degree = std::clamp(options.max_sh_degree, 0, std::min(kernels.sh_degree(), kMaxShDegree));
+  const ProjectSplatsConstants constants{
+      count, first, first_row, static_cast<uint32_t>(degree), kernels.sh_row_words(), kernels.antialiased() ? 1u : 0u};
+  const std::array buffers{views_, posed, part.looks, part.bands, rows_[0], rows_[1], sorter_->keys()};
+  return backend_->dispatch(project_splats_pass(), buffers, std::as_bytes(std::span(&constants, 1)), count);
+}
+
+Result<void> FrameSplats::project_prepared(std::span<const Object> objects, const Options& options) {
   uint32_t first_row = 0;
-  for (const DeviceKernels* object : objects) {
-    const int degree = std::clamp(options.max_sh_degree, 0, std::min(object->sh_degree(), kMaxShDegree));
-    for (const DeviceKernels::Part& part : object->parts()) {
-      const ProjectSplatsConstants constants{part.count, first_row, static_cast<uint32_t>(degree),
-                                             object->sh_row_words(), object->antialiased() ? 1u : 0u};
-      const std::array buffers{views_,   part.posed, part.looks,     part.bands,
-                               rows_[0], rows_[1],   sorter_->keys()};
-      if (auto done = backend_->dispatch(project_splats_pass(), buffers,
-                                         std::as_bytes(std::span(&constants, 1)), part.count);
-          !done) {
-        return done;
+  for (const Object& object : objects) {
+    for (const DeviceKernels::Part& part : object.kernels->parts()) {
+      const uint32_t at_once = object.pose ? posed_held_ : part.count;
+      for (uint32_t first = 0; first < part.count; first += at_once) {
+        const uint32_t count = std::min(at_once, part.count - first);
+        if (object.pose) {
+          if (auto done = object.pose(part.first + first, count, posed_); !done) return done;
+        }
+        if (auto done = project_rows(object, options, object.pose ? posed_ : part.posed, part, first, count, first_row); !done)
+          return done;
+        first_row += count;
       }
-      first_row += part.count;
     }
   }
   return {};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 
@@ -12,13 +13,22 @@
 namespace livegs {
 
 // What one frame draws: the splats of all objects in one set, for one eye or two, and the one order in which
-// both eyes draw them. Buffers are kept and grow with the scene: 52 bytes a kernel for one eye, 88 for two.
+// both eyes draw them. Buffers are kept and go with the scene's size: 52 bytes a kernel for one eye, 88 for two, and
+// 6.5 for kernels that passes pose: those are posed and projected an eighth of the frame at a time.
 class FrameSplats {
  public:
   struct Options {
     DepthOrder order = DepthOrder::Distance;  // from between the eyes
     int max_sh_degree = 3;
     float max_radius_px = 0, min_contribution_px = 0;  // as eye_view has them
+  };
+
+  // What a frame knows of an object.
+  struct Object {
+    const DeviceKernels* kernels = nullptr;
+    // Records a pass that writes PosedKernelRow of the kernels [first, first + count) to the front of `posed`; they are of
+    // one part. None: kernels->pose() has said where they are.
+    std::function<Result<void>(uint32_t first, uint32_t count, BufferId posed)> pose;
   };
 
   explicit FrameSplats(Backend& backend) : backend_(&backend) {}
@@ -28,11 +38,11 @@ class FrameSplats {
 
   // Makes room for these objects and sets the eyes, for the passes of project. TooLarge when the device cannot hold
   // them all.
-  Result<void> prepare(std::span<const DeviceKernels* const> objects, std::span<const Camera> eyes, const Options& options);
-  // Culls, projects and shades all kernels for one eye or two, those that were prepared.
-  Result<void> project_prepared(std::span<const DeviceKernels* const> objects, const Options& options);
+  Result<void> prepare(std::span<const Object> objects, std::span<const Camera> eyes, const Options& options);
+  // Poses, culls, projects and shades all kernels for one eye or two, those that were prepared.
+  Result<void> project_prepared(std::span<const Object> objects, const Options& options);
   // Both.
-  Result<void> project(std::span<const DeviceKernels* const> objects, std::span<const Camera> eyes,
+  Result<void> project(std::span<const Object> objects, std::span<const Camera> eyes,
                        const Options& options);
   // Nearest first. Call after project.
   Result<void> sort();
@@ -50,13 +60,15 @@ class FrameSplats {
   size_t device_bytes() const { return device_bytes_; }
 
  private:
-  Result<void> make_room(uint32_t kernels, size_t eyes);
+  Result<void> make_room(uint32_t kernels, size_t eyes, bool poses);
   void release();
+  Result<void> project_rows(const Object& object, const Options& options, BufferId posed, const DeviceKernels::Part& part,
+                            uint32_t first, uint32_t count, uint32_t first_row);
 
   Backend* backend_;
   std::optional<KeySorter> sorter_;
-  BufferId views_{}, rows_[2]{};
-  uint32_t rows_held_[2]{};
+  BufferId views_{}, rows_[2]{}, posed_{};
+  uint32_t rows_held_[2]{}, posed_held_ = 0;
   uint32_t kernel_count_ = 0;
   size_t device_bytes_ = 0;
 };

@@ -7,11 +7,11 @@
 #include <string>
 #include <utility>
 
+#include "compute/pass_rows.h"
 #include "core/assert.h"
 #include "sort_count.spv.h"
 #include "sort_scan.spv.h"
 #include "sort_scatter.spv.h"
-#include "splat/pass_rows.h"
 
 namespace livegs {
 namespace {
@@ -131,12 +131,15 @@ Result<KeySorter> KeySorter::create(Backend& backend, uint32_t capacity) {
     auto made = backend.create_buffer(sizes[i]);
     if (!made) return made.error();
     sorter.buffers_[i] = *made;
+    sorter.device_bytes_ += sizes[i];
   }
   return Result<KeySorter>(std::move(sorter));
 }
 
 KeySorter::KeySorter(KeySorter&& other) noexcept
-    : backend_(other.backend_), capacity_(std::exchange(other.capacity_, 0)) {
+    : backend_(other.backend_),
+      capacity_(std::exchange(other.capacity_, 0)),
+      device_bytes_(std::exchange(other.device_bytes_, 0)) {
   std::swap(buffers_, other.buffers_);
 }
 
@@ -144,6 +147,7 @@ KeySorter& KeySorter::operator=(KeySorter&& other) noexcept {
   std::swap(backend_, other.backend_);
   std::swap(buffers_, other.buffers_);
   std::swap(capacity_, other.capacity_);
+  std::swap(device_bytes_, other.device_bytes_);
   return *this;
 }
 

@@ -36,6 +36,7 @@ class KeySorter {
   BufferId values() const { return buffers_[1]; }
   BufferId counted() const { return buffers_[5]; }  // one SortedCount
   uint32_t capacity() const { return capacity_; }
+  size_t device_bytes() const { return device_bytes_; }
 
   static constexpr uint32_t kMaxKeys = uint32_t{1} << 25;  // 128 MiB of keys: what lavapipe binds
 
@@ -46,6 +47,7 @@ class KeySorter {
   Backend* backend_;
   BufferId buffers_[6]{};  // keys, values, the same to sort into, table, count
   uint32_t capacity_ = 0;
+  size_t device_bytes_ = 0;
 };
 
 // The passes, for tests.

@@ -79,21 +79,32 @@ bool project_kernel(const Projection& projection, const DrawnObject& object, siz
       (projection.focal_x_px / z) * (axes.row(0) - held_x * axes.row(2)).transpose();
   const Eigen::Vector3d row_y =
       (projection.focal_y_px / z) * (axes.row(1) - held_y * axes.row(2)).transpose();
-  const ScreenCovariance s = project_covariance(posed.covariances_m2[kernel], row_x, row_y);
+  ScreenCovariance s = project_covariance(posed.covariances_m2[kernel], row_x, row_y);
 
   const double sharp_det = std::max(0.0, s.xx * s.yy - s.xy * s.xy);
   // Not (xx + low)(yy + low) - xy²: that difference loses the width of a needle.
-  const double det = sharp_det + kLowPassPx2 * (s.xx + s.yy) + kLowPassPx2 * kLowPassPx2;
-  const double xx = s.xx + kLowPassPx2, yy = s.yy + kLowPassPx2;
+  double det = sharp_det + kLowPassPx2 * (s.xx + s.yy) + kLowPassPx2 * kLowPassPx2;
+  double xx = s.xx + kLowPassPx2, yy = s.yy + kLowPassPx2;
   if (!(det > 0.0) || !(xx > 0.0) || !(yy > 0.0) || !std::isfinite(det)) return false;
 
   double opacity = sigmoid(asset.opacity_logits[kernel]) * near_fade(z, projection.near_m);
   if (asset.antialiased) opacity *= std::sqrt(sharp_det / det);
   if (!(opacity >= kMinAlpha)) return false;
-  if (opacity * 2.0 * M_PI * std::sqrt(det) < options.min_contribution_px) return false;
   const double log2_opacity = std::log2(opacity);
 
   const double rim = (log2_opacity + kLog2Of255) / kHalfLog2E;  // dᵀ S⁻¹ d where alpha is kMinAlpha
+  if (options.max_radius_px > 0) {
+    const double longest = rim * (0.5 * (xx + yy) + std::hypot(0.5 * (xx - yy), s.xy));
+    const double most = double{options.max_radius_px} * options.max_radius_px;
+    if (longest > most) {
+      const double shrink = most / longest;
+      xx *= shrink;
+      s.xy *= shrink;
+      yy *= shrink;
+      det *= shrink * shrink;
+    }
+  }
+  if (opacity * 2.0 * M_PI * std::sqrt(det) < options.min_contribution_px) return false;
   const double reach_x = std::sqrt(rim * xx), reach_y = std::sqrt(rim * yy);
   const double left = centre_x - reach_x, right = centre_x + reach_x;
   const double top = centre_y - reach_y, bottom = centre_y + reach_y;

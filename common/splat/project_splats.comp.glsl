@@ -125,11 +125,12 @@ bool project(EyeView eye, PosedKernelRow k, Cofactors c, float kernel_log2_opaci
 }
 
 vec3 colour_towards(EyeView eye, PosedKernelRow k, uint index) {
-  const KernelLookRow look = looks[index];
+  const KernelLookRow look = looks[constants.first_kernel + index];
   vec3 sum = vec3(0.5) + kShDc * vec3(look.dc_red, look.dc_green, look.dc_blue);
   if (constants.sh_degree > 0) {
     const vec3 offset = vec3(k.x_m, k.y_m, k.z_m) - vec3(eye.x_m, eye.y_m, eye.z_m);
-    sum += bands_towards(normalize(turned_back(k, offset)), constants.sh_degree, index * constants.sh_row_words);
+    sum += bands_towards(normalize(turned_back(k, offset)), constants.sh_degree,
+                         (constants.first_kernel + index) * constants.sh_row_words);
   }
   return max(sum, vec3(0.0));
 }
@@ -143,7 +144,7 @@ void main() {
   bool seen = false;
   for (uint e = 0; e < views.eye_count; ++e) {
     SplatRow row;
-    if (project(views.eye[e], k, c, looks[i].log2_opacity, row)) {
+    if (project(views.eye[e], k, c, looks[constants.first_kernel + i].log2_opacity, row)) {
       const vec3 colour = colour_towards(views.eye[e], k, i);
       row.red = colour.x;
       row.green = colour.y;

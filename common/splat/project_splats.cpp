@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compute/pass_rows.h"
 #include "core/assert.h"
 #include "project_splats.spv.h"
 #include "splat/half_float.h"
-#include "splat/pass_rows.h"
 #include "splat/precise.h"
 #include "splat/project_kernels.h"
 #include "splat/radix_sort.h"
@@ -166,14 +166,15 @@ void project_splats(const PassArguments& arguments, size_t begin, size_t end) {
   end = std::min<size_t>(end, constants.kernel_count);
   LIVEGS_ASSERT(constants.sh_degree <= kMaxShDegree);
   LIVEGS_ASSERT(end * sizeof(PosedKernelRow) <= buffers[1].size());
-  LIVEGS_ASSERT(end * sizeof(KernelLookRow) <= buffers[2].size());
+  LIVEGS_ASSERT((constants.first_kernel + end) * sizeof(KernelLookRow) <= buffers[2].size());
   LIVEGS_ASSERT((constants.first_row + end) * sizeof(SplatRow) <= buffers[4].size());
   const auto views = row_at<FrameViews>(buffers[0], 0);
   const std::span<const uint32_t> bands = words_of(buffers[3]);
   const std::span<uint32_t> keys = words_of(buffers[6]);
   for (size_t i = begin; i < end; ++i) {
     const auto k = row_at<PosedKernelRow>(buffers[1], i);
-    const auto look = row_at<KernelLookRow>(buffers[2], i);
+    const size_t kernel = constants.first_kernel + i;
+    const auto look = row_at<KernelLookRow>(buffers[2], kernel);
     const Cofactors c = cofactors(k);
     const size_t place = constants.first_row + i;
     bool seen = false;
@@ -181,7 +182,7 @@ void project_splats(const PassArguments& arguments, size_t begin, size_t end) {
       SplatRow row;
       if (project(views.eye[e], k, c, look.log2_opacity, constants.antialiased != 0, row)) {
         shade(views.eye[e], k, look, constants.sh_degree,
-              constants.sh_degree > 0 ? bands.subspan(i * constants.sh_row_words) : bands, row);
+              constants.sh_degree > 0 ? bands.subspan(kernel * constants.sh_row_words) : bands, row);
         seen = true;
       }
       set_row(buffers[e == 0 ? 4 : 5], place, row);

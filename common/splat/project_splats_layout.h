@@ -5,27 +5,11 @@
 
 #ifdef __cplusplus
 #pragma once
-#include <cstdint>
-namespace livegs {
-using uint = uint32_t;
 #endif
-
-// A kernel as skinning left it, in the world frame.
-struct PosedKernelRow {
-  float x_m;
-  float y_m;
-  float z_m;
-  float sxx_m2;
-  float sxy_m2;
-  float sxz_m2;
-  float syy_m2;
-  float syz_m2;
-  float szz_m2;
-  float qx;  // world_from_asset
-  float qy;
-  float qz;
-  float qw;
-};
+#include "gaussian/posed_kernel_row.h"
+#ifdef __cplusplus
+namespace livegs {
+#endif
 
 // What of a kernel does not move. Its bands above the first lie in a buffer of their own as half floats, two a word,
 // coefficient by coefficient, three channels each.
@@ -93,6 +77,7 @@ struct SplatRow {
 
 struct ProjectSplatsConstants {
   uint kernel_count;
+  uint first_kernel;    // where their looks and bands begin; the posed rows begin at 0
   uint first_row;       // where the rows and keys of these kernels begin
   uint sh_degree;       // to evaluate, 0..3
   uint sh_row_words;    // from one kernel's bands to the next's
@@ -106,8 +91,8 @@ const float kSplatLog2Of255 = 7.99435344;
 const float kLog2OfTwoPi = 2.65149613;
 
 #ifdef __cplusplus
-static_assert(sizeof(PosedKernelRow) == 52 && sizeof(KernelLookRow) == 16);
+static_assert(sizeof(KernelLookRow) == 16);
 static_assert(sizeof(EyeView) == 100 && sizeof(FrameViews) == 232 && sizeof(SplatRow) == 36);
-static_assert(sizeof(ProjectSplatsConstants) == 20);
+static_assert(sizeof(ProjectSplatsConstants) == 24);
 }  // namespace livegs
 #endif

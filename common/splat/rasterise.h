@@ -27,6 +27,7 @@ struct RasteriseOptions {
   DepthOrder order = DepthOrder::ViewZ;
   int max_sh_degree = 3;
   float min_contribution_px = 0;  // as eye_view (project_splats.h) has it
+  float max_radius_px = 0;        // as well; 0: none
 };
 
 struct RasterisedView {

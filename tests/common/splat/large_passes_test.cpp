@@ -59,7 +59,7 @@ TEST_P(LargePasses, AnObjectInTwoPartsIsProjectedWhole) {
   ASSERT_EQ(kernels->parts().size(), 2u);
   ASSERT_TRUE(kernels->pose(object.posed));
   const Camera eye = look_at({0, 0, 2}, {0, 0, 0}, Eigen::Vector3d::UnitY(), 0.8, 320, 240);
-  const DeviceKernels* one = &*kernels;
+  const FrameSplats::Object one{&*kernels, {}};
   FrameSplats frame(*backend_);
   const auto projected = frame.project({&one, 1}, {&eye, 1}, {.order = DepthOrder::ViewZ});
   ASSERT_TRUE(projected) << projected.error().message;

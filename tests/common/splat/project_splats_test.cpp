@@ -24,16 +24,16 @@ struct Projected {
 Result<Projected> project_on(Backend& backend, const std::vector<const Object*>& objects,
                              std::span<const Camera> eyes, const FrameSplats::Options& options) {
   std::vector<DeviceKernels> kernels;
-  std::vector<const DeviceKernels*> pointers;
+  std::vector<FrameSplats::Object> in_frame;
   for (const Object* object : objects) {
     auto made = DeviceKernels::create(backend, object->asset);
     if (!made) return made.error();
     if (auto posed = made->pose(object->posed); !posed) return posed.error();
     kernels.push_back(*std::move(made));
   }
-  for (const DeviceKernels& each : kernels) pointers.push_back(&each);
+  for (const DeviceKernels& each : kernels) in_frame.push_back({&each, {}});
   FrameSplats frame(backend);
-  if (auto done = frame.project(pointers, eyes, options); !done) return done.error();
+  if (auto done = frame.project(in_frame, eyes, options); !done) return done.error();
   if (auto done = frame.sort(); !done) return done.error();
   Projected projected;
   for (size_t e = 0; e < eyes.size(); ++e) {
@@ -293,6 +293,13 @@ TEST(ProjectSplats, ACapHoldsTheLongestAxis) {
   EXPECT_NEAR(rim_root / capped.across_x, 50.0, 1e-3);  // its longest axis lies along x
   EXPECT_NEAR(capped.down_y / capped.across_x, free.down_y / free.across_x, 1e-4);
   EXPECT_EQ(capped.log2_opacity, free.log2_opacity);
+  // The oracle holds it the same way.
+  ProjectedKernel p;
+  float depth_m;
+  ASSERT_TRUE(project_kernel(Projection(eye), object.drawn(), 0, 0, {.max_radius_px = 50}, p, depth_m));
+  EXPECT_NEAR(std::sqrt(p.rim()) / p.across_x, 50.0, 1e-3);
+  EXPECT_NEAR(p.across_x, capped.across_x, 1e-5 * capped.across_x);
+  EXPECT_NEAR(p.down_y, capped.down_y, 1e-5 * capped.down_y);
 }
 
 }  // namespace

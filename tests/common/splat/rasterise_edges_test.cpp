@@ -115,19 +115,5 @@ TEST(RasteriseEdges, AnySizeOfPictureIsDrawnToItsEdge) {
   }
 }
 
-// The colour of a kernel turns with its asset: seen from the asset's own +x it is bright wherever that
-// points.
-TEST(RasteriseEdges, HarmonicsAreEvaluatedInTheAssetsFrame) {
-  Object object;
-  object.asset.sh_degree = 1;
-  synthetic::add_ball(object, {0, 0, 0}, 0.3, 0.9, {0.5, 0.5, 0.5});
-  object.asset.sh_rest[2] = Eigen::Vector3f::Constant(0.4f / 0.48860251f);  // 0.5 - 0.4 x
-  // The camera looks along -z. Turned by a quarter about y, the asset's +x points along -z.
-  const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitY()));
-  const Object turned = synthetic::moved(object, {Eigen::Vector3d::Zero(), turn});
-  EXPECT_NEAR(draw(object, ahead(129, 97)).image.at(64, 48)[0], 0.9 * 0.5, 1e-5);
-  EXPECT_NEAR(draw(turned, ahead(129, 97)).image.at(64, 48)[0], 0.9 * 0.1, 1e-5);
-}
-
 }  // namespace
 }  // namespace livegs

@@ -5,7 +5,7 @@
 
 #include "compute/pass.h"
 
-// Inside the room: what CPU twins of passes see in their buffers.
+// What CPU twins of passes see in their buffers.
 
 namespace livegs {
 
