@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "analysis/answer_cache.h"
 
+#include <chrono>
 #include <nlohmann/json.hpp>
 
-#include "core/clock.h"
 #include "core/file.h"
 #include "core/log.h"
 
@@ -51,10 +51,30 @@ std::optional<RawAnswer> from_json(const nlohmann::json& json) {
   return answer;
 }
 
+int64_t since_1970_ns() {
+  using std::chrono::duration_cast, std::chrono::nanoseconds, std::chrono::system_clock;
+  return duration_cast<nanoseconds>(system_clock::now().time_since_epoch()).count();
+}
+
+std::filesystem::path failure_path(const std::filesystem::path& folder, const std::string& key) {
+  return folder / (key + ".failed.json");
+}
+
+std::optional<std::pair<int64_t, std::string>> read_failure(const std::filesystem::path& path) {
+  const auto text = read_text_file(path, kMaxCachedBytes);
+  if (!text) return std::nullopt;
+  const nlohmann::json json = nlohmann::json::parse(*text, nullptr, false);
+  if (!json.is_object() || !json.contains("until_ns") || !json["until_ns"].is_number_integer() ||
+      !json.contains("message") || !json["message"].is_string()) {
+    return std::nullopt;
+  }
+  return std::pair(json["until_ns"].get<int64_t>(), json["message"].get<std::string>());
+}
+
 }  // namespace
 
 AnswerCache::AnswerCache(std::filesystem::path folder, std::function<int64_t()> clock_ns)
-    : folder_(std::move(folder)), clock_ns_(clock_ns ? std::move(clock_ns) : now_ns) {}
+    : folder_(std::move(folder)), clock_ns_(clock_ns ? std::move(clock_ns) : since_1970_ns) {}
 
 std::optional<RawAnswer> AnswerCache::answer(const std::string& key) const {
   std::lock_guard lock(mutex_);
@@ -69,9 +89,19 @@ std::optional<RawAnswer> AnswerCache::answer(const std::string& key) const {
 
 std::optional<std::string> AnswerCache::failure(const std::string& key) const {
   std::lock_guard lock(mutex_);
-  const auto found = failures_.find(key);
-  if (found == failures_.end() || found->second.first <= clock_ns_()) return std::nullopt;
-  return found->second.second;
+  auto found = failures_.find(key);
+  if (found == failures_.end()) {
+    auto failed = folder_.empty() ? std::nullopt : read_failure(failure_path(folder_, key));
+    if (!failed) return std::nullopt;
+    found = failures_.emplace(key, std::move(*failed)).first;
+  }
+  // A clock that was set back does not make ten minutes longer.
+  const int64_t left_ns = found->second.first - clock_ns_();
+  if (left_ns > 0 && left_ns <= kFailure_ns) return found->second.second;
+  failures_.erase(found);
+  std::error_code ignored;
+  if (!folder_.empty()) std::filesystem::remove(failure_path(folder_, key), ignored);
+  return std::nullopt;
 }
 
 void AnswerCache::keep(const std::string& key, const RawAnswer& answer) {
@@ -80,6 +110,7 @@ void AnswerCache::keep(const std::string& key, const RawAnswer& answer) {
   failures_.erase(key);
   if (folder_.empty()) return;
   std::error_code ignored;
+  std::filesystem::remove(failure_path(folder_, key), ignored);
   std::filesystem::create_directories(folder_, ignored);
   const auto written_as = [](const RawAnswer& one) {
     return to_json(one).dump(1, ' ', false, nlohmann::json::error_handler_t::replace);
@@ -97,7 +128,16 @@ void AnswerCache::keep(const std::string& key, const RawAnswer& answer) {
 
 void AnswerCache::keep_failure(const std::string& key, const std::string& message) {
   std::lock_guard lock(mutex_);
-  failures_[key] = {clock_ns_() + kFailure_ns, message};
+  const int64_t until_ns = clock_ns_() + kFailure_ns;
+  failures_[key] = {until_ns, message};
+  if (folder_.empty()) return;
+  std::error_code ignored;
+  std::filesystem::create_directories(folder_, ignored);
+  const std::string text = nlohmann::json{{"until_ns", until_ns}, {"message", message}}.dump(
+      1, ' ', false, nlohmann::json::error_handler_t::replace);
+  if (auto written = write_file_atomically(failure_path(folder_, key), text); !written) {
+    log_debug("analysis: the failure is not kept for later: %s", written.error().message.c_str());
+  }
 }
 
 }  // namespace livegs

@@ -14,13 +14,14 @@
 namespace livegs {
 
 // Answers that passed the gate, by the hash of everything that was asked: the same question is not asked
-// twice. They are kept for ever, in `folder` if there is one; failures are remembered for ten minutes, in
-// memory. The answer is kept as it came, with its transcript unless that is longer than a megabyte, and judged again.
+// twice. They are kept for ever, failures for ten minutes, in `folder` if there is one, so that a program that is run
+// again does not pay for the same refusal. The answer is kept as it came, with its transcript unless that is longer than a megabyte, and judged again.
 // Any thread.
 class AnswerCache {
  public:
   static constexpr int64_t kFailure_ns = 600'000'000'000;
 
+  // `clock_ns`: since 1970, as files outlive a boot; empty: the system's.
   explicit AnswerCache(std::filesystem::path folder = {}, std::function<int64_t()> clock_ns = {});
 
   std::optional<RawAnswer> answer(const std::string& key) const;
@@ -34,7 +35,7 @@ class AnswerCache {
   std::function<int64_t()> clock_ns_;
   mutable std::mutex mutex_;  // guards what follows
   mutable std::map<std::string, RawAnswer> answers_;
-  std::map<std::string, std::pair<int64_t, std::string>> failures_;  // until when
+  mutable std::map<std::string, std::pair<int64_t, std::string>> failures_;  // until when
 };
 
 }  // namespace livegs

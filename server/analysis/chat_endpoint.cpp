@@ -9,7 +9,6 @@
 namespace livegs {
 namespace {
 
-constexpr const char* kOpenAiUrl = "https://api.openai.com/v1";
 constexpr double kRemoteDeadline_s = 60, kLocalDeadline_s = 300;
 constexpr int kRemoteInFlight = 4, kLocalInFlight = 1;
 constexpr std::size_t kLongestUrl = 2000, kLongestKey = 4096;

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstdlib>
 #include <sstream>
+#include <string_view>
 
 #include "analysis/model_endpoint.h"
+#include "core/log.h"
 
 namespace livegs {
 namespace {
@@ -23,6 +25,26 @@ Result<void> read_price(const std::string& text, EndpointSettings& settings) {
   settings.usd_per_million_prompt_tokens = in;
   settings.usd_per_million_completion_tokens = out;
   return {};
+}
+
+std::string_view without_slashes(std::string_view url) {
+  while (url.ends_with('/')) url.remove_suffix(1);
+  return url;
+}
+
+// A key belongs to one address, that of OPENAI_BASE_URL, and where that is not set to OpenAI's, as for other programs.
+void take_url(const std::string& url, EndpointSettings& settings) {
+  const char* key = std::getenv("OPENAI_API_KEY");
+  const std::string home = settings.base_url.empty() ? kOpenAiUrl : settings.base_url;
+  settings.base_url = url;
+  if (without_slashes(url) == without_slashes(home)) {
+    if (key && settings.api_key.empty()) settings.api_key = Secret(key);
+    return;
+  }
+  settings.api_key = {};
+  if (!key || !*key) return;
+  log_warn("--endpoint: OPENAI_API_KEY is not sent there, it belongs to %s; set OPENAI_BASE_URL to send it",
+           home == kOpenAiUrl ? "api.openai.com" : "the address in OPENAI_BASE_URL");
 }
 
 }  // namespace
@@ -48,14 +70,8 @@ Result<std::unique_ptr<ModelEndpoint>> choose_endpoint(const EndpointChoice& cho
   if (!choice.recorded.empty()) return open_recorded_endpoint(choice.recorded, nullptr, choice.prompts);
   auto settings = endpoint_settings_from_environment();
   if (!settings && !told) return none;
-  if (!settings) {
-    settings.emplace();
-    if (const char* key = std::getenv("OPENAI_API_KEY")) settings->api_key = Secret(key);
-  }
-  // A key that belongs to another address stays at home.
-  if (!choice.url.empty() && std::getenv("OPENAI_BASE_URL") && settings->base_url != choice.url)
-    settings->api_key = {};
-  if (!choice.url.empty()) settings->base_url = choice.url;
+  if (!settings) settings.emplace();
+  if (!choice.url.empty()) take_url(choice.url, *settings);
   if (!choice.model.empty()) settings->model = choice.model;
   if (settings->base_url.empty()) {
     return invalid_argument(

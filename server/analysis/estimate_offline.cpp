@@ -66,6 +66,10 @@ Guess guess_by_name(const Kinds& kinds, const ObjectFacts& facts) {
     guess.reason += format_text("its size and shape are those of a %s, usually %s", label.c_str(),
                                 guess.material->name.c_str());
   }
+  if (kinds.match.tail == NameMatch::Tail::Unknown) {
+    guess.reason += format_text("; what \"%s\" means there is not known", kinds.match.tail_words.c_str());
+    guess.confidence *= 0.7;
+  }
   if (guess.kind.probability < 0.995) guess.reason += format_text(" (%.0f %%)", 100 * guess.kind.probability);
   return guess;
 }
@@ -90,6 +94,11 @@ Guess guess_by_looks(const Kinds& kinds, const ObjectFacts& facts) {
   guess.confidence = 0.1 + 0.25 * best;
   guess.reason = format_text("no name tells; of things of its size and shape, like a %s, %.0f %% are of it",
                              guess.kind.row->label.c_str(), 100 * best);
+  if (kinds.match.row) {
+    guess.reason = format_text("a \"%s\" is not known, \"%s\" is only part of its name; of things of its size and shape, "
+                               "like a %s, %.0f %% are of it",
+                               facts.name.c_str(), kinds.match.alias.c_str(), guess.kind.row->label.c_str(), 100 * best);
+  }
   if (kinds.material.row && guess.material->material_class == kinds.material.row->material_class) {
     guess.confidence = 0.4;
     guess.reason = format_text("the name \"%s\" says %s", facts.name.c_str(), guess.material->name.c_str());
@@ -112,7 +121,7 @@ void set_parts(const Kind& kind, v1::PhysicalParameters& answer) {
 v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
   v1::PhysicalParameters answer;
   const Kinds kinds = object_kinds(facts);
-  const bool by_name = kinds.match.row != nullptr;
+  const bool by_name = kinds.match.row && kinds.match.tail != NameMatch::Tail::AnotherThing;
   const Guess guess = by_name ? guess_by_name(kinds, facts) : guess_by_looks(kinds, facts);
   const ObjectRow& row = *guess.kind.row;
   const MaterialRow& material = *guess.material;
@@ -153,7 +162,7 @@ v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
       structure.best < 1 ? "thin or hollow things bend more easily than their material" : "bulk");
   set(*answer.mutable_plasticity(), around(material.plasticity, 0.4, 0.0, 1.0),
       format_text("%s; keeps a dent like %s", material.name.c_str(),
-                  nearest_plasticity_level(material.plasticity).references.c_str()));
+                  nearest_plasticity_level(material.plasticity).text().c_str()));
   set(*answer.mutable_damping(), around(material.loss_factor, 0.5, 0.0, 2.0),
       format_text("loss factor of %s", material.material_class.c_str()));
   set(*answer.mutable_friction(), around(material.friction, 0.3, 0.0, 2.0),

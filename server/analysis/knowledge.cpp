@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "analysis/knowledge.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
@@ -102,13 +103,7 @@ std::vector<ObjectRow> parse_objects() {
 
 std::vector<PlasticityLevel> parse_ladder() {
   std::vector<PlasticityLevel> ladder;
-  for (const auto& row : rows_of(kPlasticityCsv, 2)) {
-    std::string references;
-    for (const std::string& reference : split(row[1], '|')) {
-      references += (references.empty() ? "" : ", ") + reference;
-    }
-    ladder.push_back({number(row[0]), references});
-  }
+  for (const auto& row : rows_of(kPlasticityCsv, 3)) ladder.push_back({number(row[0]), row[1], split(row[2], '|')});
   LIVEGS_ASSERT(!ladder.empty());
   return ladder;
 }
@@ -156,6 +151,22 @@ double mass_exponent(const ObjectRow& row) {
 const std::vector<PlasticityLevel>& plasticity_ladder() {
   static const std::vector<PlasticityLevel> ladder = parse_ladder();
   return ladder;
+}
+
+std::string PlasticityLevel::text() const {
+  std::string all = level == "none" ? "" : level;
+  for (const std::string& reference : references) all += (all.empty() ? "" : ", ") + reference;
+  return all;
+}
+
+const PlasticityLevel* find_plasticity_level(std::string_view word) {
+  for (const PlasticityLevel& one : plasticity_ladder()) {
+    if (!word.empty() && (one.level == word || std::find(one.references.begin(), one.references.end(), word) !=
+                                                   one.references.end())) {
+      return &one;
+    }
+  }
+  return nullptr;
 }
 
 const PlasticityLevel& nearest_plasticity_level(double plasticity) {

@@ -70,9 +70,14 @@ const ObjectRow* find_object_row(std::string_view label);  // by label, not by a
 // back, 1 stays) with things that have it. Ascending.
 struct PlasticityLevel {
   double plasticity = 0;
-  std::string references;  // "wool felt, cloth"
+  std::string level;                    // what the answer's schema calls it; empty: between two that it has
+  std::vector<std::string> references;  // "cloth", "rope"
+
+  std::string text() const;  // "felt, cloth, rope"
 };
 const std::vector<PlasticityLevel>& plasticity_ladder();
+// By a level's name or one of its references; nullptr for another word.
+const PlasticityLevel* find_plasticity_level(std::string_view word);
 const PlasticityLevel& nearest_plasticity_level(double plasticity);
 
 }  // namespace livegs

@@ -17,6 +17,8 @@
 
 namespace livegs {
 
+inline constexpr const char* kOpenAiUrl = "https://api.openai.com/v1";
+
 struct EndpointSettings {
   std::string base_url;  // "https://api.openai.com/v1"; http or https, from the server's own configuration only
   std::string model;     // empty: the first one that the server lists
@@ -47,7 +49,7 @@ struct EndpointSettings {
   std::function<void(std::size_t)> progress;  // bytes received so far, while streaming; network thread
 };
 
-// OPENAI_BASE_URL, LIVEGS_MODEL, OPENAI_API_KEY. Nothing is set, and nothing is ever sent anywhere, unless one of
+// OPENAI_BASE_URL (left out: kOpenAiUrl), LIVEGS_MODEL, OPENAI_API_KEY. Nothing is set, and nothing is ever sent anywhere, unless one of
 // the first two is: a key alone, which many people have for other programs, does not count.
 std::optional<EndpointSettings> endpoint_settings_from_environment();
 

@@ -86,6 +86,10 @@ void kinds_by_name(const ObjectFacts& facts, Kinds& found) {
   normalise(found.kinds);
 }
 
+// How far a name is believed whose last word is not in the table: it may be a place or a person, and a "mug tuesday" is a
+// mug. Where that word makes another thing of it, next to nothing is left. Judgements.
+constexpr double kTailUnknown = 0.5, kTailOther = 0.05;
+
 // How much oftener than another kind it stands in a room or is captured. A judgement.
 double commonness(const ObjectRow& row) {
   if (row.category == "package") return 2;
@@ -122,11 +126,22 @@ Kinds object_kinds(const ObjectFacts& facts) {
   Kinds found;
   found.match = match_name(facts.name);
   found.material = match_material(facts.name);
-  if (found.match.row) {
-    kinds_by_name(facts, found);
-  } else {
+  if (!found.match.row) {
     kinds_by_looks(facts, found);
+    return found;
   }
+  kinds_by_name(facts, found);
+  if (found.match.tail == NameMatch::Tail::Nothing) return found;
+  const double believed = found.match.tail == NameMatch::Tail::Unknown ? kTailUnknown : kTailOther;
+  Kinds by_looks;
+  by_looks.material = found.material;
+  kinds_by_looks(facts, by_looks);
+  for (Kind& kind : found.kinds) kind.probability *= believed;
+  for (Kind& kind : by_looks.kinds) {
+    kind.probability *= 1 - believed;
+    found.kinds.push_back(kind);
+  }
+  normalise(found.kinds);
   return found;
 }
 

@@ -12,6 +12,7 @@
 #include <optional>
 #include <utility>
 
+#include "analysis/answer.h"
 #include "analysis/hand_edits.h"
 #include "analysis/physics_values.h"
 
@@ -29,6 +30,16 @@ constexpr double kSameSize = 1.05;
 fs::path log_path(const fs::path& sidecar) {
   fs::path path = sidecar;
   return path.replace_extension(".log");
+}
+
+// What counts where the file of one object is not there: mug.physics.json for mug.physics.left.json; empty for others.
+fs::path default_path(const fs::path& sidecar) {
+  const std::string name = sidecar.stem().string();  // without .json
+  const size_t dot = name.rfind('.');
+  constexpr std::string_view kEnding = ".physics";
+  if (dot == std::string::npos || name.substr(dot) == kEnding) return {};
+  const std::string before = name.substr(0, dot);
+  return before.ends_with(kEnding) ? sidecar.parent_path() / (before + ".json") : fs::path();
 }
 
 // Protobuf writes a map in an order of its own each time; files are to be the same to the byte.
@@ -95,8 +106,9 @@ struct Kept {
   v1::PhysicsFile file;
   std::vector<PhysicsLogRecord> log;
   bool edited_by_hand = false;
-  bool there = false;    // the sidecar
-  uint64_t on_disk = 0;  // revision of the sidecar as it stands
+  bool there = false;       // the sidecar
+  bool taken_over = false;  // not there, and the asset's counts in its place
+  uint64_t on_disk = 0;     // revision of the sidecar as it stands
 };
 
 bool changes(const PhysicsLogRecord& record) { return record.action() != PhysicsLogRecord::PROPOSAL; }
@@ -128,9 +140,18 @@ Result<Kept> read_kept(const fs::path& path) {
     if (!edited) return in_file(edited.error());
     kept.edited_by_hand = *edited;
   }
-  // Ended between the log and the sidecar: the last change is in the log only. A sidecar that is gone was
-  // deleted.
-  if (!kept.there) return kept;
+  if (!kept.there) {
+    // Gone, it was deleted, whatever its log says.
+    if (const fs::path other = default_path(path); !other.empty()) {
+      auto instead = read_kept(other);
+      if (!instead) return instead.error();
+      kept.file = std::move(instead->file);
+      kept.taken_over = kept.file.has_physics() || kept.file.has_edits() || !kept.file.name().empty();
+      kept.file.set_revision(0);
+    }
+    return kept;
+  }
+  // Ended between the log and the sidecar: the last change is in the log only.
   const PhysicsLogRecord *newest = nullptr, *before = nullptr;
   for (const PhysicsLogRecord& record : kept.log) {
     if (changes(record)) before = std::exchange(newest, &record);
@@ -248,6 +269,9 @@ Course course_of(const std::vector<PhysicsLogRecord>& log) {
         break;
       case PhysicsLogRecord::PROPOSAL:
         break;
+      case PhysicsLogRecord::TAKEN_OVER:
+        course = {};
+        break;
       default:
         course.forward.clear();
         course.back.push_back(record.previous());
@@ -275,38 +299,38 @@ Result<v1::PhysicsFile> change_file(const fs::path& path, const WriteStep& befor
   if (!log) return log.error();
   auto kept = read_kept(path);
   if (!kept) return kept.error();
-  if (!kept->there) {
-    // An empty one first: where the log is ahead of nothing, the sidecar was deleted.
-    v1::PhysicsFile empty;
-    empty.set_version(kLayout);
-    auto text = json_of(empty, true);
-    if (!text) return text.error();
-    if (auto written = write_file_atomically(path, std::string_view(*text), before); !written)
-      return written.error();
-  }
   uint64_t newest = kept->file.revision();
   for (const PhysicsLogRecord& record : kept->log) newest = std::max(newest, record.file().revision());
-
-  if (kept->edited_by_hand || (kept->log.empty() && kept->file.revision() > 0)) {
-    // What a person wrote, or a sidecar that came without its log, becomes a revision that can be gone back
-    // to.
-    PhysicsLogRecord record;
-    record.set_action(PhysicsLogRecord::EDIT_BY_HAND);
-    record.set_previous(kept->on_disk);
-    if (kept->edited_by_hand)
-      kept->file.set_revision(++newest);
-    else
-      record.set_previous(0);
+  // What the log does not know: what a person wrote, what the asset's sidecar holds, or a sidecar that came without its
+  // log. It becomes a revision of its own, that can be gone back to.
+  std::optional<PhysicsLogRecord> found;
+  const bool unknown = kept->file.revision() > 0 && !content_of(kept->log, kept->file.revision());
+  if (kept->edited_by_hand || kept->taken_over || unknown) {
+    found.emplace();
+    found->set_action(kept->taken_over ? PhysicsLogRecord::TAKEN_OVER : PhysicsLogRecord::EDIT_BY_HAND);
+    found->set_previous(kept->edited_by_hand ? kept->on_disk : 0);
+    if (kept->edited_by_hand || kept->taken_over) kept->file.set_revision(++newest);
     kept->file.set_version(kLayout);
     seal(kept->file);
-    *record.mutable_file() = kept->file;
-    if (auto appended = log->append(record, before); !appended) return appended.error();
-    kept->log.push_back(record);
+    *found->mutable_file() = kept->file;
+    kept->log.push_back(*found);
   }
   PhysicsLogRecord record;
   record.set_previous(kept->file.revision());
   auto next = change(*kept, record);
   if (!next) return next.error();
+  if (!kept->there) {
+    // What counted until now first: where the log is ahead of nothing, the sidecar was deleted.
+    v1::PhysicsFile first = kept->file;
+    first.set_version(kLayout);
+    auto text = json_of(first, true);
+    if (!text) return text.error();
+    if (auto written = write_file_atomically(path, std::string_view(*text), before); !written)
+      return written.error();
+  }
+  if (found) {
+    if (auto appended = log->append(*found, before); !appended) return appended.error();
+  }
   if (record.action() != PhysicsLogRecord::UNDO && record.action() != PhysicsLogRecord::REDO) {
     next->set_revision(record.action() == PhysicsLogRecord::PROPOSAL ? 0 : newest + 1);
     next->set_version(kLayout);
@@ -335,6 +359,23 @@ fs::path physics_file_path(const fs::path& asset) {
     }
   }
   return path.parent_path() / (name + ".physics.json");
+}
+
+fs::path physics_file_path(const fs::path& asset, std::string_view object) {
+  constexpr char kHex[] = "0123456789ABCDEF";
+  std::string name;
+  for (const char c : object) {
+    const bool plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-' || c == '_';
+    const auto byte = static_cast<unsigned char>(c);
+    // "physics" itself would read as an asset's own sidecar.
+    if (plain && !(name.empty() && object == "physics")) {
+      name += c;
+    } else {
+      name += {'%', kHex[byte >> 4], kHex[byte & 15]};
+    }
+  }
+  const fs::path all = physics_file_path(asset);
+  return all.parent_path() / (all.stem().string() + "." + name + ".json");
 }
 
 std::vector<PhysicsLogRecord> read_physics_log(const fs::path& path) {
@@ -384,7 +425,38 @@ Result<void> log_proposal(const fs::path& path, const v1::PhysicalParameters& ph
   return kept ? Result<void>() : Result<void>(kept.error());
 }
 
-Result<v1::PhysicsFile> edit_physics(const fs::path& path, const v1::Physics& edits,
+void take_proposal(const v1::PhysicsFile& proposal, v1::PhysicsFile& file) {
+  *file.mutable_physics() = proposal.physics();
+  *file.mutable_analysis() = proposal.analysis();
+  file.mutable_analysis()->clear_review();
+  file.mutable_analysis()->add_gate("accepted by a person");
+}
+
+std::string physics_name(std::string_view name) { return shown_text(name, 80); }
+
+Result<v1::PhysicsFile> accept_proposal(const fs::path& path, const WriteStep& before) {
+  return change_file(path, before,
+                     [&](const Kept& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
+                       record.set_action(PhysicsLogRecord::ANALYSIS);
+                       const PhysicsLogRecord* proposal = nullptr;
+                       for (const PhysicsLogRecord& one : kept.log) {
+                         if (one.action() == PhysicsLogRecord::PROPOSAL) proposal = &one;
+                         if (one.action() == PhysicsLogRecord::ANALYSIS) proposal = nullptr;
+                       }
+                       if (!proposal) {
+                         return not_found(path.filename().string() + ": nothing is proposed; analyse it again");
+                       }
+                       v1::PhysicsFile next = kept.file;
+                       take_proposal(proposal->file(), next);
+                       return next;
+                     });
+}
+
+Result<v1::PhysicsFile> edit_physics(const fs::path& path, const v1::Physics& edits, const WriteStep& before) {
+  return edit_physics(path, edits, "", before);
+}
+
+Result<v1::PhysicsFile> edit_physics(const fs::path& path, const v1::Physics& edits, const std::string& name,
                                      const WriteStep& before) {
   if (auto checked = check_scene_physics(edits); !checked) return checked.error();
   return change_file(path, before,
@@ -392,6 +464,7 @@ Result<v1::PhysicsFile> edit_physics(const fs::path& path, const v1::Physics& ed
                        record.set_action(PhysicsLogRecord::EDIT);
                        v1::PhysicsFile next = kept.file;
                        merge_edits(*next.mutable_edits(), edits);
+                       if (!name.empty()) next.set_name(physics_name(name));
                        return next;
                      });
 }

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "analysis/estimate.h"
@@ -21,12 +22,16 @@ inline constexpr size_t kMaxPhysicsFileBytes = 1 << 20;
 
 // mug.ply, mug.compressed.ply and mug/meta.json have mug.physics.json.
 std::filesystem::path physics_file_path(const std::filesystem::path& asset);
+// Of one of several objects that show the same asset: mug.physics.left.json, where letters, digits, - and _ of the name
+// stand as they are and every other byte as %20. Until it is there, mug.physics.json counts in its place.
+std::filesystem::path physics_file_path(const std::filesystem::path& asset, std::string_view object);
 
-// The sidecar as it counts, an edit by hand taken into `edits`; revision 0 when there is none. Errors name
+// The sidecar as it counts, an edit by hand taken into `edits`; revision 0 when there is none of its own. Errors name
 // the file, the field and its range. Reads only.
 Result<v1::PhysicsFile> read_physics_file(const std::filesystem::path& path);
 
-// Each change is one revision and gives the file as it is now. Errors leave everything as it was.
+// Each change is one revision and gives the file as it is now. Errors leave everything as it was. The first change of an
+// object's own file takes what counted in its place along; what it took cannot be undone.
 // `before` is called before every change of the disk.
 Result<v1::PhysicsFile> apply_analysis(const std::filesystem::path& path,
                                        const v1::PhysicalParameters& physics,
@@ -34,8 +39,12 @@ Result<v1::PhysicsFile> apply_analysis(const std::filesystem::path& path,
 // Keeps what needs review in the log; the sidecar stays as it is.
 Result<void> log_proposal(const std::filesystem::path& path, const v1::PhysicalParameters& physics,
                           const v1::AnalysisRecord& record, const WriteStep& before = {});
-// Fields given replace the same fields of earlier edits; the others stay.
+// What was proposed last, if nothing was applied since; NotFound otherwise.
+Result<v1::PhysicsFile> accept_proposal(const std::filesystem::path& path, const WriteStep& before = {});
+// Fields given replace the same fields of earlier edits; the others stay. So does the name where it is empty.
 Result<v1::PhysicsFile> edit_physics(const std::filesystem::path& path, const v1::Physics& edits,
+                                     const WriteStep& before = {});
+Result<v1::PhysicsFile> edit_physics(const std::filesystem::path& path, const v1::Physics& edits, const std::string& name,
                                      const WriteStep& before = {});
 // NotFound when there is nothing (more) to undo or to redo.
 Result<v1::PhysicsFile> undo_physics(const std::filesystem::path& path, const WriteStep& before = {});
@@ -51,6 +60,11 @@ std::vector<v1::PhysicsLogRecord> read_physics_log(const std::filesystem::path& 
 Result<v1::PhysicalParameters> with_physics_file(const v1::PhysicalParameters& offline,
                                                  const v1::PhysicsFile& file, const ObjectFacts& facts,
                                                  std::string& note);
+
+// Puts what `proposal` holds in place of what was analysed before: a person has accepted it.
+void take_proposal(const v1::PhysicsFile& proposal, v1::PhysicsFile& file);
+// A name as it is kept: without control characters, at most 80 characters.
+std::string physics_name(std::string_view name);
 
 // Edits of one field each way: what was given later wins, also over the field it excludes (mass over
 // density).

@@ -5,6 +5,7 @@
 
 #include "analysis/answer.h"
 #include "analysis/answer_object.h"
+#include "analysis/knowledge.h"
 #include "analysis/name_match.h"
 
 // Steps 1 to 4 of the gate: parse, schema, order, hard ranges. The first thing that is wrong ends the
@@ -28,15 +29,6 @@ std::string number_text(double value) {
   std::snprintf(text, sizeof text, "%g", value);
   return text;
 }
-
-// Plasticity by comparison with things everybody knows; the ladder of the prompt.
-struct Level {
-  const char* name;
-  double plasticity;
-};
-constexpr Level kLevels[] = {{"none", 0},    {"steel", 0},       {"glass", 0},  {"rubber", 0.1},
-                             {"foam", 0.15}, {"leaf", 0.3},      {"cord", 0.3}, {"felt", 0.5},
-                             {"cloth", 0.5}, {"cardboard", 0.7}, {"eps", 0.7},  {"clay", 0.95}};
 
 class Reader {
  public:
@@ -214,9 +206,7 @@ class Reader {
     if (level->is_number()) {
       answer.plasticity = number(*level, "plasticity_level", kUnitRange);
     } else if (level->is_string()) {
-      for (const Level& one : kLevels) {
-        if (level->get_ref<const std::string&>() == one.name) answer.plasticity = one.plasticity;
-      }
+      if (const auto* one = find_plasticity_level(level->get_ref<const std::string&>())) answer.plasticity = one->plasticity;
     }
     if (!answer.plasticity && !failed())
       answer.changes.push_back("plasticity_level: is not of the ladder, left out");
@@ -235,7 +225,8 @@ class Reader {
   }
   void ignored_fields() {
     size_t ignored = 0;
-    for (const auto& [field, value] : object_.items()) {
+    for (const auto& item : object_.items()) {
+      const std::string& field = item.key();
       const bool known = std::any_of(std::begin(kKnownFields), std::end(kKnownFields),
                                      [&](const char* one) { return field == one; });
       if (!known && ++ignored <= 4)

@@ -15,6 +15,7 @@
 #include "analysis/explain_page.h"
 #include "analysis/physics_file.h"
 #include "cli/commands.h"
+#include "cli/decide_physics.h"
 #include "cli/parameters_table.h"
 #include "core/file.h"
 #include "core/log.h"
@@ -32,6 +33,7 @@ struct AnalyzeCommand {
   bool json = false, write = false, no_cache = false;
   int views = 1;
   EndpointChoice endpoint;
+  PhysicsDecision decision;
 };
 
 bool is_scene(const fs::path& path) {
@@ -40,17 +42,33 @@ bool is_scene(const fs::path& path) {
          (fs::is_directory(path, ignored) && !fs::exists(path / "meta.json", ignored));
 }
 
-Result<Scene> load(const AnalyzeCommand& options) {
-  SceneOptions still;
-  still.cut_fragile = false;
-  if (is_scene(options.path)) return Scene::load(options.path, still);
-  v1::Scene file;
-  v1::Object& object = *file.add_objects();
+// An asset is a scene of one object.
+Result<SceneText> scene_of(const AnalyzeCommand& options) {
+  if (is_scene(options.path)) return read_scene(options.path);
+  SceneText alone{{}, "", options.path.filename().string()};
+  v1::Object& object = *alone.file.add_objects();
   object.set_asset(fs::absolute(options.path).string());
   object.set_name(options.name);
   object.set_up(options.up);
   if (options.scale > 0) object.set_scale(options.scale);
-  return Scene::build(file, "", options.path.filename().string(), still);
+  return alone;
+}
+
+// While the rest of the scene is loaded and a model is asked.
+void tell_first(const SceneObject& object) {
+  const v1::EstimatedValue& mass = object.physics.mass_kg();
+  std::fprintf(stderr, "%s: at first %.4g g (%.4g to %.4g) of %s, %s\n", object.name.c_str(), 1e3 * mass.best(),
+               1e3 * mass.low(), 1e3 * mass.high(), object.physics.material().c_str(),
+               v1::Physics::Behavior_Name(object.physics.behavior()).c_str());
+}
+
+Result<Scene> load(const AnalyzeCommand& options, bool tell) {
+  SceneOptions still;
+  still.cut_fragile = false;
+  if (tell) still.built = tell_first;
+  if (is_scene(options.path)) return Scene::load(options.path, still);
+  const auto alone = scene_of(options);
+  return Scene::build(alone->file, alone->folder, alone->name, still);
 }
 
 Result<nlohmann::ordered_json> to_json(const v1::PhysicalParameters& parameters) {
@@ -83,13 +101,8 @@ const char* verdict_text(const AnalysisUpdate& update) {
 
 void tell_progress(const std::string& name, const AnalysisUpdate& update) {
   switch (update.stage) {
-    case AnalysisStage::Offline: {
-      const v1::EstimatedValue& mass = update.parameters.mass_kg();
-      std::fprintf(stderr, "%s: at first %.4g g (%.4g to %.4g) of %s, %s\n", name.c_str(), 1e3 * mass.best(),
-                   1e3 * mass.low(), 1e3 * mass.high(), update.parameters.material().c_str(),
-                   v1::Physics::Behavior_Name(update.parameters.behavior()).c_str());
-      break;
-    }
+    case AnalysisStage::Offline:
+      break;  // told when it was loaded
     case AnalysisStage::Asked:
       std::fprintf(stderr, "%s: asked\n", name.c_str());
       break;
@@ -129,8 +142,12 @@ Result<v1::PhysicalParameters> outcome(const SceneAnalysis::Object& object, cons
 
 // What a model found is never overwritten by an estimate.
 Result<void> keep(const SceneAnalysis::Object& object, const AnalysisUpdate& update, bool asked) {
-  if (object.physics_file.empty()) return {};
+  if (object.physics_file.empty()) {
+    std::fprintf(stderr, "%s: there is no file to keep it in; write it into the scene file\n", object.name.c_str());
+    return {};
+  }
   if (update.judgement.verdict == Verdict::NeedsReview) {
+    std::fprintf(stderr, "%s: kept as a proposal; take it with --accept \"%s\"\n", object.name.c_str(), object.name.c_str());
     return log_proposal(object.physics_file, update.judgement.proposal, update.record);
   }
   if (update.judgement.verdict != Verdict::Accepted) {
@@ -206,10 +223,15 @@ int print(const AnalyzeCommand& options, const std::vector<Analysed>& all) {
 }
 
 int run(const AnalyzeCommand& options) {
+  if (options.decision.any()) {
+    const auto scene = scene_of(options);
+    if (!scene) return report(scene.error());
+    return decide_physics(options.decision, scene->file, scene->folder, scene->name);
+  }
   auto endpoint = choose_endpoint(options.endpoint);
   if (!endpoint) return report(endpoint.error());
   set_log_level(LogLevel::Warn);
-  auto scene = load(options);
+  auto scene = load(options, *endpoint != nullptr);
   if (!scene) return report(scene.error());
   const bool explained = !options.explain.empty();
   auto analysis = SceneAnalysis::of(*scene, *endpoint != nullptr || explained);
@@ -326,6 +348,12 @@ void add_analyze(CLI::App& app, int& exit_code) {
   command->add_option("--explain", options->explain,
                       "Write one HTML page an object: views, prompt, raw answer, what the gate did, values");
   command->add_flag("--write", options->write, "Keep the values beside the assets, as NAME.physics.json");
+  CLI::Option* accept = command->add_option(
+      "--accept", options->decision.accept, "Apply what the last --write found for this OBJECT and kept for review; asks nobody");
+  CLI::Option* undo = command->add_option("--undo", options->decision.undo, "Take back the last change of this OBJECT's values");
+  CLI::Option* redo = command->add_option("--redo", options->decision.redo, "Do again what --undo took back");
+  undo->excludes(accept);
+  redo->excludes(accept)->excludes(undo);
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

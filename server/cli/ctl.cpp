@@ -303,7 +303,7 @@ void add_ctl(CLI::App& app, int& exit_code) {
   auto* begun = add(record, "start", "From the next tick on", start_recording);
   begun->add_option("FILE", options->file, "A new file on the server's machine, *.lvgrec")->required();
   begun->add_flag("--inputs-only", options->inputs_only, "Without frames: it can be simulated again, not watched");
-  begun->add_flag("--assets", options->with_assets, "With assets, so that it can be watched anywhere");
+  begun->add_flag("--assets", options->with_assets, "With assets and files, so that it can be watched and simulated again anywhere");
   add(record, "stop", "End it in order", stop_recording);
 
   auto* replayed = add(ctl, "replay", "What a recording holds; no server is needed", [](const Options& given) {
@@ -315,7 +315,7 @@ void add_ctl(CLI::App& app, int& exit_code) {
   replayed->add_flag("--verify", options->replaying.verify,
                      "Simulate it again, and tell whether every frame is equal to the bit; exit code 0 if so");
   replayed->add_option("--scene", options->replaying.folder,
-                       "The folder of the scene's assets, if it is not where it was")
+                       "The folder of the scene's files, if it holds none and they are not where they were")
       ->check(CLI::ExistingDirectory);
 
   auto* tokens = ctl->add_subcommand("tokens", "Who may do what");

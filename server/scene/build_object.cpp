@@ -177,16 +177,32 @@ Result<ElasticBodyDescription> elastic_description(const v1::Object& object, For
   return body;
 }
 
-// Where what was decided about it is kept; a shape has no file of its own.
-std::filesystem::path physics_file_of(const v1::Object& object, const std::filesystem::path& folder) {
-  switch (object.form_case()) {
-    case v1::Object::kAsset:
-      return physics_file_path(folder / object.asset());
-    case v1::Object::kPoints:
-      return physics_file_path(folder / object.points());
-    default:
-      return {};
+// Empty, or why the spacing that the scene gives its particles is taken for a slip: so few of them say next to nothing of
+// the shape, and particles of a list that are given more than the room between them weigh more than the body.
+std::string doubtful_spacing(const v1::Object& object, const ParticleSet& particles, const TriangleMesh& mesh,
+                             double longest_side_m) {
+  constexpr double kFewestAlong = 4.0, kMostOfItsVolume = 2.0;
+  if (!object.has_spacing_m()) return "";
+  char text[200] = "";
+  if (object.form_case() == v1::Object::kPoints) {
+    const double fitting_m = filling_spacing_m(particles.positions_m, mesh);
+    const double ratio = std::pow(object.spacing_m() / fitting_m, 3);
+    if (fitting_m > 0.0 && ratio > kMostOfItsVolume) {
+      std::snprintf(text, sizeof text,
+                    "spacing_m: %.4g m lets its points fill %.3g times the volume they lie in; leave it out, or give "
+                    "about %.4g",
+                    object.spacing_m(), ratio, fitting_m);
+    }
+    return text;
   }
+  const double most_m = longest_side_m / kFewestAlong;
+  if (object.spacing_m() > most_m * (1.0 + 1e-9)) {
+    std::snprintf(text, sizeof text,
+                  "spacing_m: %.4g m is more than a quarter of its longest side, so that %zu particles are all it is known "
+                  "by; leave it out, or give at most %.4g",
+                  object.spacing_m(), particles.positions_m.size(), most_m);
+  }
+  return text;
 }
 
 // What only something that deforms can have; empty when there is none of it.
@@ -201,7 +217,7 @@ std::string needs_elastic(const v1::Object& object, const Form& form) {
 
 Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem::path& folder, int index,
                                  const std::string& field, const WorldSettings& settings,
-                                 const v1::PhysicsFile* sidecar) {
+                                 const ObjectSidecar& sidecar) {
   const int64_t started_ns = now_ns();
   const auto fail = [&](const Error& error) {
     return Error{error.code, error.message.starts_with(field) ? error.message : field + ": " + error.message};
@@ -211,10 +227,10 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   auto form = form_of(object, folder, index, name, field);
   if (!form) return fail(form.error());
   ObjectFacts facts = facts_of(*form, name, object.form_case() == v1::Object::kAsset);
-  const std::filesystem::path kept_in = physics_file_of(object, folder);
+  const std::filesystem::path& kept_in = sidecar.path;
   v1::PhysicsFile kept;
-  if (sidecar && !kept_in.empty()) {
-    kept = *sidecar;
+  if (sidecar.told) {
+    kept = *sidecar.told;
   } else if (!kept_in.empty()) {
     auto file = read_physics_file(kept_in);
     if (!file) return fail(file.error());
@@ -257,6 +273,10 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
     auto described = elastic_description(object, *form, field);
     if (!described) return described.error();
     elastic = std::move(*described);
+    if (const std::string doubt = doubtful_spacing(object, elastic->particles, form->mesh, facts.mesh.size_m.maxCoeff());
+        !doubt.empty()) {
+      built.drawn.warnings.push_back(doubt);
+    }
     elastic->material = material;
     // Only where nobody said that it is elastic, and nothing needs it to be.
     if (object.physics().behavior() == v1::Physics::AUTO && kept.edits().behavior() == v1::Physics::AUTO &&

@@ -31,11 +31,17 @@ struct BuiltObject {
   double build_ms = 0;
 };
 
+// What was decided about an object.
+struct ObjectSidecar {
+  std::filesystem::path path;              // where it is kept; empty: nowhere
+  const v1::PhysicsFile* told = nullptr;   // takes the place of what stands there; null leaves that
+};
+
 // Asset, shape or points to surface, facts, parameters and body. Pure but for reading files: objects of a
 // scene are built in parallel. `index` picks a colour for what has none; `field` is what errors call the
-// object; `settings` are the world's it will live in; `sidecar` takes the place of the one on disk, null leaves that.
+// object; `settings` are the world's it will live in.
 Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem::path& folder, int index,
                                  const std::string& field, const WorldSettings& settings,
-                                 const v1::PhysicsFile* sidecar = nullptr);
+                                 const ObjectSidecar& sidecar = {});
 
 }  // namespace livegs

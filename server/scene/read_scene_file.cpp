@@ -8,6 +8,22 @@
 #include "scene/scene.h"
 
 namespace livegs {
+namespace {
+
+// A folder with one scene file means that scene.
+std::optional<std::filesystem::path> only_scene_file(const std::filesystem::path& folder) {
+  std::optional<std::filesystem::path> found;
+  std::error_code error;
+  for (auto at = std::filesystem::directory_iterator(folder, error);
+       !error && at != std::filesystem::directory_iterator(); at.increment(error)) {
+    if (!at->path().string().ends_with(".scene.json")) continue;
+    if (found) return std::nullopt;
+    found = at->path();
+  }
+  return found;
+}
+
+}  // namespace
 
 Result<v1::Scene> read_scene_file(const std::filesystem::path& path) {
   auto text = read_text_file(path, 16 << 20);
@@ -37,6 +53,19 @@ Result<v1::Scene> read_scene_file(const std::filesystem::path& path) {
   if (auto checked = check_scene(scene); !checked)
     return Error{checked.error().code, name + ": " + checked.error().message};
   return scene;
+}
+
+Result<SceneText> read_scene(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(path, ignored)) {
+    auto file = read_scene_file(path);
+    if (!file) return file.error();
+    return SceneText{std::move(*file), path.parent_path(), path.filename().string(), true};
+  }
+  if (const auto scene_file = only_scene_file(path)) return read_scene(*scene_file);
+  auto file = scene_of_folder(path);
+  if (!file) return file.error();
+  return SceneText{std::move(*file), path, std::filesystem::absolute(path).lexically_normal().filename().string()};
 }
 
 }  // namespace livegs

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 
 #include "core/log.h"
 #include "core/parallel_for.h"
@@ -16,6 +17,7 @@
 #include "scene/scene_values.h"
 #include "scene/scenery.h"
 #include "scene/shape_asset.h"
+#include "scene/sidecar_paths.h"
 #include "scene/unbreakable.h"
 
 namespace livegs {
@@ -57,19 +59,6 @@ const v1::PhysicsFile* sidecar_of(const SceneOptions& options, const v1::Object&
   return found == options.sidecars->end() ? &kNone : &found->second;
 }
 
-// A folder with one scene file means that scene.
-std::optional<std::filesystem::path> only_scene_file(const std::filesystem::path& folder) {
-  std::optional<std::filesystem::path> found;
-  std::error_code error;
-  for (auto at = std::filesystem::directory_iterator(folder, error);
-       !error && at != std::filesystem::directory_iterator(); at.increment(error)) {
-    if (!at->path().string().ends_with(".scene.json")) continue;
-    if (found) return std::nullopt;
-    found = at->path();
-  }
-  return found;
-}
-
 void log_built(const BuiltObject& built) {
   const SceneObject& drawn = built.drawn;
   const v1::PhysicalParameters& physics = drawn.physics;
@@ -104,18 +93,10 @@ Scene& Scene::operator=(Scene&&) noexcept = default;
 Scene::~Scene() = default;
 
 Result<Scene> Scene::load(const std::filesystem::path& path, const SceneOptions& options) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) {
-    if (const auto scene_file = only_scene_file(path)) return load(*scene_file, options);
-    auto file = scene_of_folder(path);
-    if (!file) return file.error();
-    return build(*file, path, std::filesystem::absolute(path).lexically_normal().filename().string(),
-                 options);
-  }
-  auto file = read_scene_file(path);
-  if (!file) return file.error();
-  auto scene = build(*file, path.parent_path(), path.filename().string(), options);
-  if (!scene) return Error{scene.error().code, path.filename().string() + ": " + scene.error().message};
+  auto text = read_scene(path);
+  if (!text) return text.error();
+  auto scene = build(text->file, text->folder, text->name, options);
+  if (!scene && text->of_file) return Error{scene.error().code, text->name + ": " + scene.error().message};
   return scene;
 }
 
@@ -136,14 +117,20 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
 
   // Each object is built by itself, so several at a time; the results are put together in the file's order.
   const auto count = static_cast<size_t>(file.objects_size());
+  const std::vector<std::filesystem::path> kept_in = sidecar_paths(file, folder, scene.name_);
   std::vector<std::optional<Result<BuiltObject>>> built(count);
+  std::mutex telling;  // guards the calls of options.built
   parallel_for(count, 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const int index = static_cast<int>(i);
       built[i] =
           build_object(file.objects(index), folder, index, "objects[" + std::to_string(i) + "]", *settings,
-                       sidecar_of(options, file.objects(index), index));
-      if (*built[i]) log_built(**built[i]);
+                       {kept_in[i], sidecar_of(options, file.objects(index), index)});
+      if (!*built[i]) continue;
+      log_built(**built[i]);
+      if (!options.built) continue;
+      std::lock_guard lock(telling);
+      options.built((*built[i])->drawn);
     }
   });
   for (size_t i = 0; i < count; ++i) {
@@ -430,7 +417,8 @@ void Scene::apply(const v1::Event& event, uint64_t event_id) {
     case v1::Event::kBreak: {
       const SceneObject* object = find(event.break_().object());
       if (auto broken = world_->break_object(object->id, vector_of(event.break_().point_m())); !broken) {
-        log_warn("%s: break at %.3f s: %s", object->name.c_str(), event.time_s(), broken.error().message.c_str());
+        log_warn("%s: break at %.3f s: %s", object->name.c_str(), event.time_s(),
+                 without_id(broken.error().message, object->id).c_str());
       }
       break;
     }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -53,7 +54,7 @@ struct SceneObject {
   RestBody rest;
   v1::PhysicalParameters physics;      // with the source of each value
   v1::Physics written;                 // the author's words in the scene file
-  std::filesystem::path physics_file;  // its sidecar, whether it exists or not; empty for what no file stands for
+  std::filesystem::path physics_file;  // its sidecar, there or not (sidecar_paths.h); empty: it has none
   std::shared_ptr<const v1::PhysicsFile> sidecar;  // as it was read when the object was built; null without one
   double mass_kg = 0;
   std::vector<Eigen::Vector3d> rest_particles_m;  // of an elastic body, object frame; empty otherwise
@@ -78,6 +79,8 @@ struct SceneOptions {
   bool cut_fragile = true;      // false: nothing breaks, for those who only look
   // By object, in place of the sidecars on disk; an object that is not in it has none. Null: those on disk.
   std::shared_ptr<const std::map<std::string, v1::PhysicsFile>> sidecars;
+  // Called for each object as it is built, before the rest is: without id and rest. On any thread, one at a time.
+  std::function<void(const SceneObject&)> built;
   bool cuts_told = false;  // pieces that load() did not wait for come by take_cuts() alone, to simulate a run again
 };
 
@@ -175,6 +178,14 @@ class Scene {
   std::map<uint32_t, Cuttable> cuttable_;
 };
 
+// What a path means, a scene file or a folder: what is to be built, what its paths are relative to, and what it is called.
+struct SceneText {
+  v1::Scene file;
+  std::filesystem::path folder;
+  std::string name;
+  bool of_file = false;
+};
+Result<SceneText> read_scene(const std::filesystem::path& path);
 // A scene file, checked as far as that goes without its assets. Comments (//, /* */) are allowed.
 Result<v1::Scene> read_scene_file(const std::filesystem::path& path);
 // A force that a person applies: numbers, at most 1e5 N, for at most 60 s. InvalidArgument names the field.

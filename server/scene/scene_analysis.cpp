@@ -136,6 +136,14 @@ TargetViews SceneAnalysis::views() const {
   };
 }
 
+std::shared_ptr<const ObjectFacts> facts_by_name(const SceneAnalysis::Object& object, const v1::PhysicsFile& file) {
+  const std::string& name = file.name().empty() ? object.name : file.name();
+  if (object.target.facts->name == name) return object.target.facts;
+  ObjectFacts facts = *object.target.facts;
+  facts.name = name;
+  return std::make_shared<const ObjectFacts>(std::move(facts));
+}
+
 Result<v1::PhysicalParameters> layered_physics(const v1::PhysicsFile& file, const v1::Physics& written,
                                                const ObjectFacts& facts, std::string& note) {
   auto kept = with_physics_file(estimate_offline(facts), file, facts, note);

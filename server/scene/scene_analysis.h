@@ -46,6 +46,9 @@ class SceneAnalysis {
 // Longest side of the pictures, in pixels.
 inline constexpr int kViewLongSide_px = 768;
 
+// What was measured of an object under the name that `file` gives it; its own where that gives none.
+std::shared_ptr<const ObjectFacts> facts_by_name(const SceneAnalysis::Object& object, const v1::PhysicsFile& file);
+
 // The layers of what is known of an object: the offline estimate, what its sidecar holds, the scene author's
 // words. `note` as of with_physics_file.
 Result<v1::PhysicalParameters> layered_physics(const v1::PhysicsFile& file, const v1::Physics& written,

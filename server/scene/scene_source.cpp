@@ -14,7 +14,7 @@ const std::map<std::string, ElasticSolver> kSolvers{{"cells", ElasticSolver::Cel
 v1::SceneSource Scene::source() const {
   v1::SceneSource source;
   source.set_name(name_);
-  source.set_folder(std::filesystem::absolute(folder_).lexically_normal().string());
+  source.set_folder(std::filesystem::absolute(folder_.empty() ? "." : folder_).lexically_normal().string());
   *source.mutable_file() = file_;
   if (options_.rate_hz) source.set_rate_hz(*options_.rate_hz);
   if (options_.substeps) source.set_substeps(*options_.substeps);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/file.h"
+#include "core/log.h"
 
 namespace livegs {
 namespace {
@@ -13,6 +14,7 @@ namespace {
 constexpr double kGripWeights = 20.0;    // times its weight, at most
 constexpr double kLeastGrip_n = 5.0;
 constexpr double kGripLever_m = 0.2;     // torque of the grip: its force at this lever
+constexpr double kFarFromObject_m = 0.1;  // as far as a live hand reaches
 constexpr size_t kMaxPathRows = 100'000;
 constexpr double kLargestPathPlace_m = 1000.0;
 
@@ -105,6 +107,12 @@ Result<void> ScriptedGrabs::begin(World& world, uint64_t grab_id, uint32_t objec
                                   const Eigen::Vector3d& rest_point_m, const GrabPath& path, double now_s) {
   const Pose hand{world.world_point(object_id, rest_point_m), path.poses.front().orientation};
   const auto met = world.nearest_of(object_id, hand.position_m);
+  if (met && met->distance_m > kFarFromObject_m) {
+    log_warn("object %u: the grab's point_m (%.3g, %.3g, %.3g) is %.3g m from it; it is in the object's own rest coordinates, "
+             "in metres, and nearest to it there is (%.3g, %.3g, %.3g)",
+             object_id, rest_point_m.x(), rest_point_m.y(), rest_point_m.z(), met->distance_m, met->rest_point_m.x(),
+             met->rest_point_m.y(), met->rest_point_m.z());
+  }
   const double mass_kg = met ? world.mass_at_kg(object_id, met->rest_point_m, met->piece) : 0.0;
   if (auto grabbed = world.grab(grab_id, object_id, hand, hand_grip(mass_kg)); !grabbed) return grabbed;
   running_.push_back({grab_id, path, now_s, std::nullopt});

@@ -335,6 +335,30 @@ TEST(AnalyzeScene, FailuresAreRememberedForTenMinutes) {
   EXPECT_EQ(endpoint.asked().size(), 4u);
 }
 
+// A program that is run again does not pay for the same refusal again.
+TEST(AnalyzeScene, FailuresOutliveTheProcess) {
+  const ScratchFolder folder;
+  int64_t now = AnswerCache::kFailure_ns;
+  const auto clock = [&] { return now; };
+  AnswerCache(folder / "answers", clock).keep_failure("key", "the answer would not do: \"\xff");
+  const auto kept = [&] { return AnswerCache(folder / "answers", clock).failure("key"); };
+  ASSERT_TRUE(kept());
+  EXPECT_TRUE(kept()->starts_with("the answer would not do"));
+  now += AnswerCache::kFailure_ns - 1;
+  EXPECT_TRUE(kept());
+  now -= AnswerCache::kFailure_ns;  // the clock was set back
+  EXPECT_FALSE(kept());
+  AnswerCache(folder / "answers", clock).keep_failure("key", "no");
+  now += AnswerCache::kFailure_ns;
+  EXPECT_FALSE(kept());
+  EXPECT_TRUE(std::filesystem::is_empty(folder / "answers"));
+  AnswerCache(folder / "answers", clock).keep_failure("key", "no");
+  AnswerCache(folder / "answers", clock).keep("key", {});
+  EXPECT_FALSE(kept());
+  folder.write("answers/key.failed.json", "[1");
+  EXPECT_FALSE(kept());
+}
+
 TEST(AnalyzeScene, ThreeViewsVote) {
   const auto targets = mugs(1);
   std::atomic<int> view = 0;

@@ -98,8 +98,9 @@ std::vector<EndpointCase> content_cases() {
 std::vector<EndpointCase> stream_cases() {
   const std::string answer = sound_answer();
   const Reply whole = streams(streamed_answer(answer));
-  Reply bytes = whole, windows = whole;
-  bytes.piece_bytes = 61;
+  Reply pieces = whole, bytes = whole, windows = whole;
+  pieces.piece_bytes = 61;
+  bytes.piece_bytes = 1;
   for (std::size_t at = 0; (at = windows.body.find('\n', at)) != std::string::npos; at += 2)
     windows.body.replace(at, 1, "\r\n");
   std::vector<std::string> parts = streamed_answer(answer);
@@ -120,7 +121,9 @@ std::vector<EndpointCase> stream_cases() {
          EXPECT_EQ(raw.prompt_tokens, 1500);
          EXPECT_EQ(raw.model, "test-model-2026");
        }},
-      {"stream_in_small_pieces", in_turn({bytes}), "", 1, streaming},
+      {"stream_in_small_pieces", in_turn({pieces}), "", 1, streaming},
+      {"stream_of_single_bytes", in_turn({bytes}), "", 1, streaming,
+       [](const Posts&, const RawAnswer& raw) { EXPECT_EQ(raw.prompt_tokens, 1500); }},
       {"stream_with_crlf", in_turn({windows}), "", 1, streaming},
       {"stream_with_an_error_in_the_middle", in_turn({streams(failing), whole}), "", 2, streaming},
       {"stream_that_breaks_off", in_turn({streams(broken, false), whole}), "", 2, streaming},

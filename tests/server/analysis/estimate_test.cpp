@@ -7,6 +7,7 @@
 
 #include "analysis/estimate.h"
 #include "analysis/knowledge.h"
+#include "analysis/object_kinds.h"
 #include "geometry/shape_mesh.h"
 
 namespace livegs {
@@ -60,9 +61,9 @@ TEST(EstimateOffline, AShapesMassIsDensityTimesVolume) {
 TEST(EstimateOffline, ACapturedThingsMassLiesBetweenItsTwoLooks) {
   // A shell of ABS, 1050 kg/m3, 5 mm of wall on six faces of 0.04 m2, and what such things weigh at this
   // size.
-  const ObjectFacts facts = facts_of_box("lego", {0.2, 0.2, 0.2});
+  const ObjectFacts facts = facts_of_box("brick model", {0.2, 0.2, 0.2});
   const auto p = estimate_offline(facts);
-  const ObjectRow& row = *find_object_row("lego");
+  const ObjectRow& row = *find_object_row("brick model");
   const double walls_kg = 1050 * 0.005 * 6 * 0.04;
   const double usual_kg =
       row.mass_kg * std::pow(0.2 * 0.2 * 0.2 / (row.size_m.best * row.middle_m * row.short_m), 2.0 / 3);
@@ -85,6 +86,58 @@ ObjectFacts facts_of_cup(const char* name) {
   facts.mesh.openness = 0.8;
   facts.scale_known = true;
   return facts;
+}
+
+// Looks break ties: without a name, what is green is more likely a plant, what is clear glass, what is brown wood.
+TEST(KindLikelihood, LooksMakeKindsOfTheirMaterialsLikelier) {
+  struct Look {
+    const char* name;
+    AppearanceFacts look;
+    const char* likelier;  // a class of materials
+    double factor;
+  };
+  const auto look = [](Eigen::Vector3f rgb, float saturation, float opacity) {
+    AppearanceFacts facts;
+    facts.mean_rgb = rgb;
+    facts.saturation = saturation;
+    facts.mean_opacity = opacity;
+    facts.hue_spread = 0.1f;
+    return facts;
+  };
+  const Look looks[] = {{"green", look({0.2f, 0.5f, 0.2f}, 0.6f, 0.9f), "plant", 3},
+                        {"clear", look({0.7f, 0.7f, 0.7f}, 0.05f, 0.2f), "glass", 3},
+                        {"brown", look({0.5f, 0.3f, 0.15f}, 0.5f, 0.9f), "wood", 2},
+                        {"garish", look({0.9f, 0.1f, 0.8f}, 0.9f, 0.9f), "plastic", 1.5},
+                        {"grey", look({0.5f, 0.5f, 0.5f}, 0.02f, 0.9f), "metal", 1.3}};
+  ObjectFacts facts = facts_of_box("", {0.2, 0.15, 0.1});
+  for (const Look& one : looks) {
+    size_t of_class = 0;
+    for (const ObjectRow& row : object_table()) {
+      facts.appearance = {};
+      const double plain = kind_likelihood(row, facts);
+      facts.appearance = one.look;
+      const double seen = kind_likelihood(row, facts);
+      if (material_row(row.material).material_class == one.likelier) {
+        EXPECT_NEAR(seen / plain, one.factor, 1e-6) << one.name << ": " << row.label;
+        ++of_class;
+      } else {
+        EXPECT_LT(seen / plain, one.factor + 1e-6) << one.name << ": " << row.label;
+      }
+    }
+    EXPECT_GT(of_class, 3u) << one.name;
+  }
+  // Enough to tell two kinds of one size and shape apart.
+  facts.appearance = looks[0].look;
+  const auto share_of = [&](const char* of) {
+    double share = 0;
+    for (const Kind& kind : object_kinds(facts).kinds) {
+      if (material_row(kind.row->material).material_class == of) share += kind.probability;
+    }
+    return share;
+  };
+  const double green = share_of("plant");
+  facts.appearance = {};
+  EXPECT_GT(green, 2 * share_of("plant"));
 }
 
 TEST(EstimateOffline, AMaterialThatIsToldDecides) {
@@ -136,7 +189,7 @@ TEST(EstimateOffline, SoftThingsAreElasticAndHardOnesRigid) {
     EXPECT_EQ(estimate_offline(facts_of_box(name, {0.3, 0.3, 0.2})).behavior(), v1::Physics::ELASTIC) << name;
   }
   for (const char* name :
-       {"mug", "guitar", "statue", "hammer", "lego house", "wine glass", "stool", "brick"}) {
+       {"mug", "guitar", "statue", "hammer", "brick model", "wine glass", "stool", "brick"}) {
     EXPECT_EQ(estimate_offline(facts_of_box(name, {0.3, 0.3, 0.2})).behavior(), v1::Physics::RIGID) << name;
   }
 }

@@ -2,7 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <regex>
+#include <set>
+#include <sstream>
 
+#include "analysis/knowledge.h"
+#include "core/file.h"
 #include "server/analysis/answer_fixtures.h"
 #include "server/analysis/judge_answer.h"
 
@@ -154,6 +160,53 @@ TEST(Gate, OddButPlainWordsAreReadAndNoted) {
     EXPECT_EQ(judgement.verdict, Verdict::Accepted) << judgement.message;
     EXPECT_TRUE(mentions(judgement.changes, word)) << word;
   }
+}
+
+// The table, the words that the schema offers and what the prompt says of them are one ladder.
+TEST(Gate, EveryWordForPlasticityIsTheTables) {
+  const auto plasticity_of = [](const json& level) {
+    json answer = pillow_answer();
+    answer["plasticity"] = nullptr;
+    answer["plasticity_level"] = level;
+    const auto read = read_answer(answer.dump());
+    EXPECT_TRUE(read) << read.error().message;
+    return read ? read->plasticity : std::nullopt;
+  };
+  const std::filesystem::path prompts = std::filesystem::path(LIVEGS_TESTS_DIR) / "../prompts";
+  const json schema = json::parse(*read_text_file(prompts / "answer.schema.json"));
+  std::set<std::string> offered, levels;
+  for (const json& word : schema["properties"]["plasticity_level"]["enum"]) {
+    if (word.is_string()) offered.insert(word);
+  }
+  for (const PlasticityLevel& level : plasticity_ladder()) {
+    if (!level.level.empty()) {
+      EXPECT_TRUE(levels.insert(level.level).second) << level.level;
+    }
+    for (const std::string& reference : level.references) EXPECT_EQ(plasticity_of(reference), level.plasticity) << reference;
+  }
+  EXPECT_EQ(offered, levels);
+
+  // "rubber 0.05 to 0.2 (rubber, foam)"
+  std::string system = *read_text_file(prompts / "system.md");
+  system = system.substr(system.find("Plasticity by comparison"));
+  const std::regex step(R"(([a-z]+) ([0-9.]*[0-9])(?: to ([0-9.]*[0-9]))?(?: \(([a-z, ]+)\))?[;.])");
+  std::set<std::string> told;
+  system = system.substr(0, system.find("For rigid things"));
+  for (std::sregex_iterator at(system.begin(), system.end(), step), end; at != end; ++at) {
+    const double low = std::stod((*at)[2]), high = (*at)[3].matched ? std::stod((*at)[3]) : low;
+    told.insert((*at)[1]);
+    std::stringstream references((*at)[4]);
+    std::vector<std::string> words = {(*at)[1]};
+    for (std::string word; std::getline(references >> std::ws, word, ',');) words.push_back(word);
+    for (const std::string& word : words) {
+      const auto plasticity = plasticity_of(word);
+      ASSERT_TRUE(plasticity) << word;
+      EXPECT_TRUE(*plasticity >= low && *plasticity <= high) << word << " " << *plasticity;
+    }
+  }
+  EXPECT_EQ(told, levels);
+  EXPECT_FALSE(plasticity_of("sponge cake"));
+  EXPECT_FALSE(plasticity_of(""));
 }
 
 TEST(Gate, KilogramsForGramsAreMendedWhereTheMaterialConfirmsIt) {

@@ -36,6 +36,25 @@ double max_ape(const Sample& sample) {
   return most;
 }
 
+double median_width(const Sample& sample) {
+  std::vector<double> values;
+  for (const MassAnswer* answer : sample) values.push_back(answer->high_kg / answer->low_kg);
+  std::sort(values.begin(), values.end());
+  const size_t n = values.size();
+  return 0.5 * (values[(n - 1) / 2] + values[n / 2]);
+}
+
+double width_needed(const Sample& sample) {
+  std::vector<double> used;  // how far into its range, in parts of it, the truth stands
+  for (const MassAnswer* a : sample) {
+    const double end_kg = a->true_kg < a->best_kg ? a->low_kg : a->high_kg;
+    used.push_back(std::abs(std::log(a->true_kg / a->best_kg)) / std::max(1e-9, std::abs(std::log(end_kg / a->best_kg))));
+  }
+  std::sort(used.begin(), used.end());
+  const auto at = static_cast<size_t>(std::ceil(0.95 * static_cast<double>(used.size()))) - 1;
+  return std::pow(median_width(sample), used[at]);
+}
+
 Figure figure(std::span<const MassAnswer> answers, const std::function<double(const Sample&)>& measure) {
   Sample sample;
   for (const MassAnswer& answer : answers) sample.push_back(&answer);
@@ -74,6 +93,8 @@ MassScores mass_scores(std::span<const MassAnswer> answers) {
   });
   scores.coverage = mean_of(
       [](const MassAnswer& a) { return a.low_kg <= a.true_kg && a.true_kg <= a.high_kg ? 1.0 : 0.0; });
+  scores.width = figure(answers, median_width);
+  scores.width_needed = figure(answers, width_needed);
   return scores;
 }
 

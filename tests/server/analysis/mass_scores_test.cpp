@@ -23,6 +23,9 @@ TEST(MassScores, AreTheFormulas) {
   EXPECT_DOUBLE_EQ(scores.within_25.value, 1.0 / 3);
   EXPECT_DOUBLE_EQ(scores.within_2x.value, 1.0);
   EXPECT_DOUBLE_EQ(scores.coverage.value, 2.0 / 3);
+  EXPECT_DOUBLE_EQ(scores.width.value, 2.0);
+  // The first one's range, a factor 4 / 3 downwards, would have to reach a factor 2.
+  EXPECT_DOUBLE_EQ(scores.width_needed.value, std::pow(2.0, std::log(2.0) / std::log(4.0 / 3)));
 }
 
 // The standard error of a mean over n values of deviation s is s / sqrt(n), and 95 % lie within 1.96 of it.

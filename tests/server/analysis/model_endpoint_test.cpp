@@ -394,6 +394,51 @@ TEST(EndpointChoice, APriceThatIsNotTwoNumbersIsSaid) {
   }
 }
 
+// The key goes to the address it belongs to: OPENAI_BASE_URL, or OpenAI's where that is not set.
+TEST(EndpointChoice, TheKeyGoesToItsOwnAddressAlone) {
+  TestModelServer server([](const SeenRequest&, int) { return says(sound_answer()); });
+  const ScratchFolder scratch;
+  ::setenv("XDG_CACHE_HOME", scratch.path().c_str(), 1);
+  ::setenv("OPENAI_API_KEY", kTestKey, 1);
+  ::setenv("OPENAI_BASE_URL", "http://127.0.0.1:1/v1", 1);
+  EndpointChoice choice;
+  choice.url = server.base_url();
+  choice.model = "m";
+  set_log_level(LogLevel::Info);
+  // Whether the key came along, and what was said.
+  const auto asked = [&] {
+    const size_t before = server.posts().size();
+    testing::internal::CaptureStderr();
+    const auto endpoint = choose_endpoint(choice);
+    const std::string log = testing::internal::GetCapturedStderr();
+    EXPECT_TRUE(endpoint && (*endpoint)->start(pot_tools())->ask(pot_question(), {}));
+    const auto posts = server.posts();
+    EXPECT_EQ(posts.size(), before + 1);
+    expect_no_key(log, "log");
+    return std::pair(posts.back().head.find(kTestKey) != std::string::npos, log);
+  };
+  const auto expect_withheld = [&](const char* belongs_to) {
+    const auto [sent, log] = asked();
+    EXPECT_FALSE(sent);
+    EXPECT_NE(log.find("OPENAI_API_KEY is not sent there, it belongs to " + std::string(belongs_to)), std::string::npos) << log;
+  };
+  expect_withheld("the address in OPENAI_BASE_URL");
+  for (const char* unset : {"", "unset"}) {
+    *unset ? ::unsetenv("OPENAI_BASE_URL") : ::setenv("OPENAI_BASE_URL", "", 1);
+    for (const char* model : {"", "m"}) {  // turned on by the environment, or not
+      ::setenv("LIVEGS_MODEL", model, 1);
+      expect_withheld("api.openai.com");
+    }
+  }
+  for (const std::string& home : {server.base_url(), server.base_url() + "/"}) {
+    ::setenv("OPENAI_BASE_URL", home.c_str(), 1);
+    const auto [sent, log] = asked();
+    EXPECT_TRUE(sent);
+    EXPECT_EQ(log.find("is not sent"), std::string::npos) << log;
+  }
+  for (const char* name : {"OPENAI_BASE_URL", "OPENAI_API_KEY", "LIVEGS_MODEL"}) ::unsetenv(name);
+}
+
 // Another prompt or a web search is another question: neither finds what was kept for the first.
 TEST(EndpointChoice, StateTellsWhatAnAnswerDependsOn) {
   const ScratchFolder scratch;

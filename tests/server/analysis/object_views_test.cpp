@@ -202,6 +202,47 @@ TEST_F(HalfHiddenBoard, WrongRequestsAreToldWhatIsWrong) {
   EXPECT_FALSE(object_views(empty, kTarget));
 }
 
+// A low block that shows a little more of itself from steep above than from the side: it is seen from where people
+// stand all the same. A lower one, of which the side shows next to nothing, is seen from above.
+TEST(ObjectViews, UprightnessCounts) {
+  const auto block = [](double height_m) {
+    const Eigen::Vector3d x(0.2, 0, 0), y(0, height_m, 0), z(0, 0, 0.2);
+    const Eigen::Vector3f rgb(0.6f, 0.5f, 0.4f);
+    std::vector<Sheet> faces;
+    faces.push_back(sheet({0, 0, 0}, x, y, rgb));
+    faces.push_back(sheet({0, 0, 0.2}, x, y, rgb));
+    faces.push_back(sheet({0, 0, 0}, z, y, rgb));
+    faces.push_back(sheet({0.2, 0, 0}, z, y, rgb));
+    faces.push_back(sheet({0, height_m, 0}, x, z, rgb));
+    return faces;
+  };
+  struct Seen {
+    double upright = 0, steep = 0;  // the largest part of the picture from either height
+    double chosen_elevation_rad = 0;
+  };
+  const auto look_at_block = [&](double height_m) {
+    const std::vector<Sheet> faces = block(height_m);
+    std::vector<DrawnObject> drawn;
+    for (const Sheet& face : faces) drawn.push_back({&face.asset, &face.kernels, kTarget});
+    std::vector<ViewCandidate> candidates;
+    const auto views = object_views(drawn, kTarget, {128, 1, 1.0}, &candidates);
+    EXPECT_TRUE(views);
+    Seen seen;
+    for (const ViewCandidate& one : candidates) {
+      double& most = one.elevation_rad > 0.6 ? seen.steep : seen.upright;
+      most = std::max(most, one.area_share);
+    }
+    seen.chosen_elevation_rad = views->front().elevation_rad;
+    return seen;
+  };
+  const Seen low = look_at_block(0.16), flat = look_at_block(0.03);
+  EXPECT_GT(low.steep, 1.02 * low.upright);
+  EXPECT_LT(low.steep, 1.17 * low.upright);  // 1 / 0.85
+  EXPECT_LT(low.chosen_elevation_rad, 0.6);
+  EXPECT_GT(flat.steep, 1.2 * flat.upright);
+  EXPECT_GT(flat.chosen_elevation_rad, 0.6);
+}
+
 TEST_F(HalfHiddenBoard, TheFactsNameWhatTheyShow) {
   const auto views = object_views(both, kTarget, {64, 1, 4.0 / 3});
   ASSERT_TRUE(views);

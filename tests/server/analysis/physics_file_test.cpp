@@ -134,6 +134,44 @@ TEST_F(PhysicsFileTest, AProposalIsKeptAndChangesNothing) {
   EXPECT_EQ(read().revision(), 0u);
 }
 
+TEST_F(PhysicsFileTest, APersonAcceptsAProposal) {
+  EXPECT_EQ(accept_proposal(path).error().code, ErrorCode::NotFound);
+  ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("seer-1")));
+  v1::AnalysisRecord record = record_of("seer-2");
+  record.set_review("ten times the estimate");
+  ASSERT_TRUE(log_proposal(path, analysed(3), record));
+  ASSERT_TRUE(log_proposal(path, analysed(30), record));
+  v1::Physics edit;
+  edit.set_friction(0.9);
+  ASSERT_TRUE(edit_physics(path, edit));
+  ASSERT_TRUE(accept_proposal(path));
+  EXPECT_EQ(mass_kg(), 30);
+  EXPECT_EQ(read().analysis().model(), "seer-2");
+  EXPECT_EQ(read().analysis().review(), "");
+  EXPECT_EQ(*read().analysis().gate().rbegin(), "accepted by a person");
+  EXPECT_EQ(read().edits().friction(), 0.9);
+  EXPECT_EQ(accept_proposal(path).error().code, ErrorCode::NotFound);  // once
+  ASSERT_TRUE(undo_physics(path));
+  EXPECT_EQ(mass_kg(), 0.31);
+  // An answer that was applied since takes its place.
+  ASSERT_TRUE(log_proposal(path, analysed(40), record));
+  ASSERT_TRUE(apply_analysis(path, analysed(0.35), record_of("seer-3")));
+  EXPECT_EQ(accept_proposal(path).error().code, ErrorCode::NotFound);
+}
+
+TEST_F(PhysicsFileTest, ANameIsARevisionToo) {
+  ASSERT_TRUE(edit_physics(path, edit_of_mass(0.25), "tin mug"));
+  EXPECT_EQ(read().name(), "tin mug");
+  ASSERT_TRUE(edit_physics(path, {}, std::string(200, 'x') + "\n"));
+  EXPECT_EQ(read().name(), std::string(80, 'x'));
+  ASSERT_TRUE(edit_physics(path, edit_of_mass(0.2)));
+  EXPECT_EQ(read().name().size(), 80u);
+  ASSERT_TRUE(undo_physics(path));
+  ASSERT_TRUE(undo_physics(path));
+  EXPECT_EQ(read().name(), "tin mug");
+  EXPECT_EQ(mass_kg(), 0.25);
+}
+
 TEST_F(PhysicsFileTest, WhatIsEditedByHandIsThatPersonsAndStays) {
   ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("seer-1")));
   edit_by_hand("/physics/mass_kg/best", 0.28);
@@ -333,6 +371,59 @@ TEST_F(PhysicsFileTest, AKillBetweenAnyTwoWritesLosesNothing) {
   }
   EXPECT_GT(killed, 40);
   EXPECT_GT(decided_steps, 15);
+}
+
+// Of several objects that show one asset each has its own; the asset's counts until there is one.
+TEST_F(PhysicsFileTest, ObjectsThatShareAnAssetHaveTheirOwn) {
+  EXPECT_EQ(physics_file_path("a/mug.ply", "left mug"), "a/mug.physics.left%20mug.json");
+  EXPECT_EQ(physics_file_path("a/mug/meta.json", "../b"), "a/mug.physics.%2E%2E%2Fb.json");
+  EXPECT_NE(physics_file_path("mug.ply", "physics"), physics_file_path("mug.physics.ply"));
+  const auto left = physics_file_path(folder / "mug.ply", "left"), right = physics_file_path(folder / "mug.ply", "right");
+  const auto mass_of = [&](const std::filesystem::path& own) {
+    path = own;
+    return mass_kg();
+  };
+  const auto all = path;
+  ASSERT_TRUE(apply_analysis(all, analysed(0.31), record_of("seer-1")));
+  ASSERT_TRUE(edit_physics(all, edit_of_mass(0.3)));
+  EXPECT_EQ(mass_of(left), 0.3);
+  EXPECT_EQ(read().revision(), 0u);  // nothing of its own
+  EXPECT_EQ(undo_physics(left).error().code, ErrorCode::NotFound);
+  EXPECT_FALSE(std::filesystem::exists(left));
+
+  ASSERT_TRUE(edit_physics(left, edit_of_mass(0.2)));
+  ASSERT_TRUE(edit_physics(right, edit_of_mass(0.4)));
+  EXPECT_EQ(mass_of(left), 0.2);
+  EXPECT_EQ(read().analysis().model(), "seer-1");
+  EXPECT_EQ(mass_of(right), 0.4);
+  EXPECT_EQ(mass_of(all), 0.3);
+  ASSERT_TRUE(undo_physics(right));
+  EXPECT_EQ(mass_of(right), 0.3);
+  EXPECT_EQ(undo_physics(right).error().code, ErrorCode::NotFound);  // what the asset has is not its to take back
+  EXPECT_EQ(mass_of(left), 0.2);
+  ASSERT_TRUE(edit_physics(all, edit_of_mass(0.9)));
+  EXPECT_EQ(mass_of(right), 0.3);  // its own by now
+  std::filesystem::remove(right);
+  EXPECT_EQ(mass_of(right), 0.9);
+}
+
+TEST_F(PhysicsFileTest, AKillWhileTheAssetsIsTakenOverLosesNothing) {
+  ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("s")));
+  path = physics_file_path(folder / "mug.ply", "left");
+  const auto edit = [&](const WriteStep& step) { return edit_physics(path, edit_of_mass(0.2), step).has_value(); };
+  bool done = false;
+  for (int step = 0; !done; ++step) {
+    std::filesystem::remove(path);
+    std::filesystem::remove(folder / "mug.physics.left.log");
+    done = survives(step, edit);
+    const double found_kg = mass_kg();
+    ASSERT_TRUE(found_kg == 0.31 || found_kg == 0.2) << found_kg << " at step " << step;
+    EXPECT_EQ(read().physics().mass_kg().best(), 0.31);
+    ASSERT_TRUE(edit_physics(path, edit_of_mass(0.123)));
+    ASSERT_TRUE(undo_physics(path));
+    ASSERT_EQ(mass_kg(), found_kg);
+    ASSERT_LT(step, 100);
+  }
 }
 
 // What was a person's or the scene's when the model was asked is kept as theirs: it goes when they take it back.

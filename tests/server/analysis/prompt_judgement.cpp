@@ -17,6 +17,8 @@ using nlohmann::ordered_json;
 
 constexpr const char* kFormat = "livegs.judgement/1";
 constexpr std::uint64_t kMaxBytes = 1 << 20;
+// The prompts that stood before any model could be asked, version 2: they, and no others, may stand without figures.
+constexpr const char* kUnjudged = "37d14fa13809a6ef7781793e385dd32c67f3d758230e2f7013ae9b2d3d57a3c0";
 constexpr const char* kHow =
     "judge it: mass_harness --judge OLD_PROMPTS prompts --record ANSWERS --keep prompts/judged.json, with a "
     "model's "
@@ -115,9 +117,7 @@ Result<void> check_judgement(const fs::path& folder) {
     return invalid_data("prompts/judged.json: says version " + version + " of prompts that say " +
                         files->version + "; " + kHow);
   }
-  // As long as no model has been asked there is nothing to compare with; from the first figures on there is.
-  const auto last_judged = json.find("last_judged_version");
-  if (model.empty() && last_judged != json.end() && *last_judged == "") return {};
+  if (model.empty() && files->sha256 == kUnjudged) return {};
   const auto figures = json.find("figures");
   if (model.empty() || figures == json.end() || !figures->is_array() || figures->empty()) {
     return invalid_data("prompts/judged.json: holds no figures of a model for version " + version + "; " +

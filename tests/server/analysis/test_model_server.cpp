@@ -3,6 +3,7 @@
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -82,6 +83,8 @@ struct TestModelServer::State {
     }
     if (!send_all(socket, head + "\r\n")) return;
     const std::string_view body = std::string_view(reply.body).substr(0, reply.cut_after);
+    const int no_delay = 1;  // a write is a packet
+    ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &no_delay, sizeof no_delay);
     const std::size_t piece = reply.piece_bytes ? reply.piece_bytes : std::max<std::size_t>(body.size(), 1);
     for (std::size_t at = 0; at < body.size(); at += piece) {
       if (at > 0 && reply.piece_delay_ms > 0 && !pause(reply.piece_delay_ms)) return;

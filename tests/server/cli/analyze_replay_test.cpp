@@ -8,6 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "analysis/physics_file.h"
 #include "core/file.h"
 #include "gaussian/asset_file.h"
 #include "geometry/shape_mesh.h"
@@ -120,6 +121,56 @@ TEST(AnalyzeReplay, GivesTheSameBytesEveryTimeAndAsksNobody) {
   EXPECT_EQ(edited.err.find("holds no answer"), std::string::npos) << edited.err;
 }
 
+// Two cups from one file: each is weighed for itself, an undo of one leaves the other, and the replay is the same to the byte.
+TEST(AnalyzeReplay, ObjectsThatShareAnAssetKeepTheirOwnAnswers) {
+  const ScratchFolder scratch;
+  ::setenv("XDG_CACHE_HOME", (scratch / "cache").c_str(), 1);
+  const auto set_up = [&](const std::string& name) {
+    scratch.write(name + "/two.scene.json", R"({ "objects": [
+      { "name": "cup one", "asset": "cup.ply", "scale": 1, "pose": { "position_m": [0, 0.05, 0] } },
+      { "name": "cup two", "asset": "cup.ply", "scale": 1, "pose": { "position_m": [0.3, 0.05, 0] } } ] })");
+    ASSERT_TRUE(write_asset(scratch / (name + "/cup.ply"), mesh_asset(sphere_mesh(0.05, 3), {0.8f, 0.7f, 0.6f}, 2000)));
+  };
+  const std::string answers = scratch / "answers";
+  {
+    TestModelServer server([](const SeenRequest& request, int index) {
+      const bool two = request.body.find(R"(\"cup two\")") != std::string::npos;
+      Json answer = Json::parse(body_of({"", "", "", made_up_answer(request, index).body})["choices"][0]["message"]
+                                    ["content"].get<std::string>());
+      const double best_g = two ? 220 : 310;
+      answer["mass_g"] = {{"low", 0.8 * best_g}, {"best", best_g}, {"high", 1.25 * best_g}};
+      return says(answer.dump());
+    });
+    set_up("live");
+    const Said live = analyze(scratch / "live",
+                              {"--endpoint", server.base_url(), "--model", "made-up", "--record-answers", answers});
+    ASSERT_EQ(live.code, 0) << live.err;
+  }
+  const auto loaded_kg = [&](const std::string& folder, const char* name) {
+    SceneOptions options;
+    options.cut_fragile = false;
+    auto scene = Scene::load(scratch / (folder + "/two.scene.json"), options);
+    EXPECT_TRUE(scene) << scene.error().message;
+    return scene->find(name)->mass_kg;
+  };
+  const double one_kg = loaded_kg("live", "cup one"), two_kg = loaded_kg("live", "cup two");
+  EXPECT_GT(one_kg, 1.1 * two_kg);
+  for (const char* name : {"first", "second"}) {
+    set_up(name);
+    const Said said = analyze(scratch / name, {"--recorded", answers});
+    ASSERT_EQ(said.code, 0) << said.err;
+    EXPECT_EQ(loaded_kg(name, "cup one"), one_kg);
+    EXPECT_EQ(loaded_kg(name, "cup two"), two_kg);
+  }
+  for (const char* name : {"cup.physics.cup%20one.json", "cup.physics.cup%20two.json"}) {
+    EXPECT_EQ(bytes_of(scratch / (std::string("first/") + name)), bytes_of(scratch / (std::string("second/") + name)));
+  }
+  EXPECT_FALSE(fs::exists(scratch / "first/cup.physics.json"));
+  ASSERT_TRUE(undo_physics(scratch / "first/cup.physics.cup%20two.json"));
+  EXPECT_EQ(loaded_kg("first", "cup one"), one_kg);
+  EXPECT_NE(loaded_kg("first", "cup two"), two_kg);
+}
+
 // The estimates are told at once, and an answer is kept as soon as it has come: the second object is never answered.
 TEST(AnalyzeReplay, WhatIsAnsweredIsKeptBeforeTheRestIs) {
   const ScratchFolder scratch;
@@ -195,6 +246,53 @@ TEST(AnalyzeReplay, OddAnswersDoNoHarmToTheScene) {
     EXPECT_LT(cup.mass_kg, 0.6) << name;
   }
   EXPECT_NE(bytes_of(scratch.path() / "units.physics.json").find("taken for another unit"), std::string::npos);
+}
+
+// What needs a person is kept until one accepts it, and an acceptance can be undone.
+TEST(AnalyzeReplay, AProposalIsAcceptedAndUndone) {
+  const ScratchFolder scratch;
+  ::setenv("XDG_CACHE_HOME", (scratch / "cache").c_str(), 1);
+  scratch.write("two.scene.json", kScene);
+  ASSERT_TRUE(write_asset(scratch / "cup.ply", mesh_asset(sphere_mesh(0.05, 3), {0.8f, 0.7f, 0.6f}, 2000)));
+  ASSERT_TRUE(write_asset(scratch / "duck.ply", mesh_asset(box_mesh({0.1, 0.08, 0.1}), {0.9f, 0.8f, 0.1f}, 2000)));
+  TestModelServer server([](const SeenRequest& request, int index) {
+    Json answer = Json::parse(body_of({"", "", "", made_up_answer(request, index).body})["choices"][0]["message"]
+                                  ["content"].get<std::string>());
+    answer["parts"][0]["material_id"] = "carbon steel";  // and far too heavy for what it is called
+    answer["fill"] = "solid";
+    answer["fragile"] = false;
+    answer["behaviour"] = "rigid";
+    answer["mass_g"] = {{"low", 3400}, {"best", 3800}, {"high", 4100}};
+    return says(answer.dump());
+  });
+  const Said said = analyze(scratch.path(), {"--endpoint", server.base_url(), "--model", "made-up"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  ASSERT_NE(said.err.find("cup: kept as a proposal; take it with --accept \"cup\""), std::string::npos) << said.err;
+  const auto decide = [&](const char* what, const char* name) {
+    Program program({LIVEGS_TOOL, "analyze", scratch / "two.scene.json", what, name});
+    const int code = program.wait();
+    return Said{code, program.out(), program.err()};
+  };
+  const auto loaded_kg = [&] {
+    SceneOptions options;
+    options.cut_fragile = false;
+    auto scene = Scene::load(scratch / "two.scene.json", options);
+    EXPECT_TRUE(scene) << scene.error().message;
+    return scene->find("cup")->mass_kg;
+  };
+  const double before_kg = loaded_kg();
+  const Said accepted = decide("--accept", "cup");
+  ASSERT_EQ(accepted.code, 0) << accepted.err;
+  EXPECT_NE(accepted.out.find("of carbon steel, RIGID, of test-model-2026"), std::string::npos) << accepted.out;
+  EXPECT_GT(loaded_kg(), 3);
+  EXPECT_EQ(decide("--accept", "cup").code, 2);  // nothing is proposed any more
+  EXPECT_EQ(decide("--undo", "cup").code, 0);
+  EXPECT_EQ(loaded_kg(), before_kg);
+  EXPECT_EQ(decide("--redo", "cup").code, 0);
+  EXPECT_GT(loaded_kg(), 3);
+  const Said unknown = decide("--accept", "hat");
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_NE(unknown.err.find("it has: cup, duck"), std::string::npos) << unknown.err;
 }
 
 // A folder in which something is missing is told by the object's name, and the estimates stand.

@@ -54,6 +54,19 @@ TEST(ElasticReport, TheObjectTheMessageAndTheLineSayTheSame) {
   EXPECT_EQ(accuracy_line(accuracy).find("E 2e+04 Pa "), 0u) << accuracy_line(accuracy);
 }
 
+// A slip of the scene's author, 500 mm for 5: one particle in place of a cube.
+TEST(ElasticReport, ASpacingThatTellsNothingOfTheShapeIsAWarning) {
+  const auto spaced = [](const char* spacing_m) {
+    const Scene scene = one_object(std::string(R"({ "name": "cube", "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } },
+        "physics": { "behavior": "ELASTIC", "density_kg_m3": 1000, "youngs_modulus_pa": 1e5 }, "spacing_m": )") + spacing_m + " }");
+    std::string all;
+    for (const std::string& warning : scene.objects()[0].all_warnings()) all += warning + "\n";
+    return all;
+  };
+  EXPECT_EQ(spaced("0.025").find("spacing_m"), std::string::npos) << spaced("0.025");
+  EXPECT_EQ(spaced("0.5").find("spacing_m: 0.5 m is more than a quarter of its longest side, so that 1 particles"), 0u) << spaced("0.5");
+}
+
 TEST(ElasticReport, AClippedStiffnessIsAWarning) {
   const Scene scene = cube("cube", 0.1, 1e9, "ELASTIC");
   const SceneObject& object = scene.objects()[0];

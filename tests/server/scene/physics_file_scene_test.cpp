@@ -84,6 +84,39 @@ TEST_F(PhysicsFileSceneTest, WhatAPersonCallsItIsItsName) {
   EXPECT_EQ(physics().material(), "carbon steel");
 }
 
+// Two sponges from one file, and a block from none.
+TEST_F(PhysicsFileSceneTest, EachObjectHasItsOwn) {
+  const auto scene_file = folder.write("two.scene.json", R"({ "objects": [
+    { "name": "left", "points": "sponge.csv" }, { "name": "right one", "points": "./sponge.csv" },
+    { "name": "block", "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } } } ] })");
+  const auto load = [&] {
+    auto scene = Scene::load(scene_file, {});
+    EXPECT_TRUE(scene) << scene.error().message;
+    return std::move(*scene);
+  };
+  const Scene first = load();
+  EXPECT_EQ(first.find("left")->physics_file, folder / "sponge.physics.left.json");
+  EXPECT_EQ(first.find("right one")->physics_file, folder / "sponge.physics.right%20one.json");
+  EXPECT_EQ(first.find("block")->physics_file, folder / "two.scene.physics.block.json");
+  double kg = 0.1;
+  for (const char* name : {"left", "right one", "block"}) {
+    v1::Physics edits;
+    edits.set_mass_kg(kg);
+    ASSERT_TRUE(edit_physics(first.find(name)->physics_file, edits));
+    kg += 0.1;
+  }
+  ASSERT_TRUE(undo_physics(first.find("right one")->physics_file));
+  const Scene again = load();
+  EXPECT_NEAR(again.find("left")->mass_kg, 0.1, 1e-12);
+  EXPECT_EQ(again.find("right one")->mass_kg, first.find("right one")->mass_kg);
+  EXPECT_NEAR(again.find("block")->mass_kg, 0.3, 1e-12);
+  // Alone, it keeps what it has; another takes the file's.
+  folder.write("two.scene.json", R"({ "objects": [ { "name": "left", "points": "sponge.csv" } ] })");
+  EXPECT_NEAR(load().find("left")->mass_kg, 0.1, 1e-12);
+  folder.write("two.scene.json", R"({ "objects": [ { "name": "middle", "points": "sponge.csv" } ] })");
+  EXPECT_EQ(load().find("middle")->physics_file, file);
+}
+
 TEST_F(PhysicsFileSceneTest, ABadFileIsOneLineThatNamesIt) {
   folder.write("sponge.physics.json", R"({ "edits": { "friction": -2 } })");
   const auto scene = load("{}");
