@@ -29,6 +29,7 @@
 #include "session/run_summary.h"
 #include "session/server_security.h"
 #include "session/session_recorder.h"
+#include "session/session_table.h"
 #include "session/simulation_loop.h"
 #include "trust/fingerprint.h"
 #include "trust/state_folder.h"
@@ -42,6 +43,7 @@ struct Options {
   std::string state_dir;
   std::optional<int> metrics_port;
   std::optional<double> client_mbit_s;
+  size_t clients = livegs::kUsualSessions;
   std::string log_format = "text";
   std::optional<double> rate_hz;
   std::optional<int> substeps;
@@ -129,6 +131,7 @@ int run(const Options& options) {
   if (!security) return report(security.error());
   auto server = LiveServer::listen(options.listen, security->get());
   if (!server) return report(server.error());
+  (*server)->admit(options.clients);
   if (options.client_mbit_s) (*server)->cap_clients(*options.client_mbit_s);
   if (!options.publish.empty()) {
     const auto published = (*server)->publish(options.publish);
@@ -256,6 +259,9 @@ int main(int argc, char** argv) {
   app.add_option("--client-mbit-s", options.client_mbit_s,
                  "What a client is sent at most, megabits a second; what matters least to it waits. No limit when left out")
       ->check(CLI::Range(0.1, 1e5));
+  app.add_option("--clients", options.clients, "How many may be there at once; who was cut off keeps a place for half a minute")
+      ->check(CLI::Range(size_t{1}, livegs::kMostSessions))
+      ->capture_default_str();
   app.add_option("--publish", options.publish,
                  "tcp://127.0.0.1:PORT: publish frames to livegs-client --subscribe and others on this machine, without "
                  "tokens; port 0 lets the system choose; none when left out");
@@ -263,7 +269,7 @@ int main(int argc, char** argv) {
                  "Record the session into this new file, *.lvgrec, from the first tick on; livegs ctl record does it later");
   app.add_flag("--record-inputs-only", options.recording.inputs_only,
                "Without frames: it can be simulated again, not watched");
-  app.add_flag("--record-assets", options.recording.assets, "With assets, so that it can be watched anywhere");
+  app.add_flag("--record-assets", options.recording.assets, "With assets and files, so that it can be watched and simulated again anywhere");
   app.add_option("--log-format", options.log_format, "text, or json: an object a line")
       ->check(CLI::IsMember({"text", "json"}))
       ->capture_default_str();

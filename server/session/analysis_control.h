@@ -24,7 +24,10 @@ class AnalysisControl {
   virtual Result<void> analyze(std::vector<std::string> objects, Progress progress,
                                std::function<void()> ended, std::stop_token stop = {}) = 0;
 
-  virtual Result<v1::PhysicsReply> set_physics(const std::string& object, const v1::Physics& physics) = 0;
+  // `name`: what a person calls it; empty: that stays.
+  virtual Result<v1::PhysicsReply> set_physics(const std::string& object, const v1::Physics& physics,
+                                               const std::string& name = "") = 0;
+  virtual Result<v1::PhysicsReply> accept_proposal(const std::string& object) = 0;
   virtual Result<v1::PhysicsReply> undo_physics(const std::string& object, bool redo) = 0;
 };
 

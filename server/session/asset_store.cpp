@@ -8,6 +8,7 @@
 
 #include "core/content_hash.h"
 #include "gaussian/asset_file.h"
+#include "gaussian/progressive_asset.h"
 
 namespace livegs {
 namespace {
@@ -29,8 +30,8 @@ std::shared_ptr<const AssetBytes> AssetStore::add(const std::shared_ptr<const Ga
     if (const auto found = by_asset_.find(asset); found != by_asset_.end()) return found->second;
   }
   auto encoded = std::make_shared<AssetBytes>();
-  encoded->bytes = encode_ply(*asset);
-  encoded->hash = content_hash(encoded->bytes);
+  encoded->hash = content_hash(encode_ply(*asset));
+  encoded->bytes = encode_progressive(*asset);
   measure(*asset, *encoded);
   std::lock_guard lock(mutex_);
   // Those of a scene that another has taken the place of are nobody's any more; their bytes stay for clients that fetch.

@@ -13,7 +13,8 @@
 
 namespace livegs {
 
-// The bytes of an asset as clients fetch them: a lossless .ply, and the hash it is named by.
+// The bytes of an asset as clients fetch them (proto/asset_format.md), and the hash it is named by: that of its lossless .ply,
+// so that a name does not hang on how it is compressed.
 struct AssetBytes {
   std::string hash;
   std::vector<std::byte> bytes;
@@ -25,7 +26,8 @@ struct AssetBytes {
 // thread.
 class AssetStore {
  public:
-  // Encodes on the calling thread the first time: about 0.2 s for 300k kernels.
+  // Encodes on the calling thread the first time, and on no other, so that a tick beside it is not held up: see
+  // asset_bench.
   std::shared_ptr<const AssetBytes> add(const std::shared_ptr<const GaussianAsset>& asset);
   bool has(const std::shared_ptr<const GaussianAsset>& asset) const;
   std::shared_ptr<const AssetBytes> find(std::string_view hash) const;  // nullptr if unknown

@@ -30,6 +30,7 @@ v1::Scope needed_scope(std::string_view path) {
       {"/livegs.v1.LiveGs/ApplyForce", v1::INTERACT},
       {"/livegs.v1.LiveGs/AnalyzeScene", v1::AUTHOR},
       {"/livegs.v1.LiveGs/SetPhysics", v1::AUTHOR},
+      {"/livegs.v1.LiveGs/AcceptProposal", v1::AUTHOR},
       {"/livegs.v1.LiveGs/UndoPhysics", v1::AUTHOR},
       {"/livegs.v1.LiveGs/ControlRun", v1::AUTHOR},
   };

@@ -62,6 +62,7 @@ class ClientSession {
   std::atomic<int64_t> heard_ns;  // of the last message, or of Join
   std::atomic<uint64_t> bytes_sent{0};
   std::atomic<double> most_bytes_s{std::numeric_limits<double>::infinity()};  // as it joined last; holds from its next stream on
+  std::atomic<int> position_bits{16};  // likewise
 
   enum class State { Joined, Streaming, Parked };
   State state() const {
@@ -75,6 +76,7 @@ class ClientSession {
     heard_ns = now_ns;
     state_ = State::Joined;
     ++stream_;
+    offered_ = false;
     window_.restart();
     return std::exchange(writer_, {}).lock();
   }
@@ -107,25 +109,37 @@ class ClientSession {
     return writer_.lock();
   }
 
+  // From now on it gets every n-th tick, which come every `tick_ns`.
+  void set_pace(int64_t tick_ns, uint64_t every) {
+    std::lock_guard lock(mutex_);
+    every_ = every;
+    window_.set_interval(tick_ns * static_cast<int64_t>(every));
+  }
   bool add_event(const v1::SessionEvent& event) {
     std::lock_guard lock(mutex_);
     return state_ == State::Parked || window_.add_event(event);
   }
   void offer(std::shared_ptr<const PublishedTick> tick) {
     std::lock_guard lock(mutex_);
-    if (state_ != State::Parked) window_.offer(std::move(tick));
+    if (state_ == State::Parked) return;
+    // The same ticks for all of the same pace, so that they share bytes; should the one be left out, the next in its place.
+    const uint64_t turn = tick->tick() / every_;
+    if (offered_ && turn == turn_) return;
+    offered_ = true;
+    turn_ = turn;
+    window_.offer(std::move(tick));
   }
   // False if this is not the session's stream any more.
-  bool acknowledge(uint64_t stream, uint64_t tick) {
+  bool acknowledge(uint64_t stream, uint64_t tick, int64_t now_ns) {
     std::lock_guard lock(mutex_);
     if (stream != stream_ || state_ != State::Streaming) return false;
-    window_.acknowledge(tick);
+    window_.acknowledge(tick, now_ns);
     return true;
   }
-  std::optional<SendWindow::Outgoing> take(uint64_t stream, bool frames = true) {
+  std::optional<SendWindow::Outgoing> take(uint64_t stream, int64_t now_ns, bool frames = true) {
     std::lock_guard lock(mutex_);
     if (stream != stream_ || state_ != State::Streaming) return std::nullopt;
-    return window_.take(frames);
+    return window_.take(now_ns, frames);
   }
   void add_send(double ms) {
     std::lock_guard lock(mutex_);
@@ -139,6 +153,11 @@ class ClientSession {
   ClientTimes times() const {
     std::lock_guard lock(mutex_);
     return times_;
+  }
+  // How many frames may be under way.
+  size_t window() const {
+    std::lock_guard lock(mutex_);
+    return window_.size();
   }
   uint64_t frames_sent() const {
     std::lock_guard lock(mutex_);
@@ -154,6 +173,8 @@ class ClientSession {
   State state_ = State::Joined;
   uint64_t stream_ = 1;
   SendWindow window_;
+  uint64_t every_ = 1, turn_ = 0;  // of the tick it was offered last
+  bool offered_ = false;           // one since this stream began
   ClientTimes times_;
   std::weak_ptr<SessionWriter> writer_;
 };

@@ -16,6 +16,8 @@ Result<v1::PhysicsFile> DecidedPhysics::change(const OnDisk& on_disk, const InMe
     if (auto kept = read_physics_file(file_)) course_ = {std::move(*kept)};
     at_ = 0;
     file_.clear();
+  } else if (at_ == 0 && course_.size() == 1) {
+    note = "there is no file to keep it in: it holds until the server ends; write it into the scene file";
   }
   return in_memory();
 }
@@ -27,21 +29,19 @@ Result<v1::PhysicsFile> DecidedPhysics::apply(const v1::PhysicalParameters& phys
                   v1::PhysicsFile next = course_[at_];
                   *next.mutable_physics() = physics;
                   *next.mutable_analysis() = record;
-                  course_.resize(++at_);
-                  course_.push_back(next);
-                  return next;
+                  proposal_.reset();
+                  return go_on(std::move(next));
                 },
                 note);
 }
 
-Result<v1::PhysicsFile> DecidedPhysics::edit(const v1::Physics& edits, std::string& note) {
-  return change([&] { return edit_physics(file_, edits); },
+Result<v1::PhysicsFile> DecidedPhysics::edit(const v1::Physics& edits, const std::string& name, std::string& note) {
+  return change([&] { return edit_physics(file_, edits, name); },
                 [&]() -> Result<v1::PhysicsFile> {
                   v1::PhysicsFile next = course_[at_];
                   merge_edits(*next.mutable_edits(), edits);
-                  course_.resize(++at_);
-                  course_.push_back(next);
-                  return next;
+                  if (!name.empty()) next.set_name(physics_name(name));
+                  return go_on(std::move(next));
                 },
                 note);
 }
@@ -60,7 +60,28 @@ Result<v1::PhysicsFile> DecidedPhysics::step(bool redo, std::string& note) {
 
 void DecidedPhysics::propose(const v1::PhysicalParameters& physics, const v1::AnalysisRecord& record) {
   std::lock_guard lock(mutex_);
-  if (!file_.empty()) (void)log_proposal(file_, physics, record);
+  if (!file_.empty() && log_proposal(file_, physics, record)) return;
+  proposal_.emplace();
+  *proposal_->mutable_physics() = physics;
+  *proposal_->mutable_analysis() = record;
+}
+
+Result<v1::PhysicsFile> DecidedPhysics::accept(std::string& note) {
+  return change([&] { return accept_proposal(file_); },
+                [&]() -> Result<v1::PhysicsFile> {
+                  if (!proposal_) return not_found("nothing is proposed; analyse it again");
+                  v1::PhysicsFile next = course_[at_];
+                  take_proposal(*proposal_, next);
+                  proposal_.reset();
+                  return go_on(std::move(next));
+                },
+                note);
+}
+
+const v1::PhysicsFile& DecidedPhysics::go_on(v1::PhysicsFile next) {
+  course_.resize(++at_);
+  course_.push_back(std::move(next));
+  return course_[at_];
 }
 
 Result<v1::PhysicsFile> DecidedPhysics::present() const {

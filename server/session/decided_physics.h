@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,12 +21,14 @@ class DecidedPhysics {
   // Each gives what holds from now on. `note` says, once, that it is not kept on disk.
   Result<v1::PhysicsFile> apply(const v1::PhysicalParameters& physics, const v1::AnalysisRecord& record,
                                 std::string& note);
-  Result<v1::PhysicsFile> edit(const v1::Physics& edits, std::string& note);
+  Result<v1::PhysicsFile> edit(const v1::Physics& edits, const std::string& name, std::string& note);
   Result<v1::PhysicsFile> step(bool redo, std::string& note);
   void propose(const v1::PhysicalParameters& physics, const v1::AnalysisRecord& record);
+  Result<v1::PhysicsFile> accept(std::string& note);  // what was proposed last; NotFound when there is nothing
   Result<v1::PhysicsFile> present() const;
 
  private:
+  const v1::PhysicsFile& go_on(v1::PhysicsFile next);  // in memory
   template <class OnDisk, class InMemory>
   Result<v1::PhysicsFile> change(const OnDisk& on_disk, const InMemory& in_memory, std::string& note);
 
@@ -33,6 +36,7 @@ class DecidedPhysics {
   std::filesystem::path file_;  // empty: in memory
   std::vector<v1::PhysicsFile> course_ = std::vector<v1::PhysicsFile>(1);
   size_t at_ = 0;
+  std::optional<v1::PhysicsFile> proposal_;  // in memory; its physics and analysis
 };
 
 }  // namespace livegs

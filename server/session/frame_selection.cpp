@@ -57,7 +57,7 @@ std::vector<uint32_t> over_budget(const DriverFrame& frame, const StreamBaseline
   };
   std::vector<Waiting> waiting;
   uint64_t integers = 0;
-  for (const ObjectLag& lag : lag_behind(frame, baseline)) {
+  for (const ObjectLag& lag : lag_behind(frame, baseline, precision_of(who.position_bits))) {
     if (holds(out, lag.object_id)) continue;
     const ObjectBall* const ball = find(balls, lag.object_id);
     const double radius_m = ball && std::isfinite(ball->radius_m) ? ball->radius_m : 0;

@@ -26,6 +26,7 @@ ObjectBall ball_around(const ObjectDrivers& drivers, double reach_m);
 struct Onlooker {
   std::optional<ViewCone> view;  // none: it sees everything
   std::vector<uint32_t> held;    // objects that its hands hold, ascending
+  int position_bits = 16;        // of elastic objects, as it asked for when it joined
 };
 
 // An object that is not seen is in one of so many ticks.

@@ -126,12 +126,14 @@ std::vector<AnalysisNeighbour> LiveAnalysis::refresh(std::vector<AnalysisTarget>
                                     [&, wanted = id](const auto& one) { return one.object_id == wanted; });
     const auto kept = known.decided->present();
     std::string ignored;
+    const auto facts = kept ? facts_by_name(object, *kept) : object.target.facts;
     if (asked == targets.end()) {
-      const auto now = kept ? layered_physics(*kept, object.written, *object.target.facts, ignored)
+      const auto now = kept ? layered_physics(*kept, object.written, *facts, ignored)
                             : Result<v1::PhysicalParameters>(kept.error());
-      others.push_back({object.target.facts, now ? *now : object.known, object.target.position_m});
+      others.push_back({facts, now ? *now : object.known, object.target.position_m});
     } else if (kept) {
-      auto told = told_physics(*kept, object.written, *object.target.facts);
+      asked->facts = facts;
+      auto told = told_physics(*kept, object.written, *facts);
       if (!told) continue;
       *told->mutable_longest_side_m() = object.target.offline.longest_side_m();
       asked->offline = std::move(*told);
@@ -172,7 +174,7 @@ void LiveAnalysis::work(Request& request, std::stop_token stop) {
         std::string ignored;
         const auto present = known.decided->present();
         const auto layered =
-            present ? layered_physics(*present, known.object->written, *known.object->target.facts, ignored)
+            present ? layered_physics(*present, known.object->written, *facts_by_name(*known.object, *present), ignored)
                     : Result<v1::PhysicalParameters>(present.error());
         *progress.mutable_parameters() = layered ? *layered : update.parameters;
         if (heard) heard = request.progress(progress);
@@ -205,7 +207,7 @@ Result<v1::PhysicsReply> LiveAnalysis::apply(const Known& known, const v1::Physi
   v1::PhysicsReply reply;
   if (!note.empty()) reply.add_warnings(note);
   std::string size_note;
-  auto layered = layered_physics(file, known.object->written, *known.object->target.facts, size_note);
+  auto layered = layered_physics(file, known.object->written, *facts_by_name(*known.object, file), size_note);
   if (!layered) return layered.error();
   if (!size_note.empty()) reply.add_warnings(size_note);
   *layered->mutable_longest_side_m() = known.object->target.offline.longest_side_m();
@@ -233,17 +235,30 @@ Result<LiveAnalysis::Known*> LiveAnalysis::find(const std::string& name) {
   return &known_.at(targets->front().object_id);
 }
 
-Result<v1::PhysicsReply> LiveAnalysis::set_physics(const std::string& object, const v1::Physics& physics) {
+Result<v1::PhysicsReply> LiveAnalysis::set_physics(const std::string& object, const v1::Physics& physics,
+                                                   const std::string& name) {
   auto known = find(object);
   if (!known) return known.error();
   if (auto checked = check_scene_physics(physics); !checked) {
     return Error{checked.error().code, "physics." + checked.error().message};
   }
   std::string note;
-  auto file = (*known)->decided->edit(physics, note);
+  auto file = (*known)->decided->edit(physics, name, note);
   if (!file) return file.error();
+  if (!name.empty() && file->has_physics()) {
+    note += (note.empty() ? "" : "; ") + std::string("its values were found under another name; analyse it again");
+  }
   const std::string unheard = unheard_edits(physics, (*known)->object->written);
   if (!unheard.empty()) note += (note.empty() ? "" : "; ") + unheard;
+  return apply(**known, *file, note);
+}
+
+Result<v1::PhysicsReply> LiveAnalysis::accept_proposal(const std::string& object) {
+  auto known = find(object);
+  if (!known) return known.error();
+  std::string note;
+  auto file = (*known)->decided->accept(note);
+  if (!file) return file.error();
   return apply(**known, *file, note);
 }
 

@@ -40,7 +40,9 @@ class LiveAnalysis final : public AnalysisControl {
 
   Result<void> analyze(std::vector<std::string> objects, Progress progress,
                        std::function<void()> ended, std::stop_token stop = {}) override;
-  Result<v1::PhysicsReply> set_physics(const std::string& object, const v1::Physics& physics) override;
+  Result<v1::PhysicsReply> set_physics(const std::string& object, const v1::Physics& physics,
+                                       const std::string& name = "") override;
+  Result<v1::PhysicsReply> accept_proposal(const std::string& object) override;
   Result<v1::PhysicsReply> undo_physics(const std::string& object, bool redo) override;
 
  private:

@@ -31,6 +31,7 @@ constexpr const char* kServiceName = "livegs.v1.LiveGs";
 // Everything a client sends is small.
 constexpr int kMaxRequestBytes = 16 << 10;
 constexpr int kMaxStreamsPerConnection = 16;
+static_assert(3 * kMostSessions < kMaxConnections, "a client has three, and some room is left for who only asks");
 // What clients that still read need on a machine that is busy to hear the reason; only one that does not takes it all.
 constexpr std::chrono::seconds kShutdownPatience{3};
 
@@ -152,6 +153,8 @@ void LiveServer::open(const Scene& scene, InputSink& inputs) {
   for (const SceneObject& object : scene.objects()) objects.push_back(&object);
   open(scene.name(), scene.world().settings().rate_hz, objects, inputs);
 }
+
+void LiveServer::admit(size_t clients) { parts_->table.set_most(clients); }
 
 void LiveServer::cap_clients(double mbit_s) { parts_->service.set_cap(mbit_s * 1e6 / 8); }
 

@@ -45,6 +45,8 @@ class LiveServer {
   void open(const std::string& scene_name, double rate_hz, std::span<const SceneObject* const> objects,
             InputSink& inputs);
   void open(const Scene& scene, InputSink& inputs);
+  // How many clients may be there, 1 to kMostSessions; kUsualSessions when it is not called. Before open().
+  void admit(size_t clients);
   // No client is sent more than this, megabits a second of messages, whatever it wishes for; before open().
   void cap_clients(double mbit_s);
   // From now on every frame is published there, too (FrameFanOut::bind()); before the first tick. The address as bound.

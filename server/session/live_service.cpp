@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 
 #include "core/clock.h"
 #include "core/log.h"
@@ -13,6 +14,7 @@
 #include "session/hand_controls.h"
 #include "session/stream_call.h"
 #include "session/version.h"
+#include "wire/driver_grid.h"
 #include "wire/frame_codec.h"
 
 namespace livegs {
@@ -22,6 +24,8 @@ constexpr size_t kMaxClientName = 64;
 constexpr double kBytesPerMbit = 1e6 / 8;
 // A client that wishes for less would wait seconds for its first frame.
 constexpr double kLeastMbit_s = 0.1;
+// Frames that come less often than this are no motion: the client's playout takes the next for a new beginning.
+constexpr double kLeastRate_hz = 5;
 
 // A client's name goes to the log: printable ASCII only.
 std::string printable(const std::string& name) {
@@ -78,6 +82,15 @@ grpc::Status LiveService::join(const grpc::CallbackServerContext& context, const
   if (wish_mbit_s != 0 && !(wish_mbit_s >= kLeastMbit_s)) {  // NaN too
     return {grpc::StatusCode::INVALID_ARGUMENT, "most_mbit_s: is not 0.1 or more; leave it out, or 0, for whatever the server gives"};
   }
+  const double wish_hz = request.rate_hz();
+  if (wish_hz != 0 && !(wish_hz >= kLeastRate_hz)) {
+    return {grpc::StatusCode::INVALID_ARGUMENT, "rate_hz: is not 5 or more; leave it out, or 0, for a frame each tick"};
+  }
+  const uint32_t position_bits = request.position_bits() == 0 ? 16 : request.position_bits();
+  if (!may_ask_for(position_bits)) {
+    return {grpc::StatusCode::INVALID_ARGUMENT,
+            "position_bits: " + std::to_string(position_bits) + " is neither 16, 18 nor 20; leave it out, or 0, for 16"};
+  }
   auto grant = grant_of(context, tokens_);
   if (!grant) return to_status(grant.error());  // it ended between the gate and here
   const v1::Scope scope = grant->scope;
@@ -86,7 +99,11 @@ grpc::Status LiveService::join(const grpc::CallbackServerContext& context, const
   auto joined = table_.join(request.resumed_session_id(), {std::move(*grant), name, peer});
   if (!joined) return to_status(joined.error());
   joined->session->most_bytes_s = wish_mbit_s == 0 ? cap_bytes_s_ : std::min(cap_bytes_s_, wish_mbit_s * kBytesPerMbit);
+  joined->session->position_bits = static_cast<int>(position_bits);
   const SessionTable::Status status = table_.status();
+  const auto every = static_cast<uint64_t>(std::max(1.0, wish_hz == 0 ? 1.0 : std::floor(status.rate_hz / wish_hz + 1e-9)));
+  joined->session->set_pace(static_cast<int64_t>(1e9 / status.rate_hz), every);
+  reply.set_stream_rate_hz(status.rate_hz / static_cast<double>(every));
   reply.set_session_id(joined->session->id);
   reply.set_rate_hz(status.rate_hz);
   reply.set_tick(status.tick);
@@ -128,8 +145,18 @@ grpc::ServerUnaryReactor* LiveService::SetPhysics(grpc::CallbackServerContext* c
                                                   v1::PhysicsReply* reply) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   AnalysisControl* analysis = analysis_;
-  reactor->Finish(answer(analysis ? analysis->set_physics(request->object(), request->physics())
+  reactor->Finish(answer(analysis ? analysis->set_physics(request->object(), request->physics(), request->name())
                                   : Result<v1::PhysicsReply>(no_analysis()),
+                         *reply));
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* LiveService::AcceptProposal(grpc::CallbackServerContext* context,
+                                                      const v1::AcceptProposalRequest* request,
+                                                      v1::PhysicsReply* reply) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  AnalysisControl* analysis = analysis_;
+  reactor->Finish(answer(analysis ? analysis->accept_proposal(request->object()) : Result<v1::PhysicsReply>(no_analysis()),
                          *reply));
   return reactor;
 }

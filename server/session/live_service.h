@@ -21,7 +21,8 @@ class LiveService final
               v1::LiveGs::WithCallbackMethod_FetchAsset<v1::LiveGs::WithCallbackMethod_AnalyzeObject<
                   v1::LiveGs::WithCallbackMethod_AnalyzeScene<v1::LiveGs::WithCallbackMethod_SetPhysics<
                       v1::LiveGs::WithCallbackMethod_UndoPhysics<v1::LiveGs::WithCallbackMethod_ControlRun<
-                          v1::LiveGs::WithCallbackMethod_ApplyForce<v1::LiveGs::Service>>>>>>>>>> {
+                          v1::LiveGs::WithCallbackMethod_AcceptProposal<
+                              v1::LiveGs::WithCallbackMethod_ApplyForce<v1::LiveGs::Service>>>>>>>>>>> {
  public:
   // `tokens`: those that the gate asks for; null in the clear.
   LiveService(SessionTable& table, const AssetStore& assets, const TokenStore* tokens)
@@ -44,6 +45,9 @@ class LiveService final
   grpc::ServerUnaryReactor* SetPhysics(grpc::CallbackServerContext* context,
                                        const v1::SetPhysicsRequest* request,
                                        v1::PhysicsReply* reply) override;
+  grpc::ServerUnaryReactor* AcceptProposal(grpc::CallbackServerContext* context,
+                                           const v1::AcceptProposalRequest* request,
+                                           v1::PhysicsReply* reply) override;
   grpc::ServerUnaryReactor* UndoPhysics(grpc::CallbackServerContext* context,
                                         const v1::UndoPhysicsRequest* request,
                                         v1::PhysicsReply* reply) override;

@@ -108,17 +108,19 @@ void collect_sessions(const SessionTable& table, std::vector<MetricFamily>& fami
                       "From the end of a tick's step to hearing that its frame was decoded: staleness and half a round "
                       "trip",
                       MetricType::Summary);
+  auto window = family("livegs_client_window_frames", "Frames that may be under way to a client", MetricType::Gauge);
   for (const auto& session : table.sessions_now()) {
     const Labels client = {{"client", session->id.substr(0, 8)}};
     const ClientTimes times = session->times();
     add(sent, static_cast<double>(session->frames_sent()), client);
     add(replaced, static_cast<double>(session->frames_replaced()), client);
     add(bytes, static_cast<double>(session->bytes_sent), client);
+    add(window, static_cast<double>(session->window()), client);
     add(send, of(times.send_ms, kMs), client);
     add(answer, of(times.round_trip_ms, kMs), client);
     add(stale, of(times.staleness_ms, kMs), client);
   }
-  for (MetricFamily* one : {&sent, &replaced, &bytes, &send, &answer, &stale}) families.push_back(std::move(*one));
+  for (MetricFamily* one : {&sent, &replaced, &bytes, &window, &send, &answer, &stale}) families.push_back(std::move(*one));
 }
 
 class Collector final : public prometheus::Collectable {

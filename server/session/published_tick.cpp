@@ -43,16 +43,17 @@ EncodingRecord::Summary EncodingRecord::summary() const {
           ms_.count(),             bytes_.sum(),            ms_.sum()};
 }
 
-EncodedFrame PublishedTick::against(const StreamBaselinePtr& written) const { return encoded(usable(written), {}); }
+EncodedFrame PublishedTick::against(const StreamBaselinePtr& written) const { return encoded(usable(written), {}, 16); }
 
 EncodedFrame PublishedTick::for_client(const StreamBaselinePtr& written, const Onlooker& who, double budget_bytes) const {
   const StreamBaselinePtr baseline = usable(written);
-  if (!baseline) return encoded(nullptr, {});
+  if (!baseline) return encoded(nullptr, {}, who.position_bits);
   std::vector<uint32_t> left_out;
   if (who.view) left_out = unseen(balls(), who, frame_.tick, tick_of(*baseline));
-  const EncodedFrame whole = encoded(baseline, left_out);
+  const EncodedFrame whole = encoded(baseline, left_out, who.position_bits);
   if (static_cast<double>(whole.bytes) <= budget_bytes) return whole;
-  return encoded(baseline, over_budget(frame_, *baseline, balls(), who, left_out, static_cast<double>(whole.bytes), budget_bytes));
+  return encoded(baseline, over_budget(frame_, *baseline, balls(), who, left_out, static_cast<double>(whole.bytes), budget_bytes),
+                 who.position_bits);
 }
 
 std::span<const ObjectBall> PublishedTick::balls() const {
@@ -66,20 +67,22 @@ std::span<const ObjectBall> PublishedTick::balls() const {
   return balls_;
 }
 
-EncodedFrame PublishedTick::encoded(const StreamBaselinePtr& baseline, const std::vector<uint32_t>& left_out) const {
+EncodedFrame PublishedTick::encoded(const StreamBaselinePtr& baseline, const std::vector<uint32_t>& left_out,
+                                    int position_bits) const {
   std::lock_guard lock(mutex_);
   for (const Made& made : made_) {
-    if (made.left_out != left_out) continue;
+    if (made.left_out != left_out || made.position_bits != position_bits) continue;
     if (made.baseline == baseline || (made.baseline && baseline && same_state(*made.baseline, *baseline))) return made.frame;
   }
   const int64_t begun_ns = now_ns();
   StreamOptions options;
+  options.precision = precision_of(position_bits);
   if (!left_out.empty())
     options.leave_out = [&](uint32_t id) { return std::binary_search(left_out.begin(), left_out.end(), id); };
   EncodedStreamFrame made = encode_stream_frame(frame_, baseline, options);
   if (record_) record_->add(made.bytes.size(), milliseconds_from_ns(now_ns() - begun_ns));
   EncodedFrame frame{std::make_shared<const FrameTail>(make_frame_tail(made.bytes)), std::move(made.next), made.bytes.size()};
-  made_.push_back({baseline, left_out, frame});
+  made_.push_back({baseline, left_out, position_bits, frame});
   return frame;
 }
 

@@ -48,7 +48,7 @@ struct EncodedFrame {
 using ObjectReaches = std::map<uint32_t, double>;
 
 // A tick, for any number of clients: encoded when the first of those that have the same is written to. One that missed a
-// frame is encoded for by itself, and two frames later has what the others have. Immutable to who looks at it; any thread.
+// frame is encoded for by itself, and three frames later has what the others have. Immutable to who looks at it; any thread.
 class PublishedTick {
  public:
   PublishedTick(DriverFrame frame, std::shared_ptr<EncodingRecord> record)
@@ -61,14 +61,14 @@ class PublishedTick {
   std::vector<SessionHands> hands;  // ascending session
   std::shared_ptr<const ObjectReaches> reaches;  // null: everything is seen by everybody
 
-  // With all that moved. `written`: the baseline of what a stream has been written so far; null for a key frame.
+  // With all that moved, at 16 bits. `written`: the baseline of what a stream has been written so far; null for a key frame.
   EncodedFrame against(const StreamBaselinePtr& written) const;
   // Without what this client does not see, nor what does not fit; proto/frame_format.md, "What a frame leaves out".
   EncodedFrame for_client(const StreamBaselinePtr& written, const Onlooker& who,
                           double budget_bytes = std::numeric_limits<double>::infinity()) const;
 
  private:
-  EncodedFrame encoded(const StreamBaselinePtr& baseline, const std::vector<uint32_t>& left_out) const;
+  EncodedFrame encoded(const StreamBaselinePtr& baseline, const std::vector<uint32_t>& left_out, int position_bits) const;
   std::span<const ObjectBall> balls() const;
   // A stream's ticks grow; should they not, it begins anew.
   StreamBaselinePtr usable(const StreamBaselinePtr& written) const {
@@ -80,6 +80,7 @@ class PublishedTick {
   struct Made {
     StreamBaselinePtr baseline;
     std::vector<uint32_t> left_out;
+    int position_bits;
     EncodedFrame frame;
   };
   mutable std::mutex mutex_;        // held while one is encoded: the others of that baseline wait for it

@@ -11,6 +11,7 @@
 #include "core/log.h"
 #include "recording/recording_writer.h"
 #include "session/describe_object.h"
+#include "session/recorded_files.h"
 #include "session/version.h"
 #include "wire/frame_codec.h"
 
@@ -63,6 +64,9 @@ class SessionRecorder::Session {
       *event.mutable_object_changed() = describe_object(object, assets_);
       if (auto done = add(tick, object, event); !done) return done;
     }
+    if (job.scene && options_.assets) {
+      if (auto held = hold_files(*job.scene, files_, *writer_); !held) return held;
+    }
     RecordingWriter::Tick written;
     written.tick = tick;
     written.actions = std::move(job.actions);
@@ -79,6 +83,7 @@ class SessionRecorder::Session {
     v1::RecordingStart start;
     start.set_livegs_version(kVersion);
     start.set_protocol_version(kProtocolVersion);
+    const v1::SceneSource source = job.begun_with;
     start.mutable_scene()->Swap(&job.begun_with);
     start.set_rate_hz(job.rate_hz);
     start.set_started_unix_s(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now()));
@@ -87,6 +92,9 @@ class SessionRecorder::Session {
     auto writer = RecordingWriter::create(path_, start);
     if (!writer) return writer.error();
     writer_.emplace(std::move(*writer));
+    if (options_.assets) {
+      if (auto held = hold_files(source, files_, *writer_); !held) return held;
+    }
     for (const auto& block : job.past) {
       for (const std::vector<std::byte>& tick : *block) {
         if (auto added = writer_->add_past(tick); !added) return added;
@@ -108,7 +116,7 @@ class SessionRecorder::Session {
   const RecordingOptions options_;
   AssetStore& assets_;
   std::optional<RecordingWriter> writer_;
-  std::set<std::string> held_;  // hashes
+  std::set<std::string> held_, files_;  // hashes of assets, and names of files, that it has
 };
 
 SessionRecorder::SessionRecorder(AssetStore& assets, size_t most_past_bytes)

@@ -27,7 +27,9 @@ inline constexpr size_t kMostPastBytes = 64u << 20;
 
 struct RecordingOptions {
   bool inputs_only = false;  // no frames: it can be simulated again, not watched
-  bool assets = false;       // with what objects are drawn with, so that it can be watched anywhere
+  // With what objects are drawn with, so that it can be watched anywhere, and with the files that the scene was built from, as
+  // they are when the recording begins, so that it can be simulated again anywhere.
+  bool assets = false;
 };
 
 // Records the session that runs into a file (proto/recording_format.md), on a thread of its own: a tick never waits for

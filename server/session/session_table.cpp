@@ -64,7 +64,7 @@ Result<SessionTable::Joined> SessionTable::join(std::string_view resumed_id, Cli
       joined.session = found->second;
       left = joined.session->rejoin(now_ns());
     } else {
-      if (sessions_.size() >= kMaxSessions) {
+      if (sessions_.size() >= most_) {
         for (const auto& [id, session] : sessions_) {
           if (session->state() == ClientSession::State::Parked &&
               (!parked_longest || session->heard_ns < parked_longest->heard_ns)) {
@@ -73,7 +73,7 @@ Result<SessionTable::Joined> SessionTable::join(std::string_view resumed_id, Cli
         }
         if (!parked_longest) {
           return Error{ErrorCode::TooLarge,
-                       std::to_string(kMaxSessions) + " clients are here already; try again later"};
+                       std::to_string(most_) + " clients are here already; try again later, or start the server with a larger --clients"};
         }
       }
       joined.session = std::make_shared<ClientSession>(random_id(), next_number_++, now_ns(), std::move(who));

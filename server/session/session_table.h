@@ -15,7 +15,8 @@
 
 namespace livegs {
 
-inline constexpr size_t kMaxSessions = 64;
+// Unless it is told another number, up to kMostSessions: a client has three connections, and kMaxConnections are let in.
+inline constexpr size_t kUsualSessions = 64, kMostSessions = 320;
 // A stream that sends nothing for so long is over: clients send a sign of life every 50 ms.
 inline constexpr int64_t kSilentAfter_ns = 2'000'000'000;
 // So long a stream that was told to end may take to write what it is writing.
@@ -36,6 +37,8 @@ class SessionTable {
 
   // Random, drawn when the table was made.
   const std::string& instance() const { return instance_; }
+  // How many sessions there may be, parked ones included, 1 to kMostSessions; before open().
+  void set_most(size_t sessions) { most_ = sessions; }
   // From now on clients may join. `inputs` outlives the table's sessions.
   void open(std::string scene, double rate_hz, std::vector<Object> objects, InputSink& inputs);
   // Ends every stream with the reason; nobody joins any more.
@@ -47,7 +50,7 @@ class SessionTable {
   };
   // `resumed_id`: of a session to go on with, if it is still there and was opened with the same token; else, and when
   // empty, a new one. Unavailable before
-  // open and after close, TooLarge when kMaxSessions are there; of those the one parked longest makes room.
+  // open and after close, TooLarge when as many as may be are there; of those the one parked longest makes room.
   Result<Joined> join(std::string_view resumed_id = {}, ClientIdentity who = {});
   std::shared_ptr<ClientSession> find(std::string_view session_id) const;
   // The session's stream of this number is over: in order, and so is the session, or it broke, and the session waits
@@ -104,6 +107,7 @@ class SessionTable {
 
   const std::string instance_;
   GrantCheck grant_check_;
+  size_t most_ = kUsualSessions;
   mutable std::mutex mutex_;  // guards everything below
   bool open_ = false;
   std::string closed_reason_ = "the scene is still being built";

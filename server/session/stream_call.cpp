@@ -128,12 +128,13 @@ std::optional<grpc::Status> StreamCall::take_message() {
     session_ = session;
     stream_ = stream;
     budget_.set_cap(session->most_bytes_s);
+    position_bits_ = session->position_bits;
   }
   auto samples = check_inputs(message);
   if (!samples) return to_status(samples.error());
   const auto view = check_view(message);
   if (!view) return to_status(view.error());
-  if (!session->acknowledge(stream, message.acknowledged_tick())) {
+  if (!session->acknowledge(stream, message.acknowledged_tick(), heard_ns)) {
     return grpc::Status(grpc::StatusCode::ABORTED, "the session goes on in another stream");
   }
   session->heard_ns = heard_ns;
@@ -161,7 +162,8 @@ void StreamCall::wake() {
 
 void StreamCall::write_next(const std::lock_guard<std::mutex>& lock) {
   if (writing_ || finish_status_ || !session_) return;
-  if (const auto outgoing = session_->take(stream_, budget_.available_bytes(now_ns()) > 0)) {
+  const int64_t now = now_ns();
+  if (const auto outgoing = session_->take(stream_, now, budget_.available_bytes(now) > 0)) {
     write(*outgoing, lock);
   } else if (finish_when_flushed_) {
     finish_status_ = finish_when_flushed_;
@@ -180,7 +182,7 @@ void StreamCall::write(const SendWindow::Outgoing& outgoing, const std::lock_gua
   std::vector<grpc::Slice> slices(1);
   if (outgoing.tick) {
     header.set_encode_begun_ns(now_ns());
-    const Onlooker who{view_, held_by(hands_of(*outgoing.tick, session_->number))};
+    const Onlooker who{view_, held_by(hands_of(*outgoing.tick, session_->number)), position_bits_};
     const EncodedFrame frame = outgoing.tick->for_client(baseline_, who, budget_.available_bytes(now_ns()));
     baseline_ = frame.next;
     slices.push_back(frame.tail->slice);  // counted, not copied

@@ -74,6 +74,7 @@ class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
   std::deque<Written> unanswered_;          // frames, at most a window of them
   RateLimit messages_{kMaxMessagesPerSecond, 2 * kMaxMessagesPerSecond};
   SendBudget budget_;
+  int position_bits_ = 16;                  // as the session asked for
   std::optional<ViewCone> view_;            // what the client said last
   StreamBaselinePtr baseline_;              // of what was written; null: the next frame is a key frame
   grpc::ByteBuffer outgoing_;               // of the write that is under way: it outlives OnWriteDone

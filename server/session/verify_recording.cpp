@@ -3,9 +3,10 @@
 
 #include <map>
 
+#include "core/content_hash.h"
+#include "gaussian/asset_file.h"
 #include "recording/driver_hash.h"
-#include "session/asset_store.h"
-#include "session/describe_object.h"
+#include "session/recorded_files.h"
 #include "session/scene_run.h"
 #include "wire/frame_stream.h"
 
@@ -25,6 +26,11 @@ class Verifier {
       return invalid_argument(recording_.path().string() +
                               ": has not all that was done since its scene was built, so that it cannot be simulated "
                               "again; record from the first tick on, with livegs-server --record");
+    }
+    if (folder_.empty()) {
+      auto unpacked = UnpackedFiles::unpack(recording_);
+      if (!unpacked) return unpacked.error();
+      if (!unpacked->empty()) files_.emplace(std::move(*unpacked));
     }
     auto scene = built(recording_.start().scene());
     if (!scene) return scene.error();
@@ -47,6 +53,7 @@ class Verifier {
 
  private:
   Result<Scene> built(const v1::SceneSource& source) const {
+    if (files_) return Scene::build_again(files_->placed(source), files_->folder());
     return Scene::build_again(source, folder_.empty() ? std::filesystem::path(source.folder()) : folder_);
   }
 
@@ -65,6 +72,12 @@ class Verifier {
     added_[object.object_id()] = object.asset_hash();
   }
 
+  const std::string& asset_name(const std::shared_ptr<const GaussianAsset>& asset) {
+    std::string& name = asset_names_[asset];
+    if (name.empty()) name = content_hash(encode_ply(*asset));
+    return name;
+  }
+
   // What came in a tick, or was there, is drawn with the asset that it was drawn with.
   void compare_assets(const std::vector<SceneObject>& objects, uint64_t tick) {
     for (const SceneObject& object : objects) {
@@ -72,7 +85,7 @@ class Verifier {
       if (recorded == added_.end()) {
         names_[object.id] = object.name;
         differ(tick, object.id, "was not there");
-      } else if (assets_.add(object.asset)->hash != recorded->second) {
+      } else if (asset_name(object.asset) != recorded->second) {
         differ(tick, object.id, "has another asset");
       }
     }
@@ -134,7 +147,8 @@ class Verifier {
 
   RecordingReader& recording_;
   const std::filesystem::path folder_;
-  AssetStore assets_;
+  std::optional<UnpackedFiles> files_;  // that the recording holds
+  std::map<std::shared_ptr<const GaussianAsset>, std::string> asset_names_;
   std::optional<SceneRun> run_;
   bool begun_ = false;
   Hashes hashes_;  // as recorded

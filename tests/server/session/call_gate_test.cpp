@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "livegs/v1/admin.grpc.pb.h"
+#include "livegs/v1/spectate.grpc.pb.h"
 #include "scratch_folder.h"
 #include "server/session/live_server_fixture.h"
 #include "session/server_security.h"
@@ -81,7 +82,7 @@ class Gate : public ::testing::Test {
 
 std::vector<std::string> all_paths() {
   std::vector<std::string> paths;
-  for (const char* name : {"livegs.v1.LiveGs", "livegs.v1.Admin"}) {
+  for (const char* name : {"livegs.v1.LiveGs", "livegs.v1.Spectators", "livegs.v1.Admin"}) {
     const auto* service = google::protobuf::DescriptorPool::generated_pool()->FindServiceByName(name);
     EXPECT_NE(service, nullptr) << name;
     for (int i = 0; service != nullptr && i < service->method_count(); ++i)
@@ -95,9 +96,10 @@ std::vector<std::string> all_paths() {
 
 // What a scope is for, said once more and otherwise than in call_gate.cpp.
 v1::Scope expected_scope(const std::string& path) {
+  if (path == "/livegs.v1.Spectators/DescribeScene") return v1::VIEW;
   if (!path.starts_with("/livegs.v1.LiveGs/")) return v1::ADMIN;
   const std::string method = path.substr(path.rfind('/') + 1);
-  if (method == "SetPhysics" || method == "UndoPhysics" || method == "AnalyzeScene" || method == "ControlRun")
+  if (method == "SetPhysics" || method == "UndoPhysics" || method == "AcceptProposal" || method == "AnalyzeScene" || method == "ControlRun")
     return v1::AUTHOR;
   return method == "ApplyForce" ? v1::INTERACT : v1::VIEW;
 }

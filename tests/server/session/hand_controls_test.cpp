@@ -26,14 +26,28 @@ struct Hands {
   // One tick with the right hand, or both, at a place.
   void tick(const Vector3d& right_m, float squeeze, const Vector3d* left_m = nullptr) {
     InputSample sample;
-    sample.sequence = ++sequence;
-    sample.sampled_ns = std::llround(1e9 * static_cast<double>(sequence) / rate_hz());
     for (size_t i = 0; i < 2; ++i) {
       if (i == 0 && !left_m) continue;
       sample.hands[i].active = true;
       sample.hands[i].grip.position_m = i == 0 ? *left_m : right_m;
       sample.hands[i].squeeze = squeeze;
     }
+    apply(sample);
+  }
+
+  // One tick with the right hand's ray straight down.
+  void point_down(const Vector3d& from_m, float trigger) {
+    InputSample sample;
+    sample.hands[1].active = true;
+    sample.hands[1].aim = {from_m, Eigen::Quaterniond(Eigen::AngleAxisd(-M_PI / 2, Vector3d::UnitX()))};
+    sample.hands[1].trigger = trigger;
+    apply(sample);
+  }
+
+ private:
+  void apply(InputSample sample) {
+    sample.sequence = ++sequence;
+    sample.sampled_ns = std::llround(1e9 * static_cast<double>(sequence) / rate_hz());
     controls.apply(scene, 1, sample, static_cast<double>(sequence) / rate_hz());
     scene.step();
   }
@@ -124,6 +138,47 @@ TEST(HandControls, JumpingHandsPullNoHarderThanTheGripIs) {
   EXPECT_LT((hands.middle("box")).norm(), 0.5 * 206.0 * std::pow(51.0 / 90.0, 2) + 1.0);
   hands.controls.release(hands.scene, 1);
   EXPECT_FALSE(hands.held().holding);
+}
+
+// A hand or a ray on a thing that comes apart goes on with the sherd it is at, and bears its weight alone; so does one that
+// takes a sherd of what lies there broken.
+TEST(HandControls, OfABrokenThingOneSherdIsHeld) {
+  for (const bool whole : {true, false}) {
+    for (const bool ray : {false, true}) {
+      SCOPED_TRACE(std::string(whole ? "taken whole" : "taken from the heap") + (ray ? " by a ray" : " by a hand"));
+      Hands hands{breaking_scene()};  // falls apart after 90 ticks
+      Vector3d hand = hands.middle("box") + Vector3d(0.03, ray ? 0.6 : 0.1, 0.03);
+      const auto run = [&](double up_m, int ticks, float closed) {
+        for (int i = 0; i < ticks; ++i) {
+          hand.y() += up_m / ticks;
+          ray ? hands.point_down(hand, closed) : hands.tick(hand, closed);
+        }
+      };
+      if (!whole) run(0.0, 200, 0.0f);
+      run(0.0, 1, 1.0f);
+      ASSERT_TRUE(hands.held().holding);
+      run(0.4, 60, 1.0f);
+      run(0.0, 200, 1.0f);
+      double mean_n = 0.0, held_kg = 0.0;
+      for (int i = 0; i < 90; ++i) {
+        run(0.0, 1, 1.0f);
+        mean_n += hands.held().force_n.y() / 90.0;
+      }
+      int pieces = 0, up = 0;
+      for (const BodyState& body : hands.scene.world().bodies()) {
+        ++pieces;
+        if (body.world_from_body.position_m.y() < 0.3) continue;
+        ++up;
+        held_kg = body.mass_kg;
+      }
+      EXPECT_GT(pieces, 4);
+      EXPECT_EQ(up, 1);
+      EXPECT_LT(held_kg, 0.6);
+      EXPECT_NEAR(mean_n, 9.81 * held_kg, 0.02 * 9.81 * held_kg);
+      run(0.0, 1, 0.0f);
+      EXPECT_FALSE(hands.held().holding);
+    }
+  }
 }
 
 // Nobody takes anything from anybody: each hand pulls with a spring of its own, so what two people hold goes to the middle,

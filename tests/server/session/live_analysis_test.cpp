@@ -130,16 +130,19 @@ TEST_F(LiveAnalysisTest, WhatIsAcceptedLandsAtATickAsOneChange) {
   // Between the model's 450 g and the estimate.
   EXPECT_GE(block->mass_kg, std::min(0.45, offline_kg["wood block"]) - 1e-9);
   EXPECT_LE(block->mass_kg, std::max(0.45, offline_kg["wood block"]) + 1e-9);
-  // And stays beside its asset: the next start asks nothing.
-  const auto kept = read_physics_file(folder / "sponge.physics.json");
-  ASSERT_TRUE(kept);
-  EXPECT_EQ(kept->analysis().model(), "fake-1");
+  // And stays beside its asset or the scene: the next start asks nothing.
+  for (const char* name : {"sponge.physics.json", "open.scene.physics.wood%20block.json"}) {
+    const auto kept = read_physics_file(folder / name);
+    ASSERT_TRUE(kept);
+    EXPECT_EQ(kept->analysis().model(), "fake-1") << name;
+  }
   EXPECT_TRUE(by_model(*open_scene(folder).find("sponge")));
+  EXPECT_TRUE(by_model(*open_scene(folder).find("wood block")));
 }
 
 TEST_F(LiveAnalysisTest, AnEditIsLockedAndCanBeUndoneAndRedone) {
   start(weigh);
-  for (const char* name : {"wood block", "sponge"}) {  // in memory, in a file
+  for (const char* name : {"wood block", "sponge"}) {
     v1::Physics edit;
     edit.set_mass_kg(0.7);
     const auto edited = analysis->set_physics(name, edit);
@@ -180,6 +183,26 @@ TEST_F(LiveAnalysisTest, AnEditIsLockedAndCanBeUndoneAndRedone) {
   }
 }
 
+// A shape of a scene that has no file.
+TEST(DecidedPhysics, WhatHasNoFileIsToldOnceToHoldUntilTheEnd) {
+  DecidedPhysics decided("");
+  std::string note;
+  v1::Physics edit;
+  edit.set_mass_kg(0.7);
+  ASSERT_TRUE(decided.edit(edit, "", note));
+  EXPECT_EQ(note, "there is no file to keep it in: it holds until the server ends; write it into the scene file");
+  note.clear();
+  edit.set_mass_kg(0.8);
+  ASSERT_TRUE(decided.edit(edit, "", note));
+  EXPECT_EQ(note, "");
+  ASSERT_TRUE(decided.step(false, note));
+  EXPECT_EQ(decided.present()->edits().mass_kg(), 0.7);
+  ASSERT_TRUE(decided.step(false, note));
+  EXPECT_FALSE(decided.step(false, note));
+  ASSERT_TRUE(decided.step(true, note));
+  EXPECT_EQ(decided.present()->edits().mass_kg(), 0.7);
+}
+
 // What a person said since the scene was loaded is what the next answer is asked for and weighed against with.
 TEST_F(LiveAnalysisTest, AnEditCountsInTheNextAnalysis) {
   std::mutex mutex;
@@ -211,8 +234,16 @@ TEST_F(LiveAnalysisTest, AnEditCountsInTheNextAnalysis) {
     EXPECT_TRUE(changed.wait_for(lock, kPatience, [&] { return ended; }));
     return last;
   };
+  EXPECT_FALSE(analysis->accept_proposal("wood block"));
   EXPECT_EQ(analyzed().verdict(), v1::AnalysisProgress::NEEDS_REVIEW);  // ten times the estimate
   EXPECT_EQ(told, "");
+  // A person may take it all the same, and back.
+  const auto accepted = analysis->accept_proposal("wood block");
+  ASSERT_TRUE(accepted) << accepted.error().message;
+  EXPECT_EQ(accepted->parameters().mass_kg().source(), EstimatedValue::MODEL);
+  EXPECT_GT(accepted->parameters().mass_kg().best(), 2);  // of the answer, 5 kg, and the estimate, a tenth of it, as the gate fuses them
+  ASSERT_TRUE(changes_to("wood block", [](const SceneObject& one) { return one.mass_kg > 2; }));
+  ASSERT_TRUE(analysis->undo_physics("wood block", false));
   v1::Physics edit;
   edit.set_mass_kg(5);
   ASSERT_TRUE(analysis->set_physics("wood block", edit));
@@ -221,6 +252,19 @@ TEST_F(LiveAnalysisTest, AnEditCountsInTheNextAnalysis) {
   EXPECT_EQ(last.parameters().mass_kg().source(), EstimatedValue::PERSON);
   EXPECT_EQ(last.parameters().friction().source(), EstimatedValue::MODEL);
   EXPECT_EQ(told, "mass_kg 5");
+}
+
+// What a person calls it counts as its name from then on, also in the next question.
+TEST_F(LiveAnalysisTest, ANameChangesWhatItIsTakenFor) {
+  start(nullptr);
+  const auto renamed = analysis->set_physics("sponge", {}, "steel bolt");
+  ASSERT_TRUE(renamed) << renamed.error().message;
+  EXPECT_EQ(renamed->parameters().material(), "carbon steel");
+  ASSERT_TRUE(changes_to("sponge", [](const SceneObject& one) { return one.physics.material() == "carbon steel"; }));
+  EXPECT_EQ(read_physics_file(folder / "sponge.physics.json")->name(), "steel bolt");
+  const auto undone = analysis->undo_physics("sponge", false);
+  ASSERT_TRUE(undone);
+  EXPECT_NE(undone->parameters().material(), "carbon steel");
 }
 
 TEST_F(LiveAnalysisTest, BadEditsNameTheField) {
@@ -331,6 +375,13 @@ TEST_F(LiveAnalysisTest, ClientsFollowAnalysesAndEdit) {
   EXPECT_TRUE(set("wood block", 0.6, reply).ok());
   EXPECT_EQ(reply.parameters().mass_kg().best(), 0.6);
   EXPECT_EQ(set("wood block", -1, reply).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  {
+    grpc::ClientContext context;
+    set_patience(context);
+    v1::AcceptProposalRequest accept;
+    accept.set_object("wood block");
+    EXPECT_EQ(client.stub().AcceptProposal(&context, accept, &reply).error_code(), grpc::StatusCode::NOT_FOUND);
+  }
   grpc::ClientContext context;
   set_patience(context);
   v1::UndoPhysicsRequest undo;

@@ -38,6 +38,7 @@ class RawClient {
     request.set_protocol_version(protocol_version);
     request.set_client_name("a test");
     request.set_resumed_session_id(resumed_session_id);
+    request.set_position_bits(position_bits);
     return stub_->Join(&context, request, &joined);
   }
   // May be called again once finish() has returned.
@@ -80,6 +81,7 @@ class RawClient {
   }
   void cancel() { context_->TryCancel(); }
 
+  uint32_t position_bits = 0;  // to ask for
   v1::JoinReply joined;
 
  private:

@@ -6,10 +6,14 @@
 
 #include <csignal>
 
+#include "common/gaussian/synthetic_asset.h"
+#include "core/file.h"
+#include "gaussian/asset_file.h"
 #include "recording/recording_reader.h"
 #include "scratch_folder.h"
 #include "server/session/box_scene.h"
 #include "server/session/tick_log.h"
+#include "session/recorded_files.h"
 #include "session/scene_run.h"
 #include "session/simulation_loop.h"
 #include "session/verify_recording.h"
@@ -115,6 +119,105 @@ TEST(SessionRecorder, InputsAloneGiveTheSameRun) {
   play(recorded);
   recorded.stop();
   expect_equal(folder / "a.lvgrec", 360);
+}
+
+// A bug report is one file: what the scene was built from, in the folder beside it and elsewhere, is in the recording. What was
+// there is gone when it is simulated again.
+TEST(SessionRecorder, AFileWithAssetsNeedsNoOther) {
+  const ScratchFolder folder;
+  GaussianAsset ball = synthetic_asset(3000, 0, 5);
+  for (size_t i = 0; i < ball.size(); ++i) {
+    ball.positions[i] = ball.rotations[i].vec();  // within a ball
+    ball.log_scales[i].setConstant(-3);
+    ball.opacity_logits[i] = 4;
+  }
+  std::filesystem::create_directories(folder / "captures/day one");
+  std::filesystem::create_directories(folder / "scene/paths");
+  ASSERT_TRUE(write_asset(folder / "captures/day one/ball.ply", ball));
+  ASSERT_TRUE(write_asset(folder / "captures/ball.spz", ball));
+  folder.write("scene/paths/up.csv", "time_s,x,y,z\n0,-0.4,0.2,0\n1,-0.4,0.6,0.2\n");
+  v1::Scene file;
+  file.mutable_environment()->add_colliders()->mutable_plane();
+  const std::pair<const char*, std::string> placed[] = {
+      {"left", "../captures/day one/ball.ply"}, {"right", folder / "captures/ball.spz"}, {"far", "../captures/day one/ball.ply"}};
+  for (int i = 0; i < 3; ++i) {
+    v1::Object& object = *file.add_objects();
+    object.set_name(placed[i].first);
+    object.set_asset(placed[i].second);
+    object.set_scale(0.1);
+    for (const double value : {-0.4 + 0.5 * i, 0.3, 0.0}) object.mutable_pose()->add_position_m(value);
+    object.mutable_physics()->set_behavior(i == 1 ? v1::Physics::ELASTIC : v1::Physics::RIGID);
+  }
+  v1::Event& grabbed = *file.add_events();
+  grabbed.set_time_s(0.1);
+  grabbed.mutable_grab()->set_object("left");
+  for (int i = 0; i < 3; ++i) grabbed.mutable_grab()->add_point_m(0);
+  grabbed.mutable_grab()->set_path("paths/up.csv");
+  auto scene = Scene::build(file, folder / "scene", "balls", {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  {
+    RecordedRun recorded(std::move(*scene));
+    recorded.start(folder / "with.lvgrec", {false, true});
+    for (int tick = 0; tick < 60; ++tick) recorded.advance();
+    recorded.stop();
+    recorded.start(folder / "without.lvgrec");
+    for (int tick = 0; tick < 5; ++tick) recorded.advance();
+    recorded.stop();
+  }
+  std::filesystem::remove_all(folder / "captures");
+  std::filesystem::remove_all(folder / "scene");
+  expect_equal(folder / "with.lvgrec", 60);
+  auto without = RecordingReader::open(folder / "without.lvgrec");
+  ASSERT_TRUE(without);
+  const auto refused = verify_recording(*without, "");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::NotFound) << refused.error().message;
+
+  // What a scene calls a file leads nowhere but into the folder that goes with it.
+  auto with = RecordingReader::open(folder / "with.lvgrec");
+  ASSERT_TRUE(with);
+  std::filesystem::path unpacked_at;
+  {
+    const auto unpacked = UnpackedFiles::unpack(*with);
+    ASSERT_TRUE(unpacked) << unpacked.error().message;
+    unpacked_at = unpacked->folder();
+    const v1::SceneSource scene_there = unpacked->placed(with->start().scene());
+    for (const v1::Object& object : scene_there.file().objects()) {
+      EXPECT_EQ(object.asset().find(".."), std::string::npos) << object.asset();
+      EXPECT_TRUE(std::filesystem::path(object.asset()).is_relative()) << object.asset();
+      EXPECT_TRUE(std::filesystem::exists(unpacked_at / object.asset())) << object.asset();
+    }
+  }
+  EXPECT_FALSE(std::filesystem::exists(unpacked_at));
+}
+
+// An asset that is a folder, and one that is gone when the recording begins.
+TEST(RecordedFiles, AreAllThatAFolderHas) {
+  const ScratchFolder folder;
+  folder.write("thing/meta.json", "{}");
+  folder.write("thing/a.webp", "a");
+  folder.write("thing/notes.txt", "not of it");
+  v1::SceneSource source;
+  source.set_folder(folder.path());
+  source.mutable_file()->add_objects()->set_asset("thing/");
+  source.mutable_file()->add_objects()->set_asset("gone.ply");
+  source.mutable_file()->add_objects()->set_points("thing/meta.json");
+  std::set<std::string> held;
+  v1::RecordingStart start;
+  start.set_rate_hz(90);
+  auto writer = RecordingWriter::create(folder / "a.lvgrec", start);
+  ASSERT_TRUE(writer);
+  ASSERT_TRUE(hold_files(source, held, *writer));
+  ASSERT_TRUE(writer->finish());
+  EXPECT_EQ(held, (std::set<std::string>{"thing/a.webp", "thing/meta.json", "gone.ply"}));
+  auto reader = RecordingReader::open(folder / "a.lvgrec");
+  ASSERT_TRUE(reader) << reader.error().message;
+  const auto unpacked = UnpackedFiles::unpack(*reader);
+  ASSERT_TRUE(unpacked) << unpacked.error().message;
+  const v1::SceneSource placed = unpacked->placed(source);
+  EXPECT_EQ(std::filesystem::path(placed.file().objects(0).asset()).filename(), "thing");
+  EXPECT_EQ(*read_text_file(unpacked->folder() / placed.file().objects(0).asset() / "a.webp"), "a");
+  EXPECT_EQ(placed.file().objects(1).asset(), "gone.ply");
 }
 
 TEST(SessionRecorder, BreaksAreEqualToTheBit) {

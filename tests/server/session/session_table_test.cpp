@@ -71,7 +71,7 @@ TEST_F(SessionTableTest, OneThatLoadsAssetsMayTakeTwoMinutes) {
 // A parked session may come back at any moment, but nobody who is there is turned away for it.
 TEST_F(SessionTableTest, WhoIsParkedLongestMakesRoom) {
   std::vector<std::shared_ptr<ClientSession>> sessions;
-  for (size_t i = 0; i < kMaxSessions; ++i) sessions.push_back(join());
+  for (size_t i = 0; i < kUsualSessions; ++i) sessions.push_back(join());
   EXPECT_EQ(join(), nullptr);
   for (const size_t parked : {5u, 3u}) {
     ASSERT_TRUE(sessions[parked]->attach(std::make_shared<Writer>()));
@@ -95,12 +95,12 @@ TEST_F(SessionTableTest, AStreamThatWasLeftSaysNothingMore) {
   const auto two = session->attach(second);
   ASSERT_TRUE(two);
   session->offer(std::make_shared<PublishedTick>(DriverFrame{}, nullptr));
-  EXPECT_FALSE(session->take(*one));
-  EXPECT_FALSE(session->acknowledge(*one, 0));
+  EXPECT_FALSE(session->take(*one, 0));
+  EXPECT_FALSE(session->acknowledge(*one, 0, 0));
   table.stream_ended(*session, *one, true);  // the end of the first is not the session's
   EXPECT_EQ(session->state(), ClientSession::State::Streaming);
-  EXPECT_TRUE(session->acknowledge(*two, 0));
-  EXPECT_TRUE(session->take(*two));
+  EXPECT_TRUE(session->acknowledge(*two, 0, 0));
+  EXPECT_TRUE(session->take(*two, 0));
   table.stream_ended(*session, *two, true);
   EXPECT_EQ(table.find(session->id), nullptr);
 }
@@ -116,7 +116,7 @@ TEST_F(SessionTableTest, AParkedSessionGathersNothing) {
   EXPECT_EQ(join(session->id), session);
   const auto stream = session->attach(std::make_shared<Writer>());
   ASSERT_TRUE(stream);
-  EXPECT_FALSE(session->take(*stream));
+  EXPECT_FALSE(session->take(*stream, 0));
 }
 
 }  // namespace
