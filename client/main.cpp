@@ -16,6 +16,7 @@
 #include "viewer/replay_run.h"
 #include "viewer/spectate_run.h"
 #include "viewer/window_run.h"
+#include "xr/window_display.h"
 
 namespace {
 
@@ -54,7 +55,8 @@ int run_replayed(const livegs::ReplayOptions& options, bool window) {
 
 int main(int argc, char** argv) {
   livegs::OffscreenRunOptions options;
-  std::string display = "offscreen", renderer = "auto", size, select, force;
+  std::string display = "auto", renderer = "auto", size, select;
+  std::vector<std::string> forces;
   std::string replay_file, subscribe;
   double from_s = 0;
   int threads = 0;
@@ -71,8 +73,10 @@ int main(int argc, char** argv) {
   app.add_option("--subscribe", subscribe,
                  "tcp://127.0.0.1:PORT: only watch, by the frames that the server publishes there (livegs-server --publish)")
       ->excludes(replay);
-  app.add_option("--display", display, "offscreen: pictures become files; window: a desktop window; openxr: a headset, or a window where there is none")
-      ->check(CLI::IsMember({"offscreen", "window", "openxr"}))
+  app.add_option("--display", display,
+                 "auto: a window where one can be opened, else offscreen; window: a desktop window; offscreen: pictures become "
+                 "files; openxr: a headset, or a window where there is none")
+      ->check(CLI::IsMember({"auto", "window", "offscreen", "openxr"}))
       ->capture_default_str();
   app.add_option("--renderer", renderer,
                  "auto: Vulkan on a GPU, else the CPU; vulkan: Vulkan or nothing, in software too; cpu")
@@ -92,9 +96,10 @@ int main(int argc, char** argv) {
   app.add_option("--poke", options.poke, "Poke the object of this name: a pull by the ray, then two balls")
       ->excludes(script);
   app.add_option("--select", select, "The object that the window's panel is about at first");
-  app.add_option("--force", force,
+  app.add_option("--force", forces,
                  "OBJECT:X,Y,Z:FX,FY,FZ:SECONDS, newtons on a point of the object at rest: the window applies it once, "
-                 "records it to a video with its sentence beside it, and ends");
+                 "records it to a video with its sentence beside it, and ends. Given again: several points at once")
+      ->allow_extra_args(false);
   app.add_option("--video-rate", options.video_rate_hz, "Pictures a second of video")
       ->check(CLI::Range(1.0, 240.0))
       ->capture_default_str();
@@ -113,6 +118,13 @@ int main(int argc, char** argv) {
   app.add_option("--most-mbit-s", options.most_mbit_s,
                  "What the link can take, megabits a second: the server sends no more, what matters most first. As much as it gives when left out")
       ->check(CLI::Range(0.1, 1e5));
+  app.add_option("--rate", options.rate_hz,
+                 "Frames a second that there is a use for: the server sends every n-th tick, no fewer than that; each when left out")
+      ->check(CLI::Range(5.0, 1000.0));
+  app.add_option("--position-bits", options.position_bits,
+                 "Of elastic objects' positions along their longest side: 18 or 20 for finer steps and more bytes")
+      ->check(CLI::IsMember({16, 18, 20}))
+      ->capture_default_str();
   app.add_option("--pair", access.pairing_code,
                  "The pairing code that the server shows: its certificate is remembered from then on");
   app.add_option("--token-file", access.token_file,
@@ -129,6 +141,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
+  if (!std::isfinite(options.rate_hz)) return report(livegs::invalid_argument("--rate: is not a number"));
   if (!std::isfinite(from_s)) return report(livegs::invalid_argument("--from: is not a number"));
   if (options.address.empty() && replay_file.empty())
     return report(livegs::invalid_argument("HOST:PORT: is required; where does the server listen? Or give --replay FILE"));
@@ -144,6 +157,17 @@ int main(int argc, char** argv) {
   livegs::set_log_level(verbose ? livegs::LogLevel::Debug : livegs::LogLevel::Info);
   livegs::set_thread_count(threads);
   for (int signal_number : {SIGINT, SIGTERM}) signal(signal_number, [](int) { interrupted = true; });
+  if (unpair) {
+    const auto forgotten = livegs::forget_server(options.address, access.state_dir);
+    return forgotten ? 0 : report(forgotten.error());
+  }
+  if (display == "auto") {
+    const bool of_files = !options.script_file.empty() || !subscribe.empty() || no_video || app.count("--video-rate") > 0;
+    const bool of_window = !forces.empty() || !select.empty();
+    display = of_window || (!of_files && livegs::WindowDisplay::is_possible()) ? "window" : "offscreen";
+  }
+  if (!forces.empty() && display == "offscreen")
+    return report(livegs::invalid_argument("--force: is recorded in a window; give --display window, where there is one"));
   if (!replay_file.empty()) {
     livegs::ReplayOptions replayed;
     replayed.file = replay_file;
@@ -159,10 +183,6 @@ int main(int argc, char** argv) {
     replayed.renderer = options.renderer;
     return run_replayed(replayed, display == "window");
   }
-  if (unpair) {
-    const auto forgotten = livegs::forget_server(options.address, access.state_dir);
-    return forgotten ? 0 : report(forgotten.error());
-  }
   auto chosen = livegs::choose_access(options.address, access);
   if (!chosen) return report(chosen.error());
   options.access = std::move(*chosen);
@@ -176,6 +196,7 @@ int main(int argc, char** argv) {
     return 0;
   }
   livegs::JoinOptions lasting = options;  // for displays that people watch
+  lasting.outlive_draining = true;
   if (reconnect->count() == 0) lasting.reconnect_s = livegs::JoinOptions().reconnect_s;
   if (display == "openxr") {
     auto headset = livegs::HeadsetDisplay::open();
@@ -200,10 +221,10 @@ int main(int argc, char** argv) {
     window.camera_file = options.camera_file;
     window.poke = options.poke;
     window.select = select;
-    if (!force.empty()) {
+    for (const std::string& force : forces) {
       auto parsed_force = livegs::parse_force(force);
       if (!parsed_force) return report(parsed_force.error());
-      window.force = std::move(*parsed_force);
+      window.forces.push_back(std::move(*parsed_force));
     }
     if (app.count("--output") > 0) window.screenshots = options.output;
     if (app.count("--every") > 0) window.screenshot_every = options.png_every;

@@ -15,7 +15,8 @@ class CpuSplatRenderer final : public SplatRenderer {
     times_ = {};
     images.resize(eyes.size());
     for (size_t e = 0; e < eyes.size(); ++e) {
-      rasteriser_.draw(drawn, eyes[e], {options.background, options.order, options.max_sh_degree, options.min_contribution_px}, view_);
+      rasteriser_.draw(drawn, eyes[e],
+                       {options.background, options.order, options.max_sh_degree, options.min_contribution_px, options.max_radius_px}, view_);
       std::swap(images[e], view_.image);
       const Rasteriser::Times& times = rasteriser_.last_times();
       times_.project_ms += times.project_ms;

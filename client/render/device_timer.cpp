@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/device_timer.h"
 
-#include <array>
-
 #include "core/assert.h"
 
 namespace livegs {
+namespace {
+
+constexpr uint32_t kKept = 16;  // moments for what follows projection
+
+}  // namespace
 
 DeviceTimer::~DeviceTimer() {
   if (pool_) handles_.vk.DestroyQueryPool(handles_.device, pool_, nullptr);
@@ -27,27 +30,31 @@ Result<void> DeviceTimer::begin() {
   return {};
 }
 
-Result<void> DeviceTimer::mark() {
+Result<void> DeviceTimer::mark(DevicePass pass) {
   if (!pool_) return {};
+  if ((pass == DevicePass::Skin || pass == DevicePass::Project) && marks_ + kKept > kMost) return {};
   LIVEGS_ASSERT(marks_ < kMost);
   auto commands = commands_.record();
   if (!commands) return commands.error();
+  passes_[marks_] = pass;
   handles_.vk.CmdWriteTimestamp2(*commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool_, marks_++);
   return {};
 }
 
-std::vector<double> DeviceTimer::spans_ms() const {
+bool DeviceTimer::read(std::array<double, 6>& ms_of_pass) const {
   std::array<uint64_t, kMost> moments{};
   if (!pool_ || marks_ < 2 ||
       handles_.vk.GetQueryPoolResults(handles_.device, pool_, 0, marks_, sizeof moments, moments.data(), sizeof(uint64_t),
                                       VK_QUERY_RESULT_64_BIT) != VK_SUCCESS)
-    return {};
+    return false;
   const uint64_t bits = handles_.timestamp_bits >= 64 ? ~uint64_t{0} : (uint64_t{1} << handles_.timestamp_bits) - 1;
   const double ms_a_step = 1e-6 * static_cast<double>(handles_.properties.limits.timestampPeriod);
-  std::vector<double> spans;
-  for (uint32_t i = 1; i < marks_; ++i)  // the clock may run over
-    spans.push_back(ms_a_step * static_cast<double>((moments[i] - moments[i - 1]) & bits));
-  return spans;
+  ms_of_pass.fill(0);
+  for (uint32_t i = 1; i < marks_; ++i) {  // the clock may run over
+    ms_of_pass[static_cast<size_t>(passes_[i - 1])] +=
+        ms_a_step * static_cast<double>((moments[i] - moments[i - 1]) & bits);
+  }
+  return true;
 }
 
 }  // namespace livegs

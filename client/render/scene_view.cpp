@@ -2,6 +2,7 @@
 #include "render/scene_view.h"
 
 #include <algorithm>
+#include <limits>
 #include <string>
 
 #include "core/clock.h"
@@ -22,6 +23,23 @@ bool same_drivers(const ObjectDrivers& a, const ObjectDrivers& b) {
          std::equal(a.poses.begin(), a.poses.end(), b.poses.begin(), b.poses.end(), same_pose) &&
          std::equal(a.rotations.begin(), a.rotations.end(), b.rotations.begin(), b.rotations.end(),
                     same_turn);
+}
+
+// Whether a ray enters a box: the stretches of it between each pair of faces have something in common.
+bool meets(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction, const Eigen::AlignedBox3d& box) {
+  if (box.isEmpty()) return false;
+  double enters = 0, leaves = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < 3; ++axis) {
+    if (direction[axis] == 0) {
+      if (origin_m[axis] < box.min()[axis] || origin_m[axis] > box.max()[axis]) return false;
+      continue;
+    }
+    const double a = (box.min()[axis] - origin_m[axis]) / direction[axis];
+    const double b = (box.max()[axis] - origin_m[axis]) / direction[axis];
+    enters = std::max(enters, std::min(a, b));
+    leaves = std::min(leaves, std::max(a, b));
+  }
+  return enters <= leaves;
 }
 
 // 1st to 99th percentile along each axis.
@@ -54,22 +72,44 @@ Result<void> SceneView::add(uint32_t object_id, std::shared_ptr<const GaussianAs
 
 Result<void> SceneView::change(uint32_t object_id, std::shared_ptr<const GaussianAsset> asset, RestBody rest,
                                bool environment) {
-  if (const auto known = objects_.find(object_id);
-      known != objects_.end() && known->second.contains(rest.revision)) {
-    return {};
-  }
-  auto bindings = bind_kernels(*asset, rest);
-  if (!bindings) {
-    return Error{bindings.error().code,
-                 "object " + std::to_string(object_id) + ": " + bindings.error().message};
-  }
-  Object& object = objects_[object_id][rest.revision];
-  object.asset = std::move(asset);
-  object.rest = std::move(rest);
-  object.bindings = std::move(*bindings);
-  object.environment = environment;
-  object.asset_version = ++last_version_;
+  if (has(object_id, rest.revision)) return {};
+  auto bound = bind_object(object_id, std::move(asset), std::move(rest), environment);
+  if (!bound) return bound.error();
+  change(object_id, *std::move(bound));
   return {};
+}
+
+void SceneView::add(uint32_t object_id, BoundObject object) {
+  objects_.erase(object_id);
+  change(object_id, std::move(object));
+}
+
+void SceneView::change(uint32_t object_id, BoundObject bound) {
+  if (has(object_id, bound.rest.revision)) return;
+  Object& object = objects_[object_id][bound.rest.revision];
+  object.asset = std::move(bound.asset);
+  object.rest = std::move(bound.rest);
+  object.bindings = std::move(bound.bindings);
+  object.reach = std::move(bound.reach);
+  object.environment = bound.environment;
+  object.asset_version = ++last_version_;
+}
+
+bool SceneView::has(uint32_t object_id, uint32_t revision) const {
+  const auto known = objects_.find(object_id);
+  return known != objects_.end() && known->second.contains(revision);
+}
+
+void SceneView::refine(uint32_t object_id, BoundObject bound) {
+  if (!has(object_id, bound.rest.revision)) return;
+  Object& object = objects_.at(object_id).at(bound.rest.revision);
+  object.asset = std::move(bound.asset);
+  object.rest = std::move(bound.rest);
+  object.bindings = std::move(bound.bindings);
+  object.reach = std::move(bound.reach);
+  object.environment = bound.environment;
+  object.asset_version = ++last_version_;
+  if (object.posed_by) object.posed_version = ++last_version_;
 }
 
 const SceneView::Object* SceneView::shown(uint32_t object_id) const {
@@ -83,8 +123,8 @@ void SceneView::remove(uint32_t object_id) {
 }
 
 Result<void> SceneView::pose(const DriverFrame& frame) {
-  const int64_t begun_ns = now_ns();
-  times_.objects_skinned = 0;
+  times_.skin_ms = 0;
+  times_.objects_moved = times_.objects_skinned = 0;
   visible_.clear();
   for (const ObjectDrivers& drivers : frame.objects) {
     const auto found = objects_.find(drivers.object_id);
@@ -94,19 +134,36 @@ Result<void> SceneView::pose(const DriverFrame& frame) {
     if (revisions.contains(drivers.revision))
       revisions.erase(revisions.begin(), revisions.find(drivers.revision));
     Object& object = revisions.begin()->second;
-    visible_.push_back(drivers.object_id);
-    if (object.posed_by && same_drivers(*object.posed_by, drivers)) continue;
-    if (auto checked = check_drivers(object.rest, drivers); !checked) {
-      return Error{checked.error().code,
-                   "object " + std::to_string(drivers.object_id) + ": " + checked.error().message};
+    const bool yet_to_come = drivers.revision > revisions.rbegin()->first;
+    if (yet_to_come && !object.posed_by) continue;
+    if (!yet_to_come && (!object.posed_by || !same_drivers(*object.posed_by, drivers))) {
+      if (auto checked = check_drivers(object.rest, drivers); !checked) {
+        return Error{checked.error().code,
+                     "object " + std::to_string(drivers.object_id) + ": " + checked.error().message};
+      }
+      object.posed_by = drivers;
+      object.posed_version = ++last_version_;
+      ++times_.objects_moved;
     }
-    skin_kernels(*object.asset, object.rest, object.bindings, drivers, object.kernels);
-    object.posed_by = drivers;
-    object.posed_version = ++last_version_;
-    ++times_.objects_skinned;
+    visible_.push_back(drivers.object_id);
   }
-  times_.skin_ms = milliseconds_from_ns(now_ns() - begun_ns);
   return {};
+}
+
+Result<void> SceneView::prepare(const DriverFrame& frame) {
+  if (auto posed = pose(frame); !posed) return posed;
+  (void)rendered(*renderer_);
+  return {};
+}
+
+const PosedKernels& SceneView::kernels_of(const Object& object) const {
+  if (!object.posed_by || object.skinned_version == object.posed_version) return object.kernels;
+  const int64_t begun_ns = now_ns();
+  skin_kernels(*object.asset, object.rest, object.bindings, *object.posed_by, object.kernels);
+  object.skinned_version = object.posed_version;
+  ++times_.objects_skinned;
+  times_.skin_ms += milliseconds_from_ns(now_ns() - begun_ns);
+  return object.kernels;
 }
 
 Result<void> SceneView::draw(const DriverFrame& frame, std::span<const Camera> eyes,
@@ -122,41 +179,64 @@ Result<void> SceneView::draw_into(const DriverFrame& frame, std::span<const Came
   return draw(eyes, &image, images);
 }
 
-std::vector<RenderedObject> SceneView::rendered() const {
-  std::vector<RenderedObject> drawn;
+std::vector<RenderedObject> SceneView::rendered(const SplatRenderer& renderer) const {
+  std::vector<RenderedObject> objects;
   for (uint32_t id : visible_) {
     const Object& object = *shown(id);
-    drawn.push_back({{object.asset.get(), &object.kernels, id}, object.posed_version, object.asset_version});
+    const PosedKernels* kernels = renderer.skins(object.rest.kind) ? nullptr : &kernels_of(object);
+    objects.push_back({{object.asset.get(), kernels, id},
+                       object.posed_version,
+                       object.asset_version,
+                       {&object.rest, &object.bindings, &*object.posed_by}});
   }
-  return drawn;
-}
-
-std::vector<DrawnObject> SceneView::drawn() const {
-  std::vector<DrawnObject> objects;
-  for (const RenderedObject& object : rendered()) objects.push_back(object.drawn);
   return objects;
 }
 
-Result<void> SceneView::draw_again(SplatRenderer& renderer, std::span<const Camera> eyes, std::vector<Image>& images) const {
-  RenderOptions options;
-  options.background = kBackground;
-  return renderer.draw(rendered(), eyes, options, images);
+DrawnObject SceneView::drawn(uint32_t object_id) const {
+  const Object& object = *shown(object_id);
+  return {object.asset.get(), &kernels_of(object), object_id};
 }
 
-Result<void> SceneView::draw(std::span<const Camera> eyes, const DeviceImage* image, std::vector<Image>& images) {
-  const int64_t begun_ns = now_ns();
-  const std::vector<RenderedObject> drawn = rendered();
+std::vector<DrawnObject> SceneView::drawn_near(const Eigen::AlignedBox3f& box_m) const {
+  std::vector<DrawnObject> near;
+  for (uint32_t id : visible_) {
+    const Object& object = *shown(id);
+    if (box_of_kernels(object.reach, *object.posed_by).intersects(box_m)) near.push_back(drawn(id));
+  }
+  return near;
+}
+
+std::optional<DrawnObject> SceneView::drawn_object(uint32_t object_id) const {
+  if (std::find(visible_.begin(), visible_.end(), object_id) == visible_.end()) return std::nullopt;
+  return drawn(object_id);
+}
+
+RenderOptions SceneView::options_for(const Camera& eye) const {
   RenderOptions options;
   options.background = kBackground;
   options.min_contribution_px = min_contribution_px_;
-  auto done = image ? renderer_->draw_into(drawn, eyes, options, *image) : renderer_->draw(drawn, eyes, options, images);
-  if (image && !done && done.error().code == ErrorCode::Unsupported) done = renderer_->draw(drawn, eyes, options, images);
+  options.max_radius_px = static_cast<float>((min_contribution_px_ > 0 ? 1 : 2) * std::max(eye.width, eye.height));
+  return options;
+}
+
+Result<void> SceneView::draw_again(SplatRenderer& renderer, std::span<const Camera> eyes, std::vector<Image>& images) const {
+  return renderer.draw(rendered(renderer), eyes, options_for(eyes.front()), images);
+}
+
+Result<void> SceneView::draw(std::span<const Camera> eyes, const DeviceImage* image, std::vector<Image>& images) {
+  std::vector<RenderedObject> objects = rendered(*renderer_);
+  int64_t begun_ns = now_ns();
+  const RenderOptions options = options_for(eyes.front());
+  auto done = image ? renderer_->draw_into(objects, eyes, options, *image) : renderer_->draw(objects, eyes, options, images);
+  if (image && !done && done.error().code == ErrorCode::Unsupported) done = renderer_->draw(objects, eyes, options, images);
   if (!done && !draws_on_cpu_) {
     log_warn("%s cannot draw this: %s; the cpu draws from here on", renderer_->name().c_str(),
              done.error().message.c_str());
     renderer_ = create_cpu_renderer();
     draws_on_cpu_ = true;
-    done = renderer_->draw(drawn, eyes, options, images);
+    objects = rendered(*renderer_);
+    begun_ns = now_ns();
+    done = renderer_->draw(objects, eyes, options, images);
   }
   if (!done) return done;
   times_.raster_ms = milliseconds_from_ns(now_ns() - begun_ns);
@@ -167,26 +247,27 @@ Result<void> SceneView::draw(std::span<const Camera> eyes, const DeviceImage* im
 std::vector<Eigen::AlignedBox3d> SceneView::object_boxes() const {
   std::vector<Eigen::AlignedBox3d> boxes;
   for (uint32_t id : visible_) {
-    if (!shown(id)->environment && !bounds(id).isEmpty()) boxes.push_back(bounds(id));
+    if (shown(id)->environment) continue;
+    if (const Eigen::AlignedBox3d box = bounds(id); !box.isEmpty()) boxes.push_back(box);
   }
   return boxes;
 }
 
 Eigen::AlignedBox3d SceneView::bounds(uint32_t object_id) const {
   const Object* object = shown(object_id);
-  return object ? robust_bounds(object->kernels.positions_m) : Eigen::AlignedBox3d();
+  return object ? robust_bounds(kernels_of(*object).positions_m) : Eigen::AlignedBox3d();
 }
 
 std::optional<SceneView::Picked> SceneView::pick(const Eigen::Vector3d& origin_m,
                                                  const Eigen::Vector3d& direction) const {
-  std::vector<DrawnObject> drawn;
+  std::vector<DrawnObject> in_the_way;
   for (uint32_t id : visible_) {
     const Object& object = *shown(id);
-    drawn.push_back({object.asset.get(), &object.kernels, id});
+    if (meets(origin_m, direction, box_of_kernels(object.reach, *object.posed_by).cast<double>())) in_the_way.push_back(drawn(id));
   }
-  const auto met = pick_kernel(drawn, origin_m, direction);
+  const auto met = pick_kernel(in_the_way, origin_m, direction);
   if (!met) return std::nullopt;
-  const uint32_t id = drawn[met->object].object_id;
+  const uint32_t id = in_the_way[met->object].object_id;
   const Object& object = *shown(id);
   return Picked{id, object.environment, met->kernel, origin_m + met->distance_m * direction,
                 object.rest.object_from_asset * object.asset->positions[met->kernel].cast<double>()};
@@ -206,17 +287,18 @@ std::optional<size_t> SceneView::nearest_kernel(uint32_t object_id, const Eigen:
 
 std::optional<Eigen::Vector3d> SceneView::kernel_position_m(uint32_t object_id, size_t kernel) const {
   const Object* object = shown(object_id);
-  if (!object || kernel >= object->kernels.positions_m.size()) return std::nullopt;
-  return object->kernels.positions_m[kernel].cast<double>();
+  if (!object || kernel >= object->asset->size() || !object->posed_by) return std::nullopt;
+  return kernels_of(*object).positions_m[kernel].cast<double>();
 }
 
 std::optional<Eigen::Vector3d> SceneView::environment_middle() const {
   for (uint32_t id : visible_) {
     const Object& object = *shown(id);
-    if (!object.environment || object.kernels.positions_m.empty()) continue;
+    if (!object.environment || object.asset->size() == 0) continue;
+    const std::vector<Eigen::Vector3f>& positions_m = kernels_of(object).positions_m;
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (const Eigen::Vector3f& position : object.kernels.positions_m) sum += position.cast<double>();
-    return sum / static_cast<double>(object.kernels.positions_m.size());
+    for (const Eigen::Vector3f& position : positions_m) sum += position.cast<double>();
+    return sum / static_cast<double>(positions_m.size());
   }
   return std::nullopt;
 }

@@ -193,7 +193,7 @@ Result<void> VulkanSplatPainter::paint(const FrameSplats& frame, int width, int 
   }
   if (auto made = make_images(width, height, eyes); !made) return made;
   const VulkanFunctions& vk = handles_.vk;
-  // The sets' last use has run: reading waits for it, and so does every upload of a frame's views.
+  // The sets' last use has run: taking a picture out waits for it, and who paints submits what else was left.
   const std::array<VkDescriptorBufferInfo, 3> buffers{
       {{commands_.buffer_of(frame.rows(0)), 0, VK_WHOLE_SIZE},
        {commands_.buffer_of(frame.rows(1)), 0, VK_WHOLE_SIZE},

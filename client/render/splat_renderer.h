@@ -12,38 +12,49 @@
 #include "compute/vulkan_device.h"
 #include "gaussian/posed_kernels.h"
 #include "render/splat_painter.h"
+#include "skin/skin_kernels.h"
 #include "splat/camera.h"
 #include "splat/image.h"
 #include "splat/rasterise.h"
 
 namespace livegs {
 
+// What skin_kernels takes, for a renderer that skins kernels itself. All outlive the call they are given to.
+struct SkinnedBy {
+  const RestBody* rest = nullptr;
+  const KernelBindings* bindings = nullptr;  // of the asset and `rest`
+  const ObjectDrivers* drivers = nullptr;    // that fit `rest`
+};
+
 // One object of a picture, and what of it a renderer may keep from the last picture.
 struct RenderedObject {
-  DrawnObject drawn;
+  DrawnObject drawn;  // drawn.kernels may be null where `skinned_by` is given and the renderer skins that kind
   // Equal numbers, equal kernels: of where they are, and of what asset they are. Never 0.
   uint64_t posed_version = 0;
   uint64_t asset_version = 0;
+  SkinnedBy skinned_by{};  // all of it or nothing
 };
 
 struct RenderOptions {
   Eigen::Vector3f background{0, 0, 0};
   DepthOrder order = DepthOrder::ViewZ;
   int max_sh_degree = 3;
-  float max_radius_px = 0;  // as eye_view has it; the CPU has none
+  float max_radius_px = 0;        // as eye_view has it; 0: none
   float min_contribution_px = 0;  // as eye_view has it; 0: all are drawn
 };
 
 // Of the passes alone, by the device's own clock.
 struct DeviceTimes {
-  double project_ms = 0, sort_ms = 0, draw_ms = 0, resolve_ms = 0;
-  double total_ms() const { return project_ms + sort_ms + draw_ms + resolve_ms; }
+  double skin_ms = 0, project_ms = 0, sort_ms = 0, draw_ms = 0, resolve_ms = 0;
+  double total_ms() const { return skin_ms + project_ms + sort_ms + draw_ms + resolve_ms; }
 };
 
-// By the caller's clock: what it waited for. Without separate_times a Vulkan device does all of it in draw_ms.
+// By the caller's clock: what it waited for. Without separate_times a Vulkan device does all of it in draw_ms. What it
+// skins is skinned in project_ms.
 struct RenderTimes {
   double upload_ms = 0, project_ms = 0, sort_ms = 0, draw_ms = 0;
   std::optional<DeviceTimes> device;  // where it has a clock
+  uint64_t uploaded_bytes = 0, submissions = 0;  // to a device, of this picture
   double total_ms() const { return upload_ms + project_ms + sort_ms + draw_ms; }
 };
 
@@ -62,6 +73,8 @@ class SplatRenderer {
   virtual Result<void> draw_into(std::span<const RenderedObject>, std::span<const Camera>, const RenderOptions&, const DeviceImage&) {
     return unsupported(name() + ": draws into no device's image");
   }
+  // Whether it skins kernels of this kind itself, from `skinned_by` alone.
+  virtual bool skins(DriverKind) const { return false; }
   virtual const RenderTimes& last_times() const = 0;
   // What is out of order with its pictures, for a person to read; empty when nothing is.
   virtual std::string notice() const { return {}; }

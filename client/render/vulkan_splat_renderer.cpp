@@ -12,6 +12,7 @@
 #include "render/most_visible_kernels.h"
 #include "render/splat_painter.h"
 #include "render/splat_renderer.h"
+#include "skin/device_skin.h"
 #include "splat/frame_splats.h"
 
 namespace livegs {
@@ -33,6 +34,7 @@ class VulkanSplatRenderer final : public SplatRenderer {
         name_("vulkan: " + device_->name()) {}
 
   const std::string& name() const override { return name_; }
+  bool skins(DriverKind kind) const override { return DeviceSkin::skins(kind); }
   const RenderTimes& last_times() const override { return times_; }
   std::string notice() const override;
   Result<void> draw(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
@@ -48,9 +50,12 @@ class VulkanSplatRenderer final : public SplatRenderer {
                          const TakeOut& take_out);
   struct Held {
     DeviceKernels kernels;
+    std::optional<DeviceSkin> skin;  // of what a pass skins
     uint64_t asset_version = 0, posed_version = 0;
   };
   Result<void> hold(std::span<const RenderedObject> objects);
+  Result<Held> make_held(const RenderedObject& object);
+  FrameSplats::Object frame_object(const Held& held);
   // Milliseconds since the last call, after all that was asked for is done.
   Result<double> step_ms();
 
@@ -70,34 +75,61 @@ class VulkanSplatRenderer final : public SplatRenderer {
   int64_t step_began_ns_ = 0;
 };
 
+bool is_skinned_here(const RenderedObject& object) {
+  return object.skinned_by.rest && DeviceSkin::skins(object.skinned_by.rest->kind);
+}
+
+Result<VulkanSplatRenderer::Held> VulkanSplatRenderer::make_held(const RenderedObject& object) {
+  const GaussianAsset& asset = *object.drawn.asset;
+  std::vector<uint32_t> kept;
+  if (share_ < 1 && asset.size() > 0)
+    kept = most_visible_kernels(asset, 1 + static_cast<size_t>(share_ * static_cast<double>(asset.size() - 1)));
+  std::optional<DeviceSkin> skin;
+  if (is_skinned_here(object)) {
+    auto made = DeviceSkin::create(*backend_, *object.skinned_by.rest, *object.skinned_by.bindings, kept);
+    if (!made) return made.error();
+    skin.emplace(*std::move(made));
+  }
+  auto kernels = DeviceKernels::create(*backend_, asset, std::move(kept));
+  if (!kernels) return kernels.error();
+  return Result<Held>(Held{*std::move(kernels), std::move(skin), object.asset_version, 0});
+}
+
 Result<void> VulkanSplatRenderer::hold(std::span<const RenderedObject> objects) {
   std::map<uint32_t, Held> drawn;
   for (const RenderedObject& object : objects) {
     const uint32_t id = object.drawn.object_id;
-    if (const auto found = held_.find(id);
-        found != held_.end() && found->second.asset_version == object.asset_version) {
+    if (const auto found = held_.find(id); found != held_.end() && found->second.asset_version == object.asset_version &&
+                                           found->second.skin.has_value() == is_skinned_here(object)) {
       drawn.insert(held_.extract(found));
     }
   }
   held_ = std::move(drawn);  // what is left out gives its memory back before anything new asks for some
   for (const RenderedObject& object : objects) {
     const uint32_t id = object.drawn.object_id;
-    auto held = held_.find(id);
-    if (held == held_.end()) {
-      const GaussianAsset& asset = *object.drawn.asset;
-      std::vector<uint32_t> kept;
-      if (share_ < 1 && asset.size() > 0)
-        kept = most_visible_kernels(asset, 1 + static_cast<size_t>(share_ * static_cast<double>(asset.size() - 1)));
-      auto made = DeviceKernels::create(*backend_, asset, std::move(kept));
-      if (!made)
-        return Error{made.error().code, "object " + std::to_string(id) + ": " + made.error().message};
-      held = held_.emplace(id, Held{*std::move(made), object.asset_version, 0}).first;
+    auto found = held_.find(id);
+    if (found == held_.end()) {
+      auto made = make_held(object);
+      if (!made) return Error{made.error().code, "object " + std::to_string(id) + ": " + made.error().message};
+      found = held_.emplace(id, *std::move(made)).first;
     }
-    if (held->second.posed_version == object.posed_version) continue;
-    if (auto posed = held->second.kernels.pose(*object.drawn.kernels); !posed) return posed;
-    held->second.posed_version = object.posed_version;
+    Held& held = found->second;
+    if (held.posed_version == object.posed_version) continue;
+    const SkinnedBy& by = object.skinned_by;
+    auto posed = held.skin ? held.skin->move(*by.rest, *by.bindings, *by.drivers) : held.kernels.pose(*object.drawn.kernels);
+    if (!posed) return posed;
+    held.posed_version = object.posed_version;
   }
   return {};
+}
+
+FrameSplats::Object VulkanSplatRenderer::frame_object(const Held& held) {
+  if (!held.skin) return {&held.kernels, {}};
+  return {&held.kernels, [this, &held](uint32_t first, uint32_t count, BufferId posed) -> Result<void> {
+            if (auto done = timer_.mark(DevicePass::Skin); !done) return done;
+            if (auto done = held.skin->pose(first, count, posed); !done) return done;
+            return timer_.mark(DevicePass::Project);
+          }};
 }
 
 Result<double> VulkanSplatRenderer::step_ms() {
@@ -154,6 +186,9 @@ Result<void> VulkanSplatRenderer::draw_once(std::span<const RenderedObject> obje
                                             const RenderOptions& options, const TakeOut& take_out) {
   LIVEGS_ASSERT(eyes.size() == 1 || eyes.size() == 2);
   LIVEGS_ASSERT(eyes.front().width == eyes.back().width && eyes.front().height == eyes.back().height);
+  // What a picture that failed left recorded runs now: nothing below may change what it names.
+  if (auto done = backend_->submit(); !done) return done;
+  const VulkanCommands::Traffic before = vulkan_commands(*backend_)->traffic();
   step_began_ns_ = now_ns();
   const auto timed = [&](Result<void> done, double& ms) -> Result<void> {
     if (!done) return done;
@@ -163,33 +198,41 @@ Result<void> VulkanSplatRenderer::draw_once(std::span<const RenderedObject> obje
     return {};
   };
   if (auto done = timed(hold(objects), times_.upload_ms); !done) return done;
-  std::vector<const DeviceKernels*> kernels;
-  for (const RenderedObject& object : objects)
-    kernels.push_back(&held_.find(object.drawn.object_id)->second.kernels);
+  std::vector<FrameSplats::Object> kernels;
+  for (const RenderedObject& object : objects) kernels.push_back(frame_object(held_.find(object.drawn.object_id)->second));
   const FrameSplats::Options splats{options.order, options.max_sh_degree, options.max_radius_px, options.min_contribution_px};
-  // A pass between two moments of the device's clock.
-  const auto between_moments = [&](auto&& pass) -> Result<void> {
-    if (auto done = timer_.mark(); !done) return done;
-    if (auto done = pass(); !done) return done;
-    return timer_.mark();
-  };
   const auto project = [&]() -> Result<void> {
     if (auto done = frame_.prepare(kernels, eyes, splats); !done) return done;
     if (auto done = timer_.begin(); !done) return done;
-    return between_moments([&] { return frame_.project_prepared(kernels, splats); });
+    if (auto done = timer_.mark(DevicePass::Project); !done) return done;
+    if (auto done = frame_.project_prepared(kernels, splats); !done) return done;
+    return timer_.mark(DevicePass::None);
+  };
+  // A pass between two moments of the device's clock.
+  const auto between_moments = [&](DevicePass pass, auto&& record) -> Result<void> {
+    if (auto done = timer_.mark(pass); !done) return done;
+    if (auto done = record(); !done) return done;
+    return timer_.mark(DevicePass::None);
   };
   if (auto done = timed(project(), times_.project_ms); !done) return done;
-  if (auto done = timed(between_moments([&] { return frame_.sort(); }), times_.sort_ms); !done) return done;
+  if (auto done = timed(between_moments(DevicePass::Sort, [&] { return frame_.sort(); }), times_.sort_ms); !done) return done;
   const auto paint = [&]() -> Result<void> {
     const auto draws = [&] { return painter_->paint(frame_, eyes[0].width, eyes[0].height, static_cast<int>(eyes.size())); };
-    if (auto done = between_moments(draws); !done) return done;
-    if (auto done = between_moments([&] { return painter_->resolve(options.background); }); !done) return done;
+    if (auto done = between_moments(DevicePass::Draw, draws); !done) return done;
+    const auto resolves = [&] { return painter_->resolve(options.background); };
+    if (auto done = between_moments(DevicePass::Resolve, resolves); !done) return done;
     return take_out();
   };
   if (auto done = timed(paint(), times_.draw_ms); !done) return done;
+  const VulkanCommands::Traffic& now = vulkan_commands(*backend_)->traffic();
+  times_.uploaded_bytes = now.uploaded_bytes - before.uploaded_bytes;
+  times_.submissions = now.submissions - before.submissions;
   times_.device.reset();
-  if (const std::vector<double> spans = timer_.spans_ms(); spans.size() == 7)
-    times_.device = DeviceTimes{spans[0], spans[2], spans[4], spans[6]};
+  if (std::array<double, 6> ms{}; timer_.read(ms)) {
+    const auto of = [&](DevicePass pass) { return ms[static_cast<size_t>(pass)]; };
+    times_.device = DeviceTimes{of(DevicePass::Skin), of(DevicePass::Project), of(DevicePass::Sort), of(DevicePass::Draw),
+                                of(DevicePass::Resolve)};
+  }
   return {};
 }
 

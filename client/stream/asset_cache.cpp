@@ -9,10 +9,14 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
+#include <utility>
 
+#include "core/clock.h"
 #include "core/content_hash.h"
 #include "core/file.h"
 #include "core/log.h"
+#include "gaussian/asset_file.h"
 
 namespace livegs {
 namespace {
@@ -26,12 +30,15 @@ Error system_error(const std::filesystem::path& path, const char* what) {
 // the asset there. The system lets go of it if a client dies.
 class PartFile {
  public:
-  static Result<PartFile> open(const std::filesystem::path& path) {
+  static Result<PartFile> open(const std::filesystem::path& path, const std::stop_token& stop) {
+    constexpr int64_t kLookEvery_ns = 20'000'000;
     for (;;) {
       PartFile file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
       if (file.descriptor_ < 0) return system_error(path, "cannot be written");
-      while (::flock(file.descriptor_, LOCK_EX) != 0) {
-        if (errno != EINTR) return system_error(path, "cannot be locked");
+      while (::flock(file.descriptor_, LOCK_EX | LOCK_NB) != 0) {
+        if (errno != EINTR && errno != EWOULDBLOCK) return system_error(path, "cannot be locked");
+        if (stop.stop_requested()) return Error{ErrorCode::Unavailable, path.string() + ": another client fetches it; no longer waited for"};
+        sleep_until_ns(now_ns() + kLookEvery_ns);
       }
       struct stat held {
       }, named{};
@@ -63,7 +70,6 @@ class PartFile {
     }
     return true;
   }
-  bool sync() { return ::fsync(descriptor_) == 0; }
 
  private:
   explicit PartFile(int descriptor) : descriptor_(descriptor) {}
@@ -73,8 +79,8 @@ class PartFile {
 
 }  // namespace
 
-Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_t asset_bytes,
-                                                const Fetch& fetch) const {
+Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_t asset_bytes, const Fetch& fetch,
+                                                const Progress& progress, std::stop_token stop) const {
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
   if (error) {
@@ -83,16 +89,17 @@ Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_
   }
   const std::filesystem::path whole = folder_ / (hash + ".ply");
   const std::filesystem::path part_path = folder_ / (hash + ".part");
+  const std::string name = "asset " + hash.substr(0, 12);
   const auto cached = [&]() -> std::vector<std::byte> {
     if (!std::filesystem::exists(whole, error)) return {};
-    auto bytes = read_file(whole, asset_bytes);
+    auto bytes = read_file(whole);
     if (bytes && content_hash(*bytes) == hash) return std::move(*bytes);
     log_warn("%s: is damaged; fetched again", whole.c_str());
     return {};
   };
   if (auto bytes = cached(); !bytes.empty()) return Obtained{std::move(bytes), 0};
 
-  auto part = PartFile::open(part_path);
+  auto part = PartFile::open(part_path, stop);
   if (!part) return part.error();
   if (auto bytes = cached(); !bytes.empty()) {  // another client has fetched it meanwhile
     std::filesystem::remove(part_path, error);
@@ -101,33 +108,51 @@ Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_
   if (part->size() > asset_bytes && !part->truncate()) return system_error(part_path, "cannot be truncated");
 
   uint64_t fetched = 0;
-  const auto take = [&](uint64_t offset, uint64_t, std::span<const std::byte> bytes) -> Result<void> {
-    if (offset != part->size() || bytes.size() > asset_bytes - part->size()) {
-      return invalid_data("asset " + hash.substr(0, 12) +
-                          ": its pieces do not come in order or are too many");
+  ProgressiveDecoder decoder;
+  std::optional<Error> spoilt;  // what is wrong with the bytes that came
+  const auto decode = [&](std::span<const std::byte> bytes) -> Result<void> {
+    const size_t before = decoder.blocks();
+    if (auto decoded = decoder.take(bytes); !decoded) {
+      spoilt = decoded.error();
+      return decoded;
     }
+    if (progress && decoder.blocks() > before) progress(decoder);
+    return {};
+  };
+  const auto take = [&](uint64_t offset, uint64_t, std::span<const std::byte> bytes) -> Result<void> {
+    if (offset != part->size() || bytes.size() > asset_bytes - part->size())
+      return invalid_data(name + ": its pieces do not come in order or are too many");
     if (!part->append(bytes)) return system_error(part_path, "cannot be written");
     fetched += bytes.size();
-    return {};
+    return decode(bytes);
   };
   // What lies there from an earlier attempt may be of no use; then once more from the start.
   for (const bool resumed : {part->size() > 0, false}) {
-    if (part->size() < asset_bytes) {
-      if (auto done = fetch(part->size(), take); !done) return done.error();
+    decoder = {};
+    spoilt.reset();
+    if (part->size() > 0) {
+      const auto earlier = read_file(part_path, asset_bytes);
+      if (!earlier) return earlier.error();
+      (void)decode(*earlier);
     }
-    if (!part->sync()) return system_error(part_path, "cannot be written");
-    auto bytes = read_file(part_path, asset_bytes);
-    if (!bytes) return bytes.error();
-    if (content_hash(*bytes) == hash) {
-      std::filesystem::rename(part_path, whole, error);
-      if (error)
-        return Error{ErrorCode::Internal, whole.string() + ": cannot be written: " + error.message()};
-      return Obtained{std::move(*bytes), fetched};
+    if (!spoilt && part->size() < asset_bytes) {
+      if (auto done = fetch(part->size(), take); !done && !spoilt) return done.error();
+    }
+    if (!spoilt) {
+      const auto asset = decoder.whole();
+      std::vector<std::byte> bytes = asset ? encode_ply(*asset) : std::vector<std::byte>();
+      if (asset && content_hash(bytes) == hash) {
+        if (auto written = write_file_atomically(whole, bytes); !written)
+          return Error{written.error().code, written.error().message + "; choose another folder with --cache DIR"};
+        std::filesystem::remove(part_path, error);
+        return Obtained{std::move(bytes), fetched};
+      }
+      spoilt = invalid_data("asset: " + std::string(asset ? "the bytes that came have another hash" : "breaks off"));
     }
     if (!part->truncate()) return system_error(part_path, "cannot be truncated");
     if (!resumed) break;
   }
-  return invalid_data("asset " + hash.substr(0, 12) + ": the bytes that came have another hash");
+  return invalid_data(name + spoilt->message.substr(spoilt->message.find(':')));
 }
 
 Result<std::filesystem::path> AssetCache::default_folder() {

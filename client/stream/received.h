@@ -37,7 +37,8 @@ struct StreamedObject {
 
 struct JoinedScene {
   std::string session_id;
-  double rate_hz = 0;
+  double rate_hz = 0;         // ticks a second
+  double stream_rate_hz = 0;  // frames a second that this client gets of them
   uint64_t tick = 0;
   double ball_speed_m_s = 0;
   std::vector<StreamedObject> objects;  // the environment first, if there is one

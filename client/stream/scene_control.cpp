@@ -67,6 +67,12 @@ Result<v1::PhysicsReply> SceneControl::set_physics(const std::string& object, co
   return connection_->ask(&v1::LiveGs::Stub::SetPhysics, request);
 }
 
+Result<v1::PhysicsReply> SceneControl::accept_proposal(const std::string& object) {
+  v1::AcceptProposalRequest request;
+  request.set_object(object);
+  return connection_->ask(&v1::LiveGs::Stub::AcceptProposal, request);
+}
+
 Result<v1::PhysicsReply> SceneControl::undo_physics(const std::string& object, bool redo) {
   v1::UndoPhysicsRequest request;
   request.set_object(object);

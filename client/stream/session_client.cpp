@@ -7,9 +7,11 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <limits>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -32,8 +34,8 @@ constexpr std::chrono::seconds kCallDeadline{10};
 // A session that is resumed asks again sooner, in case the answer was lost.
 constexpr std::chrono::seconds kRejoinDeadline{2};
 constexpr int64_t kAskAgainAfter_ns = 100'000'000;  // a server that builds its scene
-// A server that trickles an asset slower than this is given up; what has arrived is kept for the next
-// attempt.
+// A call for an asset that takes longer is made again from where it was, if anything came; else the server is given up, and
+// what has arrived is kept for the next attempt.
 constexpr std::chrono::seconds kFetchPatience{10};
 constexpr uint64_t kSlowestFetch_bytes_s = 1 << 20;
 // Streams that bring no frame are opened less and less often, down to once in so long.
@@ -77,10 +79,13 @@ struct SessionClient::Connection {
   std::shared_ptr<v1::LiveGs::Stub> stub, asset_stub;
   std::shared_ptr<SessionStream> stream;  // while there is one; shared with who is just sending
   std::optional<ViewCone> view;           // that was told last
-  bool stopping = false;
+  bool stopping = false, given_up = false;
+  std::set<grpc::ClientContext*> calls;   // that end when it is given up
   Result<void> outcome;
 
+  class Call;
   bool wait(int64_t duration_ns);
+  void give_up();
   std::shared_ptr<v1::LiveGs::Stub> stub_now() {
     std::lock_guard lock(mutex);
     return stub;
@@ -90,7 +95,40 @@ struct SessionClient::Connection {
   Result<v1::JoinReply> join(int64_t give_up_ns);
   Result<void> resume(const SessionStream::Outcome& lost);
   SessionStream::Outcome stream_once();
+
+  // Last, so that it is gone before what it touches.
+  std::optional<std::stop_callback<std::function<void()>>> on_stop;
 };
+
+// A call's context, which is cancelled when the connection is given up.
+class SessionClient::Connection::Call {
+ public:
+  explicit Call(Connection& connection) : connection_(connection) {
+    std::lock_guard lock(connection_.mutex);
+    connection_.calls.insert(&context);
+    if (connection_.given_up) context.TryCancel();
+  }
+  ~Call() {
+    std::lock_guard lock(connection_.mutex);
+    connection_.calls.erase(&context);
+  }
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+  grpc::ClientContext context;
+
+ private:
+  Connection& connection_;
+};
+
+void SessionClient::Connection::give_up() {
+  {
+    std::lock_guard lock(mutex);
+    stopping = given_up = true;
+    if (stream) stream->stop();
+    for (grpc::ClientContext* call : calls) call->TryCancel();
+  }
+  changed.notify_all();
+}
 
 // True when the session is to end.
 bool SessionClient::Connection::wait(int64_t duration_ns) {
@@ -105,6 +143,8 @@ Result<v1::JoinReply> SessionClient::Connection::join(int64_t give_up_ns) {
   request.set_client_name(options.client_name);
   request.set_resumed_session_id(session_id);
   request.set_most_mbit_s(options.most_mbit_s);
+  request.set_rate_hz(options.rate_hz);
+  request.set_position_bits(options.position_bits);
   grpc::Status status;
   std::chrono::seconds deadline = session_id.empty() ? kCallDeadline : kRejoinDeadline;
   for (;;) {
@@ -119,9 +159,9 @@ Result<v1::JoinReply> SessionClient::Connection::join(int64_t give_up_ns) {
     auto connected = std::shared_ptr<v1::LiveGs::Stub>(v1::LiveGs::NewStub(channel));
     v1::JoinReply reply;
     do {
-      grpc::ClientContext context;
-      context.set_deadline(Clock::now() + deadline);
-      status = connected->Join(&context, request, &reply);
+      Call call(*this);
+      call.context.set_deadline(Clock::now() + deadline);
+      status = connected->Join(&call.context, request, &reply);
       if (status.ok()) {
         std::lock_guard lock(mutex);
         stub = std::move(connected);
@@ -146,6 +186,7 @@ Result<std::unique_ptr<SessionClient>> SessionClient::join(const std::string& ad
   auto connection = std::make_unique<Connection>();
   connection->address = address;
   connection->options = options;
+  connection->on_stop.emplace(options.stop, [&joining = *connection] { joining.give_up(); });
   const auto reply = connection->join(after(now_ns(), options.timeout_s));
   if (!reply) {
     if (!reply.error().message.empty()) return reply.error();
@@ -162,6 +203,7 @@ Result<std::unique_ptr<SessionClient>> SessionClient::join(const std::string& ad
   connection->session_id = connection->scene.session_id = reply->session_id();
   connection->server_instance = reply->server_instance();
   connection->scene.rate_hz = connection->rate_hz = reply->rate_hz();
+  connection->scene.stream_rate_hz = reply->stream_rate_hz();
   connection->scene.tick = reply->tick();
   connection->scene.ball_speed_m_s = reply->ball_speed_m_s();
   for (const v1::ObjectDescription& description : reply->objects()) {
@@ -180,6 +222,7 @@ Result<void> SessionClient::fetch_asset(const std::string& hash, uint64_t asset_
   const std::string prefix = connection.address + ": asset " + hash.substr(0, 12);
   int64_t progress_ns = now_ns();
   for (;;) {
+    const uint64_t from = offset;
     std::shared_ptr<v1::LiveGs::Stub> stub;
     {
       std::lock_guard lock(connection.mutex);
@@ -188,15 +231,15 @@ Result<void> SessionClient::fetch_asset(const std::string& hash, uint64_t asset_
     v1::FetchAssetRequest request;
     request.set_asset_hash(hash);
     request.set_offset(offset);
-    grpc::ClientContext context;
-    context.set_deadline(Clock::now() + kFetchPatience +
-                         std::chrono::seconds((asset_bytes - std::min(offset, asset_bytes)) / kSlowestFetch_bytes_s));
-    const auto reader = stub->FetchAsset(&context, request);
+    Connection::Call call(connection);
+    call.context.set_deadline(Clock::now() + kFetchPatience +
+                              std::chrono::seconds((asset_bytes - std::min(offset, asset_bytes)) / kSlowestFetch_bytes_s));
+    const auto reader = stub->FetchAsset(&call.context, request);
     v1::AssetChunk chunk;
     while (reader->Read(&chunk)) {
       if (auto taken = take(chunk.offset(), chunk.total_bytes(), std::as_bytes(std::span(chunk.data())));
           !taken) {
-        context.TryCancel();
+        call.context.TryCancel();
         (void)reader->Finish();
         return taken;
       }
@@ -206,7 +249,8 @@ Result<void> SessionClient::fetch_asset(const std::string& hash, uint64_t asset_
     const grpc::Status status = reader->Finish();
     if (status.ok()) return {};
     const bool over = now_ns() >= after(progress_ns, connection.options.reconnect_s);
-    if (!connection_broke(status) || over || connection.wait(kRetryPause_ns)) return error_from(status, prefix);
+    const bool slow = status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED && offset > from;
+    if ((!connection_broke(status) && !slow) || over || connection.wait(kRetryPause_ns)) return error_from(status, prefix);
     log_debug("%s: %s; on from byte %llu", prefix.c_str(), status.error_message().c_str(),
               static_cast<unsigned long long>(offset));
     std::lock_guard lock(connection.mutex);

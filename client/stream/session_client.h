@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <span>
+#include <stop_token>
 #include <string>
 
 #include "core/input_sample.h"
@@ -19,10 +20,15 @@ struct ConnectOptions {
   std::string client_name = "livegs-client";
   std::shared_ptr<const ServerAccess> access;  // null: in the clear
   double most_mbit_s = 0;  // what the link can take; 0: whatever the server gives
+  double rate_hz = 0;      // frames a second that it has a use for, 5 or more; 0: one each tick
+  uint32_t position_bits = 16;  // of elastic objects' positions along their longest side: 16, 18 or 20
   // How long a server that went away is looked for before the session is over; infinity: until stop().
   double reconnect_s = 10.0;
   // Whether a server that said goodbye is looked for, too.
   bool outlive_draining = false;
+  // Once it is requested, from any thread, join() and fetches that are under way or come later end at once with Unavailable,
+  // and so does the session.
+  std::stop_token stop;
 };
 
 // One session with a server, which outlives its connections: when the stream breaks, or nothing came for a second, it

@@ -67,6 +67,15 @@ void ControlCalls::set_physics(std::string object, v1::Physics physics) {
   });
 }
 
+void ControlCalls::accept_proposal(std::string object) {
+  quick_.post([this, object = std::move(object)] {
+    auto reply = control_.accept_proposal(object);
+    Answer told = answer_of(Answer::Kind::Physics, object);
+    reply ? void(told.physics = *std::move(reply)) : void(told.refused = reply.error());
+    answer(std::move(told));
+  });
+}
+
 void ControlCalls::undo_physics(std::string object, bool redo) {
   quick_.post([this, object = std::move(object), redo] {
     auto reply = control_.undo_physics(object, redo);

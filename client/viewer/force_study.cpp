@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "viewer/quantity_text.h"
 
@@ -12,6 +14,12 @@ namespace livegs {
 namespace {
 
 constexpr double kRadian_deg = std::numbers::pi / 180;
+
+// "1 second", "0.3 seconds".
+std::string in_words(double value, const std::string& unit) {
+  const std::string number = quantity_text(value, Unit::None);
+  return number + " " + unit + (number == "1" ? "" : "s");
+}
 
 }  // namespace
 
@@ -30,9 +38,22 @@ Eigen::Vector3d ForceStudy::force_n() const {
   return chosen_.size_n * direction_of(chosen_.yaw_deg, chosen_.pitch_deg);
 }
 
-std::string ForceStudy::sentence() const {
-  return "Apply a force of " + quantity_text(chosen_.size_n, Unit::Newton) + " to the " +
-         (target_ ? target_->object : "thing") + " for " + quantity_text(chosen_.duration_s, Unit::Second) + ".";
+std::string ForceStudy::sentence() const { return sentence_of({this, 1}); }
+
+std::string sentence_of(std::span<const ForceStudy> studies) {
+  std::vector<std::pair<std::string, int>> told;  // what, at how many points
+  for (const ForceStudy& study : studies) {
+    const std::string what = "a force of " + in_words(study.force_n().norm(), "newton") + " to the " +
+                             (study.target() ? study.target()->object : "thing") + " for " + in_words(study.duration_s(), "second");
+    const auto same = std::find_if(told.begin(), told.end(), [&](const auto& one) { return one.first == what; });
+    same == told.end() ? void(told.emplace_back(what, 1)) : void(++same->second);
+  }
+  std::string sentence = "Apply ";
+  for (size_t i = 0; i < told.size(); ++i) {
+    sentence += (i == 0 ? "" : i + 1 < told.size() ? ", " : ", and ") + told[i].first;
+    if (told[i].second > 1) sentence += " at " + std::to_string(told[i].second) + " points";
+  }
+  return sentence + ".";
 }
 
 v1::Event::Force ForceStudy::message() const {

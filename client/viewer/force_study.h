@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "livegs/v1/scene.pb.h"
@@ -26,6 +27,11 @@ class ForceStudy {
   void follow(const std::string& object, uint32_t object_id) {
     if (target_ && target_->object == object) target_->object_id = object_id;
   }
+  // Its kernels have other numbers now.
+  void find_kernel_again(uint32_t object_id, const SceneView& view) {
+    if (!target_ || target_->object_id != object_id) return;
+    if (const auto kernel = view.nearest_kernel(object_id, target_->rest_point_m)) target_->kernel = *kernel;
+  }
   const std::optional<Target>& target() const { return target_; }
 
   void choose(const PanelActions::Force& chosen) { chosen_ = chosen; }
@@ -33,7 +39,7 @@ class ForceStudy {
 
   Eigen::Vector3d force_n() const;
   double duration_s() const { return chosen_.duration_s; }
-  // "Apply a force of 5 N to the pillow for 1 s."
+  // "Apply a force of 5 newtons to the pillow for 1 second."
   std::string sentence() const;
   // Precondition: there is a target.
   v1::Event::Force message() const;
@@ -43,6 +49,10 @@ class ForceStudy {
   std::optional<Target> target_;
   PanelActions::Force chosen_{5, 1, 0, 90};
 };
+
+// Of several at once: "Apply a force of 5 newtons to the pillow for 1 second at 2 points, and a force of ...". Those that read
+// alike are told once. Precondition: there is one.
+std::string sentence_of(std::span<const ForceStudy> studies);
 
 // "OBJECT:X,Y,Z:FX,FY,FZ:SECONDS", the point in the object's rest coordinates. The error says what is wrong.
 Result<v1::Event::Force> parse_force(const std::string& text);

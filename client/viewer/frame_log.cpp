@@ -89,7 +89,7 @@ ReceivedLog::Summary ReceivedLog::summary() const {
 Result<DrawnLog> DrawnLog::create(const std::filesystem::path& path) {
   auto file =
       open(path, "picture,simulated_s,tick,received_ns,age_ms,lag_ms,skin_ms,raster_ms,bytes,server_step_ms,"
-                 "device_project_ms,device_sort_ms,device_draw_ms,device_resolve_ms");
+                 "device_skin_ms,device_project_ms,device_sort_ms,device_draw_ms,device_resolve_ms");
   if (!file) return cannot_write(path);
   return DrawnLog(std::move(file));
 }
@@ -100,10 +100,10 @@ void DrawnLog::add(const Row& row) {
                static_cast<unsigned long long>(row.tick), static_cast<long long>(row.received_ns), row.age_ms,
                row.lag_ms, row.skin_ms, row.raster_ms, row.bytes, row.server_step_ms);
   if (row.device)
-    std::fprintf(file_.get(), "%.3f,%.3f,%.3f,%.3f\n", row.device->project_ms, row.device->sort_ms, row.device->draw_ms,
-                 row.device->resolve_ms);
+    std::fprintf(file_.get(), "%.3f,%.3f,%.3f,%.3f,%.3f\n", row.device->skin_ms, row.device->project_ms,
+                 row.device->sort_ms, row.device->draw_ms, row.device->resolve_ms);
   else
-    std::fputs(",,,\n", file_.get());
+    std::fputs(",,,,\n", file_.get());
   skin_ms_.push_back(row.skin_ms);
   raster_ms_.push_back(row.raster_ms);
 }

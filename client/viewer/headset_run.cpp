@@ -15,11 +15,12 @@
 #include "viewer/frame_log.h"
 #include "viewer/frame_meter.h"
 #include "viewer/hand_marks.h"
+#include "viewer/live_loading.h"
 #include "viewer/live_stream.h"
-#include "viewer/load_scene.h"
 #include "viewer/playout.h"
 #include "viewer/render_scale.h"
 #include "viewer/seen_cone.h"
+#include "viewer/session_notice.h"
 #include "viewer/touch_feel.h"
 #include "viewer/touch_prediction.h"
 
@@ -31,8 +32,8 @@ constexpr size_t kMostLatencies = 1 << 20;
 
 class HeadsetRun {
  public:
-  HeadsetRun(const HeadsetRunOptions& options, SessionClient& client, AssetLibrary& assets, SceneView& view, HeadsetDisplay& display)
-      : options_(options), client_(client), stream_(assets), view_(view), display_(display) {
+  HeadsetRun(const HeadsetRunOptions& options, SessionClient& client, ArrivingObjects& arriving, SceneView& view, HeadsetDisplay& display)
+      : options_(options), client_(client), stream_(arriving), view_(view), display_(display) {
     for (const StreamedObject& object : client.scene().objects) masses_kg_[object.id] = object.mass_kg;
   }
 
@@ -43,6 +44,7 @@ class HeadsetRun {
   Result<void> take_news();
   Result<void> place();
   void send_hands();
+  void send_hands_again();
   void vibrate(size_t hand, const std::optional<TouchFeel::Pulse>& pulse);
   void feel(const ReceivedFrame& frame);
   void foresee(int64_t displayed_ns);
@@ -68,6 +70,7 @@ class HeadsetRun {
   size_t vibrations_ = 0;
   std::vector<Image> images_;
   int64_t last_ns_ = 0;
+  SessionNotice notice_;
   double scale_budget_ms_ = 0;
   std::optional<RenderScale> scale_;
 };
@@ -94,9 +97,7 @@ Result<void> HeadsetRun::take_news() {
   auto news = stream_.take(view_);
   if (!news) return news.error();
   for (const StreamedObject& object : news->described) masses_kg_[object.id] = object.mass_kg;
-  if (news->goodbye) log_warn("the server says goodbye: %s", news->goodbye->c_str());
-  if (news->lost) log_warn("the server has gone: %s; looking for it", news->lost->c_str());
-  if (news->back) log_info("the server is back");
+  notice_.take(*news, client_);
   if (news->anew) playout_.begin_again();
   if (news->frames.empty()) return {};
   const auto newest = news->frames.back().drivers;
@@ -116,6 +117,12 @@ void HeadsetRun::send_hands() {
   sample_.sampled_ns = now_ns();
   meter_.sampled(sample_.sequence, sample_.sampled_ns);
   client_.send(sample_);
+}
+
+// Looked at once a picture, a hand that moves waits for the next: half a picture, and a whole one at worst. So it is looked at
+// after each thing that takes its time.
+void HeadsetRun::send_hands_again() {
+  if (display_.update_input()) send_hands();
 }
 
 void HeadsetRun::vibrate(size_t hand, const std::optional<TouchFeel::Pulse>& pulse) {
@@ -170,14 +177,16 @@ Result<void> HeadsetRun::draw(PlannedFrame& planned) {
   auto drivers = playout_.at(begun_ns, planned.display_time_ns);
   if (!drivers) return display_.submit(planned, {});
   if (options_.marks) add_marks(*drivers);
-  if (auto posed = view_.pose(*drivers); !posed) return posed;
+  if (auto posed = view_.prepare(*drivers); !posed) return posed;
   foresee(planned.display_time_ns);
+  send_hands_again();
   display_.update_views(planned);  // skinning took its time, and the head moves on
   client_.look(seen_cone(planned.views));
   const auto image = display_.acquire();
   if (!image) return display_.submit(planned, {});
   if (auto drawn = view_.draw_into(*drivers, planned.views, *image, images_); !drawn) return drawn;
   const int64_t drawn_ns = now_ns();
+  send_hands_again();
   const uint64_t before = display_.counts().pictures;
   if (auto submitted = display_.submit(planned, images_); !submitted) return submitted;
   if (display_.counts().pictures == before) return {};  // the session was lost meanwhile
@@ -202,15 +211,14 @@ Result<void> HeadsetRun::draw(PlannedFrame& planned) {
 
 Result<void> HeadsetRun::run(const std::atomic<bool>& interrupted) {
   client_.start(stream_);
-  bool over = false;
   while (!interrupted) {
     if (auto taken = take_news(); !taken) return taken;
     auto planned = display_.wait_frame();
     if (!planned) break;
     if (auto taken = take_news(); !taken) return taken;  // what came while it waited
+    display_.set_notice(notice_.text(view_.notice()));
     if (placed_) send_hands();
     if (auto done = planned->views.empty() || !placed_ ? display_.submit(*planned, {}) : draw(*planned); !done) return done;
-    if (client_.ended() && !std::exchange(over, true)) log_warn("the session is over; what it showed last stays");
     if (options_.seconds > 0 && placed_ && seconds_from_ns(now_ns() - placed_ns_) >= options_.seconds) break;
   }
   return {};
@@ -229,17 +237,38 @@ HeadsetRunSummary HeadsetRun::summary() const {
   return summary;
 }
 
+// Null when the runtime ended the session, or it was interrupted.
+Result<std::unique_ptr<LiveView>> load_in_headset(LiveLoading& loading, HeadsetDisplay& display, const std::atomic<bool>& interrupted) {
+  while (!loading.wait(0)) {
+    const auto planned = display.wait_frame();  // sleeps
+    if (!planned || interrupted) return std::unique_ptr<LiveView>();
+    display.set_notice(loading.progress().text);
+    if (auto submitted = display.submit(*planned, {}); !submitted) return submitted.error();
+  }
+  return loading.take();
+}
+
 }  // namespace
 
 Result<HeadsetRunSummary> run_headset(const HeadsetRunOptions& options, HeadsetDisplay& display,
                                       const std::atomic<bool>& interrupted) {
-  auto live = join_live(options, [&] {
-    return options.renderer == RendererChoice::Cpu ? Result<std::unique_ptr<SplatRenderer>>(create_cpu_renderer())
-                                                   : create_vulkan_renderer(display.device());
-  });
+  // Made before the loading begins: its device is the display's, which this thread goes on with.
+  auto renderer = options.renderer == RendererChoice::Cpu ? Result<std::unique_ptr<SplatRenderer>>(create_cpu_renderer())
+                                                          : create_vulkan_renderer(display.device());
+  if (!renderer) return renderer.error();
+  LiveLoading loading(options, [&] { return std::move(renderer); });
+  auto live = load_in_headset(loading, display, interrupted);
   if (!live) return live.error();
-  HeadsetRun run(options, *(*live)->client, (*live)->assets, (*live)->view, display);
+  if (!*live) {
+    if (auto finished = display.finish(); !finished) return finished.error();
+    HeadsetRunSummary summary;
+    summary.runtime = display.runtime_name();
+    summary.counts = display.counts();
+    return summary;
+  }
+  HeadsetRun run(options, *(*live)->client, (*live)->objects, (*live)->view, display);
   const auto done = run.run(interrupted);
+  (*live)->stop.request_stop();  // nor does anybody wait for what is being fetched
   const auto finished = display.finish();
   const auto stopped = (*live)->client->stop();  // before the run's stream goes, which its reader calls
   if (!stopped) log_warn("%s", stopped.error().message.c_str());

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <map>
+#include <deque>
+#include <future>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -9,7 +10,7 @@
 
 #include "render/scene_view.h"
 #include "stream/received.h"
-#include "viewer/asset_library.h"
+#include "viewer/arriving_objects.h"
 
 namespace livegs {
 
@@ -17,7 +18,7 @@ namespace livegs {
 // dropped, events never.
 class LiveStream final : public StreamSink {
  public:
-  explicit LiveStream(AssetLibrary& assets) : assets_(assets) {}
+  explicit LiveStream(ArrivingObjects& objects) : objects_(objects) {}
 
   // On the session's threads.
   void on_lost(const std::string& reason) override;
@@ -28,13 +29,16 @@ class LiveStream final : public StreamSink {
   void on_object_removed(uint32_t object_id) override;
   void on_draining(const std::string& reason) override;
 
-  // On the drawer's: what came since the last call, events first. Waits for the asset of an object that is
-  // new. Events of a server that was started anew wait for its first frame, so that the last picture can still be drawn.
+  // On the drawer's: what came since the last call, events first, and more of assets that are being fetched. It waits for
+  // nothing: an object that is new, or broke, is fetched and tied to its drivers on a thread of its own and comes, with its
+  // first kernels, with a later call; until then a new one is not seen, and one that broke stands as it was. A server that was
+  // started anew shows itself when its first frame and all of its objects are there, so that the last picture can still be drawn.
   struct News {
     std::vector<ReceivedFrame> frames;      // oldest first
     bool anew = false;                      // they are of a server that was started anew
     std::vector<StreamedObject> described;  // added or changed
     std::vector<uint32_t> removed;
+    std::vector<uint32_t> refined;          // more of their kernels have come: kernels have other numbers
     std::optional<std::string> goodbye;
     std::optional<std::string> lost;  // why the stream is gone
     bool back = false;                // the frames are the first of a stream that came back
@@ -46,14 +50,25 @@ class LiveStream final : public StreamSink {
   std::vector<ReceivedFrame> take_kept();
 
  private:
+  using Binding = ArrivingObjects::Binding;
   static constexpr size_t kMostFrames = 32;
   struct Event {
     std::optional<StreamedObject> object;
     bool added = false;
-    uint32_t removed_id = 0;
+    uint32_t id = 0;
   };
+  // On its way to the view.
+  struct Pending {
+    Event event;
+    std::future<Result<Binding>> bound;  // of one that has to be
+    bool ready() const;
+  };
+  void take_event(Event event, const SceneView& view);
+  Result<void> show(Pending pending, SceneView& view, News& news);
 
-  AssetLibrary& assets_;
+  ArrivingObjects& objects_;
+  std::deque<Pending> pending_;                         // the drawer's, in the order of events
+  std::vector<std::future<Result<Binding>>> unwanted_;  // its as well: of objects that went before they were there
   std::mutex mutex_;  // guards everything below
   std::vector<Event> events_;
   size_t events_to_take_ = 0;  // those of before such a server

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <limits>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <utility>
 
@@ -14,7 +14,7 @@
 #include "stream/asset_cache.h"
 #include "stream/session_client.h"
 #include "trust/server_access.h"
-#include "viewer/asset_library.h"
+#include "viewer/arriving_objects.h"
 
 namespace livegs {
 
@@ -27,24 +27,33 @@ struct JoinOptions {
   double reconnect_s = std::numeric_limits<double>::infinity();  // how long a server that went away is looked for
   RendererChoice renderer = RendererChoice::Auto;
   double most_mbit_s = 0;  // what the link can take; 0: whatever the server gives
+  double rate_hz = 0;            // frames a second that there is a use for, 5 or more; 0: one each tick
+  uint32_t position_bits = 16;   // of elastic objects' positions: 16, 18 or 20
+  bool outlive_draining = true;  // looks for a server that said goodbye, too
+  bool coarse_first = true;      // objects are shown with what has come of them; else once they are whole
 };
 
-ConnectOptions connect_options(const JoinOptions& options);
 // Of fetched assets, in this folder; empty: the user's.
 Result<AssetCache> asset_cache(const std::filesystem::path& folder);
 
 // A session that looks for its server again, also one that was started anew; what it has fetched; and the view that draws
-// it, with all that the scene shows.
+// it, with all objects of the scene: whole, or as far as their assets have come. Made by LiveLoading.
 struct LiveView {
-  LiveView(std::unique_ptr<SessionClient> joined, AssetCache kept, std::unique_ptr<SplatRenderer> renderer)
-      : client(std::move(joined)), cache(std::move(kept)), assets(*client, cache), view(std::move(renderer)) {}
+  LiveView(std::stop_source ending, std::unique_ptr<SessionClient> joined, AssetCache kept, std::unique_ptr<SplatRenderer> renderer)
+      : stop(std::move(ending)),
+        client(std::move(joined)),
+        cache(std::move(kept)),
+        assets(*client, cache, stop.get_token()),
+        objects(assets),
+        view(std::move(renderer)) {}
+  ~LiveView() { stop.request_stop(); }
 
+  std::stop_source stop;  // ends the session and what is being fetched
   const std::unique_ptr<SessionClient> client;
   const AssetCache cache;
   AssetLibrary assets;
+  ArrivingObjects objects;
   SceneView view;
 };
-using MakeRenderer = std::function<Result<std::unique_ptr<SplatRenderer>>()>;
-Result<std::unique_ptr<LiveView>> join_live(const JoinOptions& options, const MakeRenderer& make_renderer);
 
 }  // namespace livegs

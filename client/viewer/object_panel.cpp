@@ -49,7 +49,7 @@ std::string stiffness_text(const v1::ElasticAccuracy& elastic) {
   const std::string asked = quantity_text(elastic.youngs_modulus_pa(), Unit::Pascal);
   switch (elastic.band()) {
     case v1::ElasticAccuracy::EXACT:
-      return asked + " is simulated to 4 %";
+      return asked + " is simulated to 5 %";
     case v1::ElasticAccuracy::BAND:
       return asked + format_text(" is simulated as %.2f to %.2f of it", elastic.modulus_ratio_low(), elastic.modulus_ratio_high());
     case v1::ElasticAccuracy::CLIPPED:
@@ -106,6 +106,12 @@ std::vector<std::string> object_facts(const StreamedObject& object) {
   return facts;
 }
 
+std::string proposal_text(const v1::PhysicalParameters& proposal) {
+  const v1::EstimatedValue& mass = proposal.mass_kg();
+  return quantity_text(mass.best(), Unit::Kilogram) + " (" + range_text(mass.low(), mass.high(), Unit::Kilogram) + ")" +
+         (proposal.material().empty() ? "" : " of " + proposal.material()) + ", " + behavior_text(proposal.behavior());
+}
+
 ValueRow value_row(PhysicalField field, const v1::PhysicalParameters& physics) {
   const v1::EstimatedValue value = shown_value(field, physics);
   const Unit unit = field_unit(field);
@@ -134,6 +140,7 @@ ObjectsPanel ObjectPanel::shown(const Objects& objects) const {
   panel.facts = object_facts(*object);
   for (const PhysicalField field : fields_of(object->physics)) panel.rows.push_back(value_row(field, object->physics));
   if (object->physics.behavior() == v1::Physics::RIGID) panel.fragile = object->physics.fragile();
+  if (const auto found = proposals_.find(selected_); found != proposals_.end()) panel.proposal = "Proposed: " + found->second;
   if (const auto said = messages_.find(selected_); said != messages_.end()) panel.messages = said->second;
   for (const std::string& warning : object->warnings) panel.messages.push_back({false, shortened(warning)});
   return panel;
@@ -162,6 +169,12 @@ std::vector<ObjectCall> ObjectPanel::act(const PanelActions& actions, const Obje
             : refuse(selected_, std::string(field_name(field)) + ": " + value.error().message);
     }
     if (actions.fragile) set(edit_of_fragile(*actions.fragile));
+    if (actions.accept && proposals_.erase(selected_) > 0) {
+      calls.push_back(AcceptProposalCall{selected_});
+      messages_[selected_].clear();
+      waiting_ = "Changing " + selected_;
+      ++answers_missing_;
+    }
     if (actions.undo || actions.redo) {
       calls.push_back(UndoPhysicsCall{selected_, actions.redo});
       messages_[selected_].clear();
@@ -199,6 +212,10 @@ void ObjectPanel::take_progress(const v1::AnalysisProgress& progress) {
   progress_ = format_text("Analysed %u of %u: ", progress.finished(), progress.objects()) + progress.object();
   std::vector<ObjectsPanel::Message>& said = messages_[progress.object()];
   said.clear();
+  proposals_.erase(progress.object());
+  if (progress.verdict() == v1::AnalysisProgress::NEEDS_REVIEW && progress.has_proposal()) {
+    proposals_[progress.object()] = proposal_text(progress.proposal());
+  }
   if (!progress.message().empty()) said.push_back({false, progress.message()});
 }
 

@@ -16,12 +16,17 @@ namespace livegs {
 ObjectsPanel::Entry list_entry(const StreamedObject& object);
 // What it was taken for, how sure that is, what it is now and how far its stiffness holds; a line each.
 std::vector<std::string> object_facts(const StreamedObject& object);
+// What a model's answer would make of it: "5.0 kg (4.5 to 5.5 kg) of softwood, rigid".
+std::string proposal_text(const v1::PhysicalParameters& proposal);
 ValueRow value_row(PhysicalField field, const v1::PhysicalParameters& physics);
 
 // What is asked of the server.
 struct SetPhysicsCall {
   std::string object;
   v1::Physics physics;
+};
+struct AcceptProposalCall {
+  std::string object;
 };
 struct UndoPhysicsCall {
   std::string object;
@@ -30,7 +35,7 @@ struct UndoPhysicsCall {
 struct AnalyzeCall {
   std::vector<std::string> objects;  // empty: all that are left to the analysis
 };
-using ObjectCall = std::variant<SetPhysicsCall, UndoPhysicsCall, AnalyzeCall>;
+using ObjectCall = std::variant<SetPhysicsCall, AcceptProposalCall, UndoPhysicsCall, AnalyzeCall>;
 
 // The objects panel over time: which object is selected, what the server said of it. It makes no calls itself. On the
 // drawer's thread.
@@ -56,6 +61,7 @@ class ObjectPanel {
 
   std::string selected_;  // by name, which a reset does not change
   std::map<std::string, std::vector<ObjectsPanel::Message>> messages_;
+  std::map<std::string, std::string> proposals_;  // of objects, in words
   std::string waiting_;  // for the answer to a change of this object
   std::string progress_;
   int answers_missing_ = 0;

@@ -9,7 +9,7 @@
 #include "core/log.h"
 #include "render/choose_camera.h"
 #include "stream/session_client.h"
-#include "viewer/load_scene.h"
+#include "viewer/live_loading.h"
 #include "viewer/object_line.h"
 #include "viewer/player.h"
 #include "viewer/recorder.h"
@@ -76,19 +76,20 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
                                           const std::atomic<bool>& interrupted) {
   auto prepared = prepare(options);
   if (!prepared) return prepared.error();
-  const auto cache = asset_cache(options.cache);
-  if (!cache) return cache.error();
-  auto joined = SessionClient::join(options.address, connect_options(options));
-  if (!joined) return joined.error();
-  SessionClient& client = **joined;
+  JoinOptions join = options;
+  join.coarse_first = false;  // pictures that are kept show all there is
+  LiveLoading loading(
+      std::move(join), [&] { return choose_renderer(options.renderer); },
+      [&](const JoinedScene& joined) { return check_names(prepared->script, joined); });
+  while (!loading.wait(kWaitSlice_s)) {
+    if (interrupted) return Error{ErrorCode::Unavailable, "interrupted before the scene was there"};
+  }
+  auto live = loading.take();
+  if (!live) return live.error();
+  SessionClient& client = *(*live)->client;
+  AssetLibrary& assets = (*live)->assets;
+  SceneView& view = (*live)->view;
   const JoinedScene& scene = client.scene();
-  if (auto checked = check_names(prepared->script, scene); !checked) return checked.error();
-  auto renderer = choose_renderer(options.renderer);
-  if (!renderer) return renderer.error();
-
-  AssetLibrary assets(client, *cache);
-  SceneView view(*std::move(renderer));
-  if (auto loaded = load_scene(scene, assets, view); !loaded) return loaded.error();
   log_info("joined %s: %zu objects, %.0f Hz; %zu of %zu assets fetched, %.1f MB", options.address.c_str(),
            scene.objects.size(), scene.rate_hz, assets.totals().fetched, assets.totals().assets,
            static_cast<double>(assets.totals().fetched_bytes) * 1e-6);
@@ -138,7 +139,7 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
   summary.scene_address = options.address;
   summary.renderer = view.renderer_name();
   summary.notice = view.notice();
-  summary.server_rate_hz = scene.rate_hz;
+  summary.server_rate_hz = scene.stream_rate_hz;
   summary.objects = scene.objects.size();
   const std::map<uint32_t, StreamedObject> changed = recorder.changed_objects();
   for (const StreamedObject& object : scene.objects) {

@@ -17,7 +17,10 @@
 namespace livegs {
 
 struct OffscreenRunOptions : JoinOptions {
-  OffscreenRunOptions() { reconnect_s = 10; }  // a run that ends by itself does not look for ever
+  OffscreenRunOptions() {  // a run that ends by itself does not look for ever
+    reconnect_s = 10;
+    outlive_draining = false;
+  }
   double seconds = 10;  // of stream, after the first frame; 0: until the server ends or `interrupted`
   std::filesystem::path output = "out/client";
   std::optional<PictureSize> size;
@@ -32,7 +35,7 @@ struct OffscreenRunSummary {
   std::string scene_address;
   std::string renderer;  // "cpu", or the Vulkan device
   std::string notice;    // what was out of order with the last picture; empty: nothing
-  double server_rate_hz = 0;
+  double server_rate_hz = 0;  // frames a second that it is to send
   size_t objects = 0, kernels = 0;
   std::vector<std::string> object_lines;  // one an object: what it is, and how far its numbers hold
   AssetLibrary::Totals assets;
@@ -52,8 +55,8 @@ inline constexpr size_t kMostBacklogBytes = 512u << 20;
 //   last_frame.bin, camera.json that frame's bytes and the camera: `livegs render SCENE --frame --camera`
 //   draws it again frames.csv, timings.csv     a row a received frame; a row a drawn picture
 // The stream is taken at its full rate while drawing follows as fast as it can, from a bounded backlog of
-// encoded frames; after the time is up the session ends and the rest is drawn. Fails when it could not start;
-// a stream that breaks later is in the summary.
+// encoded frames; after the time is up the session ends and the rest is drawn. Fails when it could not start, or was
+// interrupted before; a stream that breaks later is in the summary.
 Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
                                           const std::atomic<bool>& interrupted);
 

@@ -3,6 +3,7 @@
 
 #include <google/protobuf/util/json_util.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/file.h"
@@ -16,7 +17,7 @@ constexpr int64_t ns(double seconds) { return static_cast<int64_t>(seconds * 1e9
 
 }  // namespace
 
-Result<StudyRecording> StudyRecording::begin(const std::filesystem::path& folder, const ForceStudy& study,
+Result<StudyRecording> StudyRecording::begin(const std::filesystem::path& folder, std::vector<ForceStudy> studies,
                                              const Camera& camera, double tick_rate_hz) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
@@ -29,18 +30,24 @@ Result<StudyRecording> StudyRecording::begin(const std::filesystem::path& folder
   google::protobuf::util::JsonPrintOptions options;
   options.preserve_proto_field_names = true;
   options.add_whitespace = true;
-  if (!google::protobuf::util::MessageToJsonString(study.message(), &json, options).ok()) json = "{}";
-  for (const auto& [ending, text] : {std::pair(".txt", study.sentence() + "\n"), std::pair(".json", json)}) {
+  for (const ForceStudy& study : studies) {
+    std::string one;
+    if (!google::protobuf::util::MessageToJsonString(study.message(), &one, options).ok()) one = "{}";
+    json += (json.empty() ? "" : ",\n") + one;
+  }
+  if (studies.size() > 1) json = "[\n" + json + "]\n";
+  for (const auto& [ending, text] : {std::pair(".txt", sentence_of(studies) + "\n"), std::pair(".json", json)}) {
     if (auto written = write_file_atomically(stem.string() + ending, std::string_view(text)); !written) return written.error();
   }
   if (auto written = write_camera_file(stem.string() + "_camera.json", camera); !written) return written.error();
-  return StudyRecording(stem, study, tick_rate_hz);
+  return StudyRecording(stem, std::move(studies), tick_rate_hz);
 }
 
 void StudyRecording::add(const ReceivedFrame& frame) {
   frames_.add(*frame.drivers);
   newest_tick_ = frame.tick;
-  if (force_begin_ns_ && frames_.newest().simulated_ns >= force_end_ns_ + ns(kTail_s)) drawing_ = true;
+  const auto over = [&](const Span& span) { return frames_.newest().simulated_ns >= span.end_ns + ns(kTail_s); };
+  if (taken_.size() == studies_.size() && std::all_of(taken_.begin(), taken_.end(), over)) drawing_ = true;
 }
 
 bool StudyRecording::wants_force() {
@@ -52,8 +59,9 @@ bool StudyRecording::wants_force() {
 
 void StudyRecording::force_taken(uint64_t tick) {
   const double ticks = static_cast<double>(tick) - static_cast<double>(newest_tick_);
-  force_begin_ns_ = frames_.newest().simulated_ns + ns(ticks / tick_rate_hz_);
-  force_end_ns_ = *force_begin_ns_ + ns(study_.duration_s());
+  if (taken_.size() == studies_.size()) return;
+  const int64_t begin_ns = frames_.newest().simulated_ns + ns(ticks / tick_rate_hz_);
+  taken_.push_back({begin_ns, begin_ns + ns(studies_[taken_.size()].duration_s())});
 }
 
 int64_t StudyRecording::shown_ns() const {
@@ -65,8 +73,14 @@ std::optional<DriverFrame> StudyRecording::next() const {
   return frames_.at(shown_ns());
 }
 
-bool StudyRecording::force_acts() const {
-  return force_begin_ns_ && shown_ns() >= *force_begin_ns_ && shown_ns() < force_end_ns_;
+bool StudyRecording::acts(size_t study) const {
+  return study < taken_.size() && shown_ns() >= taken_[study].begin_ns && shown_ns() < taken_[study].end_ns;
+}
+
+double StudyRecording::longest_s() const {
+  double longest = 0;
+  for (const ForceStudy& study : studies_) longest = std::max(longest, study.duration_s());
+  return longest;
 }
 
 Result<void> StudyRecording::keep(const Image& picture) {
@@ -85,7 +99,7 @@ std::string StudyRecording::progress() const {
   if (!drawing_) {
     const double passed_s =
         frames_.empty() ? 0 : 1e-9 * static_cast<double>(frames_.newest().simulated_ns - frames_.oldest().simulated_ns);
-    return format_text("Recording: %.1f of %.1f s", passed_s, kLead_s + study_.duration_s() + kTail_s);
+    return format_text("Recording: %.1f of %.1f s", passed_s, kLead_s + longest_s() + kTail_s);
   }
   const double all = 1 + kRate_hz * 1e-9 * static_cast<double>(frames_.newest().simulated_ns - frames_.oldest().simulated_ns);
   return format_text("Drawing picture %d of %.0f", drawn_ + 1, std::floor(all));

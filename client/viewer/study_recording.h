@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "stream/frame_history.h"
 #include "stream/received.h"
@@ -12,47 +13,56 @@
 
 namespace livegs {
 
-// A force on a thing, as a video with its sentence beside it. First the frames are collected, from a moment before the
+// A force on a thing, or several at once, as a video with its sentence beside it. First the frames are collected, from a moment before the
 // force to a while after it; then they are drawn one after the other, evenly in simulated time, however slow drawing
 // is. One thread.
 class StudyRecording {
  public:
   static constexpr double kLead_s = 0.5, kTail_s = 1.5, kRate_hz = 30;
 
-  // The folder is made. Writes NAME.mp4, NAME.txt (the sentence), NAME.json (the force as a scene file's event) and
-  // NAME_camera.json, NAME being study_001 or the next that is free.
-  static Result<StudyRecording> begin(const std::filesystem::path& folder, const ForceStudy& study,
+  // The folder is made. Writes NAME.mp4, NAME.txt (the sentence), NAME.json (the force as a scene file's event, or an array of
+  // them) and NAME_camera.json, NAME being study_001 or the next that is free. Precondition: there is a study, each has a target.
+  static Result<StudyRecording> begin(const std::filesystem::path& folder, std::vector<ForceStudy> studies,
                                       const Camera& camera, double tick_rate_hz);
 
   // While it collects.
   void add(const ReceivedFrame& frame);
-  bool wants_force();              // once, when the server is to be asked
-  void force_taken(uint64_t tick); // what it answered
+  bool wants_force();              // once, when the server is to be asked for all of them, in order
+  void force_taken(uint64_t tick); // what it answered to the next of them
   bool collecting() const { return !drawing_; }
+
+  // An object's kernels have other numbers now.
+  void find_kernels_again(uint32_t object_id, const SceneView& view) {
+    for (ForceStudy& study : studies_) study.find_kernel_again(object_id, view);
+  }
 
   // While it draws: the drivers of the next picture; nothing when all are drawn.
   std::optional<DriverFrame> next() const;
-  bool force_acts() const;  // in the next picture
+  bool acts(size_t study) const;  // in the next picture
   Result<void> keep(const Image& picture);
   Result<void> finish();
 
-  const ForceStudy& study() const { return study_; }
+  const std::vector<ForceStudy>& studies() const { return studies_; }
+  std::string sentence() const { return sentence_of(studies_); }
   std::string progress() const;
   std::filesystem::path video_path() const { return stem_.string() + ".mp4"; }
 
  private:
-  StudyRecording(std::filesystem::path stem, ForceStudy study, double tick_rate_hz)
-      : stem_(std::move(stem)), study_(std::move(study)), tick_rate_hz_(tick_rate_hz) {}
+  StudyRecording(std::filesystem::path stem, std::vector<ForceStudy> studies, double tick_rate_hz)
+      : stem_(std::move(stem)), studies_(std::move(studies)), tick_rate_hz_(tick_rate_hz) {}
+  double longest_s() const;
   int64_t shown_ns() const;
 
   std::filesystem::path stem_;
-  ForceStudy study_;
+  std::vector<ForceStudy> studies_;
   double tick_rate_hz_;
   FrameHistory frames_{100'000};
   uint64_t newest_tick_ = 0;
   bool asked_ = false, drawing_ = false;
-  std::optional<int64_t> force_begin_ns_;
-  int64_t force_end_ns_ = 0;
+  struct Span {
+    int64_t begin_ns = 0, end_ns = 0;
+  };
+  std::vector<Span> taken_;  // of the first studies
   int drawn_ = 0;
   std::optional<VideoFile> video_;
 };

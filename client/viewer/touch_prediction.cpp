@@ -29,17 +29,12 @@ std::optional<TouchPrediction::Touch> TouchPrediction::at(size_t hand, const Han
   const Eigen::Vector3f velocity_m_s =
       ((place_m - last->place_m) / seconds_from_ns(displayed_ns - last->displayed_ns)).cast<float>();
 
-  std::vector<DrawnObject> others, held;
-  for (const DrawnObject& object : view.drawn()) {
-    if (HandMarks::is_mark(object.object_id)) continue;
-    (object.object_id == held_id ? held : others).push_back(object);
-  }
   std::vector<Eigen::Vector3f> probes;
   if (held_id == 0) {
     probes.push_back(place_m.cast<float>());
-  } else {
+  } else if (const auto held = view.drawn_object(held_id)) {
     const Eigen::AlignedBox3f all(Eigen::Vector3f::Constant(-1e6f), Eigen::Vector3f::Constant(1e6f));
-    for (const SurfaceKernel& point : surface_within(held, all, kProbes)) probes.push_back(point.middle_m);
+    for (const SurfaceKernel& point : surface_within({&*held, 1}, all, kProbes)) probes.push_back(point.middle_m);
   }
   const float reach_m = held_id == 0 ? kHand_m : kHeld_m;
   const float end_m = last->touches ? reach_m + kApart_m : reach_m;
@@ -50,7 +45,12 @@ std::optional<TouchPrediction::Touch> TouchPrediction::at(size_t hand, const Han
     const Eigen::Vector3f ahead = static_cast<float>(kAhead_s) * velocity_m_s;
     box.extend(Eigen::AlignedBox3f(box.min() + ahead, box.max() + ahead));
     const Eigen::Vector3f wider = Eigen::Vector3f::Constant(end_m + 0.05f);  // middles of large kernels are farther away
-    const auto surface = surface_within(others, {box.min() - wider, box.max() + wider}, kMostSurface);
+    const Eigen::AlignedBox3f looked_at(box.min() - wider, box.max() + wider);
+    std::vector<DrawnObject> others = view.drawn_near(looked_at);
+    std::erase_if(others, [&](const DrawnObject& object) {
+      return object.object_id == held_id || HandMarks::is_mark(object.object_id);
+    });
+    const auto surface = surface_within(others, looked_at, kMostSurface);
     for (int step = 0; step <= kSteps && !touch.touches; ++step) {
       for (const Eigen::Vector3f& probe : probes) {
         const Eigen::Vector3f there = probe + static_cast<float>(step) / kSteps * ahead;

@@ -16,12 +16,13 @@
 #include "viewer/force_study.h"
 #include "viewer/frame_meter.h"
 #include "viewer/live_stream.h"
-#include "viewer/load_scene.h"
+#include "viewer/loading_window.h"
 #include "viewer/object_panel.h"
 #include "viewer/orbit_camera.h"
 #include "viewer/playout.h"
 #include "viewer/render_scale.h"
 #include "viewer/seen_cone.h"
+#include "viewer/session_notice.h"
 #include "viewer/study_recording.h"
 #include "xr/window_display.h"
 
@@ -36,9 +37,9 @@ constexpr const char* kHelp =
 
 class WindowRun {
  public:
-  WindowRun(const WindowRunOptions& options, SessionClient& client, SceneControl& control, AssetLibrary& assets,
+  WindowRun(const WindowRunOptions& options, SessionClient& client, SceneControl& control, ArrivingObjects& arriving,
             SceneView& view, WindowDisplay& display)
-      : options_(options), client_(client), calls_(control), stream_(assets), view_(view), display_(display) {
+      : options_(options), client_(client), calls_(control), arriving_(arriving), stream_(arriving), view_(view), display_(display) {
     for (const StreamedObject& object : client.scene().objects) objects_[object.id] = object;
   }
 
@@ -52,9 +53,10 @@ class WindowRun {
   void send_hands(const WindowInput& input);
   void send_script();
   void act(const WindowInput& input);
-  Result<void> begin_recording();
+  Result<ForceStudy> study_of(const v1::Event::Force& force) const;
+  Result<void> begin_recording(std::vector<ForceStudy> studies);
   Result<void> finish_recording();
-  bool ends_with_recording() const { return options_.force && options_.seconds == 0; }
+  bool ends_with_recording() const { return !options_.forces.empty() && options_.seconds == 0; }
   void take_answers();
   Result<void> picture(const PlannedFrame& planned);
   Result<void> recorded_picture(const PlannedFrame& planned);
@@ -69,6 +71,7 @@ class WindowRun {
   const WindowRunOptions& options_;
   SessionClient& client_;
   ControlCalls calls_;
+  const ArrivingObjects& arriving_;
   LiveStream stream_;
   SceneView& view_;
   WindowDisplay& display_;
@@ -88,8 +91,8 @@ class WindowRun {
   std::optional<SceneView::Picked> pointed_;  // what the mouse is over
   bool was_left_ = false, panels_shown_ = true;
   uint64_t force_until_tick_ = 0;  // of the panel's force
-  std::string notice_ = "waiting for the first frame", refusal_;
-  bool over_ = false;
+  SessionNotice notice_;
+  std::string refusal_;
   int64_t begun_ns_ = 0;
   std::vector<Image> pictures_;
   Image screenshot_, recorded_picture_;
@@ -114,16 +117,26 @@ Result<void> WindowRun::first_frame() {
     script_.emplace(poke_script(options_.poke), ScriptedHands::Settings{eye, client_.scene().ball_speed_m_s});
   panel_.select(options_.select);
   begun_ns_ = now_ns();
-  notice_.clear();
-  if (!options_.force) return {};
-  const v1::Event::Force& force = *options_.force;
+  if (options_.forces.empty()) return {};
+  std::vector<ForceStudy> studies;
+  for (const v1::Event::Force& force : options_.forces) {
+    auto study = study_of(force);
+    if (!study) return study.error();
+    studies.push_back(*std::move(study));
+  }
+  study_ = studies.back();
+  return begin_recording(std::move(studies));
+}
+
+Result<ForceStudy> WindowRun::study_of(const v1::Event::Force& force) const {
   const StreamedObject* object = named(force.object());
   const Eigen::Vector3d rest_point_m(force.point_m(0), force.point_m(1), force.point_m(2));
   const auto kernel = object ? view_.nearest_kernel(object->id, rest_point_m) : std::nullopt;
   if (!kernel) return not_found("--force: the scene has no object \"" + force.object() + "\"");
-  study_.aim({force.object(), object->id, *kernel, rest_point_m});
-  study_.choose_force({force.force_n(0), force.force_n(1), force.force_n(2)}, force.duration_s());
-  return begin_recording();
+  ForceStudy study;
+  study.aim({force.object(), object->id, *kernel, rest_point_m});
+  study.choose_force({force.force_n(0), force.force_n(1), force.force_n(2)}, force.duration_s());
+  return study;
 }
 
 Result<void> WindowRun::take_news() {
@@ -134,19 +147,11 @@ Result<void> WindowRun::take_news() {
     objects_[object.id] = std::move(object);
   }
   for (const uint32_t id : news->removed) objects_.erase(id);
-  if (news->back) notice_.clear();
-  if (news->goodbye) notice_ = "the server says goodbye: " + *news->goodbye;
-  // What it said itself stays.
-  if (news->lost && notice_.rfind("the server says", 0) != 0) {
-    notice_ = "the server has gone: " + *news->lost + "; looking for it";
-    log_warn("%s", notice_.c_str());
+  for (const uint32_t id : news->refined) {
+    study_.find_kernel_again(id, view_);
+    if (recording_) recording_->find_kernels_again(id, view_);
   }
-  if (client_.ended() && !over_) {
-    over_ = true;
-    const auto stopped = client_.stop();
-    notice_ = "the session is over" + (stopped ? std::string() : ": " + stopped.error().message);
-    log_warn("%s", notice_.c_str());
-  }
+  notice_.take(*news, client_);
   if (recording_) {
     for (const ReceivedFrame& frame : stream_.take_kept()) recording_->add(frame);
     stream_.keep_all(recording_->collecting());
@@ -210,10 +215,10 @@ void WindowRun::send_script() {
   client_.send(sample);
 }
 
-Result<void> WindowRun::begin_recording() {
+Result<void> WindowRun::begin_recording(std::vector<ForceStudy> studies) {
   const Eigen::Vector2i size = display_.size_px();
   const std::filesystem::path folder = options_.screenshots.empty() ? "out/study" : options_.screenshots;
-  auto begun = StudyRecording::begin(folder, study_, camera_->camera(size.x(), size.y()), client_.scene().rate_hz);
+  auto begun = StudyRecording::begin(folder, std::move(studies), camera_->camera(size.x(), size.y()), client_.scene().rate_hz);
   if (!begun) return begun.error();
   recording_.emplace(std::move(*begun));
   stream_.keep_all(true);
@@ -237,6 +242,8 @@ void WindowRun::act(const WindowInput& input) {
   for (ObjectCall& call : panel_.act(actions, objects_)) {
     if (auto* set = std::get_if<SetPhysicsCall>(&call))
       calls_.set_physics(set->object, set->physics);
+    else if (auto* accept = std::get_if<AcceptProposalCall>(&call))
+      calls_.accept_proposal(accept->object);
     else if (auto* undo = std::get_if<UndoPhysicsCall>(&call))
       calls_.undo_physics(undo->object, undo->redo);
     else
@@ -255,7 +262,7 @@ void WindowRun::act(const WindowInput& input) {
   if (actions.force) study_.choose(*actions.force);
   if (actions.apply_force && study_.target()) calls_.apply_force(study_.message());
   if (actions.record_force && study_.target() && !recording_) {
-    if (auto begun = begin_recording(); !begun) refusal_ = begun.error().message;
+    if (auto begun = begin_recording({study_}); !begun) refusal_ = begun.error().message;
   }
 }
 
@@ -283,7 +290,9 @@ void WindowRun::take_answers() {
         break;
     }
   }
-  if (recording_ && recording_->wants_force()) calls_.apply_force(recording_->study().message());
+  if (recording_ && recording_->wants_force()) {
+    for (const ForceStudy& study : recording_->studies()) calls_.apply_force(study.message());
+  }
 }
 
 void WindowRun::draw_force(const Eigen::Vector3d& point_m, const Eigen::Vector3d& force_n, uint32_t object_id,
@@ -311,7 +320,7 @@ WindowPanels WindowRun::panels() const {
   RunPanel& run = panels.run;
   run.paused = frame_ && frame_->run.paused();
   run.loading = frame_ && frame_->run.loading();
-  run.notice = !notice_.empty() ? notice_ : !refusal_.empty() ? refusal_ : frame_ ? frame_->run.message() : "";
+  run.notice = notice_.text(!refusal_.empty() ? refusal_ : frame_ ? frame_->run.message() : "");
   if (run.notice.empty()) run.notice = view_.notice();
   run.lines.push_back(view_.renderer_name() + format_text(", drawn at %.0f %%", 100.0 * scale_.value()) +
                       (scale_.min_contribution_px() > 0 ? format_text(", without what adds under %.1f px", scale_.min_contribution_px()) : ""));
@@ -320,14 +329,19 @@ WindowPanels WindowRun::panels() const {
     run.lines.push_back(format_text("tick %llu, %.1f s simulated%s", static_cast<unsigned long long>(frame_->tick),
                              frame_->run.simulated_s(), run.paused ? ", paused" : ""));
   }
+  if (const auto coming = arriving_.progress(); coming.objects > 0) {
+    run.lines.push_back(format_text("%zu objects are still coming: %.0f %% of their kernels", coming.objects,
+                                    100.0 * static_cast<double>(coming.kernels) / static_cast<double>(std::max<uint64_t>(coming.of, 1))));
+  }
   run.graph = meter_.graph();
   if (const auto latency_ms = meter_.hand_to_picture_ms()) {
     run.latency = format_text("hand to picture %.0f ms\nskin %.1f ms, render %.1f ms", *latency_ms, view_.last_times().skin_ms,
                        view_.last_times().raster_ms);
   }
   if (const auto& device = view_.last_times().device) {
-    run.latency += format_text("%sdevice: project %.1f, sort %.1f, draw %.1f, resolve %.1f ms", run.latency.empty() ? "" : "\n",
-                               device->project_ms, device->sort_ms, device->draw_ms, device->resolve_ms);
+    run.latency += format_text("%sdevice: skin %.1f, project %.1f, sort %.1f, draw %.1f, resolve %.1f ms",
+                               run.latency.empty() ? "" : "\n", device->skin_ms, device->project_ms, device->sort_ms,
+                               device->draw_ms, device->resolve_ms);
   }
   run.help = kHelp;
   panels.force = study_.shown(recording_ ? recording_->progress() : std::string());
@@ -345,8 +359,11 @@ WindowOverlay WindowRun::overlay(const Camera& window) const {
     draw_force(held.point_m.cast<double>(), held.force_n.cast<double>(), held.object_id, window, overlay);
   }
   const bool acts = shown.tick <= force_until_tick_;
-  if (acts || (display_.input().over_panel && shown.hands.empty())) draw_study(study_, window, overlay);
-  if (acts || recording_) overlay.sentence = study_.sentence();
+  const std::vector<ForceStudy> studies = recording_ ? recording_->studies() : std::vector{study_};
+  if (acts || (display_.input().over_panel && shown.hands.empty())) {
+    for (const ForceStudy& study : studies) draw_study(study, window, overlay);
+  }
+  if (acts || recording_) overlay.sentence = sentence_of(studies);
   if (pointed_ && shown.hands.empty()) {
     if (const auto at = pixel_of(window, pointed_->point_m))
       overlay.aim = WindowAim{*at, objects_.at(pointed_->object_id).name};
@@ -382,9 +399,11 @@ Result<void> WindowRun::recorded_picture(const PlannedFrame& planned) {
   if (auto drawn = view_.draw(*recording_->next(), planned.views, pictures_); !drawn) return drawn;
   WindowOverlay overlay;
   overlay.panels.shown = false;
-  overlay.sentence = recording_->study().sentence();
+  overlay.sentence = recording_->sentence();
   const Camera window = camera_->camera(size.x(), size.y());
-  if (recording_->force_acts()) draw_study(recording_->study(), window, overlay);
+  for (size_t i = 0; i < recording_->studies().size(); ++i) {
+    if (recording_->acts(i)) draw_study(recording_->studies()[i], window, overlay);
+  }
   display_.set_overlay(std::move(overlay));
   display_.keep_next(recorded_picture_);
   return {};
@@ -462,11 +481,16 @@ Result<void> run_window(const WindowRunOptions& options, const std::atomic<bool>
   const PictureSize size = options.size.value_or(PictureSize{1280, 800});
   auto display = WindowDisplay::open("LiveGS " + options.address, size.width, size.height);
   if (!display) return display.error();
-  auto live = join_live(options, [&] { return choose_renderer(options.renderer); });
+  JoinOptions join = options;
+  join.coarse_first = options.forces.empty();  // a recording that begins at once shows all there is
+  LiveLoading loading(std::move(join), [&] { return choose_renderer(options.renderer); });
+  auto live = load_in_window(loading, **display, interrupted);
   if (!live) return live.error();
+  if (!*live) return {};
   SceneControl control(options.address, options.access);
-  WindowRun run(options, *(*live)->client, control, (*live)->assets, (*live)->view, **display);
+  WindowRun run(options, *(*live)->client, control, (*live)->objects, (*live)->view, **display);
   const auto done = run.run(interrupted);
+  (*live)->stop.request_stop();  // nor does anybody wait for what is being fetched
   const auto stopped = (*live)->client->stop();  // before the run's stream goes, which its reader calls
   if (!stopped) log_warn("%s", stopped.error().message.c_str());
   return done;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/result.h"
 #include "livegs/v1/scene.pb.h"
@@ -20,8 +21,8 @@ struct WindowRunOptions : JoinOptions {
   std::filesystem::path camera_file;  // empty: all objects from a little above
   std::string poke;                   // an object that is poked as if by the mouse; empty: none
   std::string select;                 // an object that the panels are about from the start; empty: none
-  // A force that is applied and recorded at the start; without `seconds` the window is closed after it.
-  std::optional<v1::Event::Force> force;
+  // Forces that are applied together and recorded at the start; without `seconds` the window is closed after it.
+  std::vector<v1::Event::Force> forces;
   std::filesystem::path screenshots;  // a folder for window_NNN.png, one a second, and recordings; empty: none
   int screenshot_every = 0;           // so many pictures, in place of one a second; 0: one a second
   // Called with each picture of the scene as it was shown, panels included.

@@ -31,6 +31,10 @@ bool button(const char* name, bool possible = true, float width_px = 0) {
 PanelActions PanelDrawer::draw(const WindowPanels& panels, float width_px, float height_px) {
   PanelActions actions;
   if (!panels.shown) return actions;
+  if (panels.loading) {
+    draw_loading(*panels.loading, width_px, height_px);
+    return actions;
+  }
   ImGui::SetNextWindowPos({kMargin_px, kMargin_px}, ImGuiCond_FirstUseEver);
   ImGui::SetNextWindowSize({kLeftWidth_px, 0});
   ImGui::Begin("Run", nullptr, ImGuiWindowFlags_NoResize);
@@ -47,6 +51,17 @@ PanelActions PanelDrawer::draw(const WindowPanels& panels, float width_px, float
   draw_objects(panels.objects, actions);
   ImGui::End();
   return actions;
+}
+
+void PanelDrawer::draw_loading(const LoadingPanel& loading, float width_px, float height_px) {
+  ImGui::SetNextWindowPos({0.5f * width_px, 0.5f * height_px}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowSize({std::min(kRightWidth_px, width_px - 2 * kMargin_px), 0});
+  ImGui::Begin("Loading", nullptr, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse);
+  ImGui::PushStyleColor(ImGuiCol_PlotHistogram, kPictureInk);
+  ImGui::ProgressBar(static_cast<float>(loading.share), {-1, 0});
+  ImGui::PopStyleColor();
+  coloured(kDimInk, loading.text);
+  ImGui::End();
 }
 
 void PanelDrawer::draw_run(const RunPanel& run, PanelActions& actions) {
@@ -128,6 +143,10 @@ void PanelDrawer::draw_objects(const ObjectsPanel& objects, PanelActions& action
     }
     for (const ObjectsPanel::Message& message : objects.messages) {
       coloured(message.refusal ? kRefusalInk : kNoteInk, message.text);
+    }
+    if (!objects.proposal.empty()) {
+      coloured(kNoteInk, objects.proposal);
+      actions.accept = button("Accept");
     }
   } else {
     coloured(kDimInk, "Click on a thing, here or in the picture, to see and change what it is made of.");

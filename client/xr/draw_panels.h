@@ -14,6 +14,7 @@ class PanelDrawer {
   PanelActions draw(const WindowPanels& panels, float width_px, float height_px);
 
  private:
+  void draw_loading(const LoadingPanel& loading, float width_px, float height_px);
   void draw_run(const RunPanel& run, PanelActions& actions);
   void draw_force(const ForcePanel& force, PanelActions& actions);
   void draw_objects(const ObjectsPanel& objects, PanelActions& actions);

@@ -38,13 +38,19 @@ class HeadsetDisplay : public Display {
   // Of what is drawn, by the size that the runtime wants: 0.25 to 1.
   virtual void set_scale(double scale) = 0;
 
+  // Text on a plate that stays before the eyes, over whatever is shown, from the next submit on; lines end with \n or are
+  // broken. Empty: none.
+  virtual void set_notice(const std::string& text) = 0;
+
   // wait_frame: nothing when the runtime ended the session; at least every 50 ms, with no views where none are seen. Sleeps
   // as the headset paces it.
-  virtual const HeadsetInput& input() const = 0;  // of the last wait_frame
+  virtual const HeadsetInput& input() const = 0;  // of the last wait_frame or update_input
   virtual double period_s() const = 0;            // between pictures, as the runtime last said
 
   // Where the head will be, as far as is known by now: closer than at wait_frame.
   virtual void update_views(PlannedFrame& frame) = 0;
+  // The hands as they are by now. False where there are none: no picture is being made, the system has the focus.
+  virtual bool update_input() = 0;
   // What the views of this picture are drawn into; nothing if the session was lost meanwhile. Once a picture.
   virtual std::optional<DeviceImage> acquire() = 0;
   // submit: with no images, what was drawn into the acquired one.

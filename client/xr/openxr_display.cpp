@@ -10,6 +10,7 @@
 #include "xr/headset_display.h"
 #include "xr/openxr_hands.h"
 #include "xr/openxr_instance.h"
+#include "xr/openxr_plate.h"
 #include "xr/openxr_swapchain.h"
 
 namespace livegs {
@@ -35,7 +36,9 @@ class OpenXrDisplay final : public HeadsetDisplay {
   void set_scale(double scale) override { scale_ = std::clamp(scale, 0.25, 1.0); }
   const HeadsetInput& input() const override { return input_; }
   double period_s() const override { return period_s_; }
+  void set_notice(const std::string& text) override { plate_->set(text); }
   void update_views(PlannedFrame& frame) override;
+  bool update_input() override;
   std::optional<DeviceImage> acquire() override;
   void vibrate(size_t hand, float amplitude, double seconds) override;
   const Counts& counts() const override { return counts_; }
@@ -62,6 +65,7 @@ class OpenXrDisplay final : public HeadsetDisplay {
   XrSession session_ = XR_NULL_HANDLE;
   XrSpace local_ = XR_NULL_HANDLE;
   std::optional<OpenXrSwapchain> swapchain_;
+  std::optional<OpenXrPlate> plate_;  // lasts, but for what of it is the session's
   XrSessionState state_ = XR_SESSION_STATE_UNKNOWN;
   bool running_ = false;
   int64_t next_try_ns_ = 0;
@@ -110,6 +114,7 @@ Result<void> OpenXrDisplay::create(VulkanDeviceOptions options) {
   device_ = *std::move(device);
   if (!device_->can_draw())
     return Error{ErrorCode::Unavailable, "openxr: " + device_->name() + ", which the headset is at, does not draw"};
+  plate_.emplace(device_->handles());
   hands_ = std::make_unique<OpenXrHands>(*instance_);
   if (auto made = hands_->create(); !made) return made;
 
@@ -168,6 +173,7 @@ void OpenXrDisplay::end_session() {
   recentres_.clear();
   if (!session_) return;
   swapchain_.reset();
+  plate_->end();
   hands_->detach();
   if (local_) xrDestroySpace(local_);
   xrDestroySession(session_);
@@ -227,7 +233,7 @@ void OpenXrDisplay::take_events() {
       const auto& changed = reinterpret_cast<const XrEventDataSessionStateChanged&>(event);
       if (session_ && changed.session == session_) take_state(changed.state);
     } else if (event.type == XR_TYPE_EVENT_DATA_INSTANCE_LOSS_PENDING) {
-      failure_ = Error{ErrorCode::Unavailable, "openxr: " + instance_->name() + " is going away; start it and the client again"};
+      failure_ = instance_->gone();
       end_session();
       ended_ = true;
     } else if (event.type == XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING) {
@@ -323,6 +329,12 @@ void OpenXrDisplay::update_views(PlannedFrame& frame) {
   if (begun_ && draws_ && locate_views()) frame.views = cameras();
 }
 
+bool OpenXrDisplay::update_input() {
+  if (!begun_ || !input_.focused) return false;
+  take_input();
+  return session_ != XR_NULL_HANDLE && input_.focused;
+}
+
 std::optional<DeviceImage> OpenXrDisplay::acquire() {
   DeviceImage image;
   if (!begun_ || !draws_ || !ok(swapchain_->acquire(image), "xrAcquireSwapchainImage")) return std::nullopt;
@@ -348,12 +360,16 @@ Result<void> OpenXrDisplay::submit(const PlannedFrame& frame, std::span<const Im
   layer.space = local_;
   layer.viewCount = 2;
   layer.views = views.data();
-  const auto* layers = reinterpret_cast<const XrCompositionLayerBaseHeader*>(&layer);
+  std::optional<XrCompositionLayerQuad> plate;
+  if (draws_ && !ok(plate_->layer(session_, plate), "the notice")) return {};
+  std::vector<const XrCompositionLayerBaseHeader*> layers;
+  if (drawn) layers.push_back(reinterpret_cast<const XrCompositionLayerBaseHeader*>(&layer));
+  if (plate) layers.push_back(reinterpret_cast<const XrCompositionLayerBaseHeader*>(&*plate));
   auto info = openxr_info<XrFrameEndInfo>(XR_TYPE_FRAME_END_INFO);
   info.displayTime = display_time_;
   info.environmentBlendMode = blend_mode_;
-  info.layerCount = drawn ? 1 : 0;
-  info.layers = &layers;
+  info.layerCount = static_cast<uint32_t>(layers.size());
+  info.layers = layers.data();
   begun_ = false;
   if (ok(xrEndFrame(session_, &info), "xrEndFrame") && drawn) ++counts_.pictures;
   return {};

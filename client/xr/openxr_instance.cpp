@@ -82,8 +82,13 @@ Result<std::optional<XrSystemId>> OpenXrInstance::find_headset() {
   return std::optional<XrSystemId>(system);
 }
 
+Error OpenXrInstance::gone() const {
+  return {ErrorCode::Unavailable, "openxr: " + name_ + " is going away; start it and the client again"};
+}
+
 Result<void> OpenXrInstance::check(XrResult result, const char* call) const {
   if (XR_SUCCEEDED(result)) return {};
+  if (result == XR_ERROR_INSTANCE_LOST || result == XR_ERROR_RUNTIME_UNAVAILABLE) return gone();
   char name[XR_MAX_RESULT_STRING_SIZE] = "";
   xrResultToString(instance_, result, name);
   return Error{ErrorCode::Unavailable, format_text("openxr: %s failed with %s (%s)", call, name, name_.c_str())};

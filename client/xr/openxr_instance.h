@@ -45,7 +45,9 @@ class OpenXrInstance {
 
   // The headset. Nothing while none is connected.
   Result<std::optional<XrSystemId>> find_headset();
-  // OK, or the call and what OpenXR calls its result.
+  // Why all is over when the runtime goes, announced or not; with the remedy.
+  Error gone() const;
+  // OK, or the call and what OpenXR calls its result; gone() where that means that there is no runtime any more.
   Result<void> check(XrResult result, const char* call) const;
   // A moment of OpenXR's clock by now_ns().
   int64_t moment_ns(XrTime time) const;

@@ -10,7 +10,7 @@ namespace {
 
 uint8_t byte_of(float value) { return static_cast<uint8_t>(std::lround(255.0f * std::clamp(value, 0.0f, 1.0f))); }
 
-void barrier(const VulkanFunctions& vk, VkCommandBuffer commands, VkImage image, VkImageLayout from, VkImageLayout to) {
+void barrier(const VulkanFunctions& vk, VkCommandBuffer commands, VkImage image, uint32_t layers, VkImageLayout from, VkImageLayout to) {
   auto info = vulkan_info<VkImageMemoryBarrier2>(VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2);
   info.srcStageMask = info.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
   info.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
@@ -19,7 +19,7 @@ void barrier(const VulkanFunctions& vk, VkCommandBuffer commands, VkImage image,
   info.newLayout = to;
   info.srcQueueFamilyIndex = info.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
   info.image = image;
-  info.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 2};
+  info.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, layers};
   auto dependency = vulkan_info<VkDependencyInfo>(VK_STRUCTURE_TYPE_DEPENDENCY_INFO);
   dependency.imageMemoryBarrierCount = 1;
   dependency.pImageMemoryBarriers = &info;
@@ -34,7 +34,7 @@ OpenXrSwapchain::~OpenXrSwapchain() {
   if (swapchain_) xrDestroySwapchain(swapchain_);
 }
 
-XrResult OpenXrSwapchain::create(XrSession session, int width, int height) {
+XrResult OpenXrSwapchain::create(XrSession session, int width, int height, int layers) {
   uint32_t count = 0;
   if (const XrResult result = xrEnumerateSwapchainFormats(session, 0, &count, nullptr); XR_FAILED(result)) return result;
   std::vector<int64_t> formats(count);
@@ -49,10 +49,11 @@ XrResult OpenXrSwapchain::create(XrSession session, int width, int height) {
   info.sampleCount = info.faceCount = info.mipCount = 1;
   info.width = static_cast<uint32_t>(width);
   info.height = static_cast<uint32_t>(height);
-  info.arraySize = 2;
+  info.arraySize = static_cast<uint32_t>(layers);
   if (const XrResult result = xrCreateSwapchain(session, &info, &swapchain_); XR_FAILED(result)) return result;
   width_ = width;
   height_ = height;
+  layers_ = layers;
   bgra_ = *format == VK_FORMAT_B8G8R8A8_SRGB;
   if (const XrResult result = xrEnumerateSwapchainImages(swapchain_, 0, &count, nullptr); XR_FAILED(result)) return result;
   std::vector<XrSwapchainImageVulkan2KHR> images(count, openxr_info<XrSwapchainImageVulkan2KHR>(XR_TYPE_SWAPCHAIN_IMAGE_VULKAN2_KHR));
@@ -69,7 +70,7 @@ XrResult OpenXrSwapchain::acquire(DeviceImage& image) {
   acquired_ = index;
   auto wait = openxr_info<XrSwapchainImageWaitInfo>(XR_TYPE_SWAPCHAIN_IMAGE_WAIT_INFO);
   wait.timeout = XR_INFINITE_DURATION;
-  image = {images_[index], width_, height_, 2};
+  image = {images_[index], width_, height_, layers_};
   return xrWaitSwapchainImage(swapchain_, &wait);
 }
 
@@ -104,7 +105,6 @@ Result<void> OpenXrSwapchain::prepare_upload(VkDeviceSize bytes) {
 }
 
 Result<void> OpenXrSwapchain::upload(std::span<const Image> images) {
-  const VulkanFunctions& vk = handles_.vk;
   const Image& first = images[0];
   const size_t eye_bytes = size_t{4} * first.width * first.height;
   if (auto ready = prepare_upload(images.size() * eye_bytes); !ready) return ready;
@@ -118,16 +118,29 @@ Result<void> OpenXrSwapchain::upload(std::span<const Image> images) {
       to[i + 3] = 255;
     }
   }
+  return copy_staged(first.width, first.height, static_cast<uint32_t>(images.size()));
+}
+
+Result<void> OpenXrSwapchain::upload(std::span<const uint8_t> rgba, int width, int height) {
+  if (auto ready = prepare_upload(rgba.size()); !ready) return ready;
+  auto* to = reinterpret_cast<uint8_t*>(staging_->bytes());
+  std::copy(rgba.begin(), rgba.end(), to);
+  for (size_t i = 0; bgra_ && i < rgba.size(); i += 4) std::swap(to[i], to[i + 2]);
+  return copy_staged(width, height, 1);
+}
+
+Result<void> OpenXrSwapchain::copy_staged(int width, int height, uint32_t layers) {
+  const VulkanFunctions& vk = handles_.vk;
   vk.ResetCommandPool(handles_.device, pool_, 0);
   const auto begin = vulkan_info<VkCommandBufferBeginInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO);
   vk.BeginCommandBuffer(commands_, &begin);
   const VkImage image = images_[*acquired_];
-  barrier(vk, commands_, image, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+  barrier(vk, commands_, image, static_cast<uint32_t>(layers_), VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
   VkBufferImageCopy copy{};
-  copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, static_cast<uint32_t>(images.size())};
-  copy.imageExtent = {static_cast<uint32_t>(first.width), static_cast<uint32_t>(first.height), 1};
+  copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, layers};
+  copy.imageExtent = {static_cast<uint32_t>(width), static_cast<uint32_t>(height), 1};
   vk.CmdCopyBufferToImage(commands_, staging_->buffer(), image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
-  barrier(vk, commands_, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+  barrier(vk, commands_, image, static_cast<uint32_t>(layers_), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
   vk.EndCommandBuffer(commands_);
   auto commands = vulkan_info<VkCommandBufferSubmitInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO);
   commands.commandBuffer = commands_;

@@ -12,7 +12,7 @@
 
 namespace livegs {
 
-// The images of both eyes, a layer each, in sRGB. One thread.
+// Images of both eyes, a layer each, or of one picture, in sRGB. One thread.
 class OpenXrSwapchain {
  public:
   explicit OpenXrSwapchain(const VulkanHandles& handles) : handles_(handles) {}
@@ -21,23 +21,26 @@ class OpenXrSwapchain {
   OpenXrSwapchain& operator=(const OpenXrSwapchain&) = delete;
 
   // Once. XR_ERROR_SWAPCHAIN_FORMAT_UNSUPPORTED where the runtime has no sRGB of 8 bits.
-  XrResult create(XrSession session, int width, int height);
+  XrResult create(XrSession session, int width, int height, int layers = 2);
   XrSwapchain handle() const { return swapchain_; }
   bool acquired() const { return acquired_.has_value(); }
 
   // Waits until one of the images is free, for as long as it takes.
   XrResult acquire(DeviceImage& image);
-  // Writes pictures that were drawn elsewhere into the acquired image: one an eye.
+  // Writes pictures that were drawn elsewhere into the acquired image, from its top left on: one a layer.
   Result<void> upload(std::span<const Image> images);
+  // The same of one picture of display-encoded bytes, RGBA.
+  Result<void> upload(std::span<const uint8_t> rgba, int width, int height);
   XrResult release();
 
  private:
   Result<void> prepare_upload(VkDeviceSize bytes);
+  Result<void> copy_staged(int width, int height, uint32_t layers);
 
   const VulkanHandles& handles_;
   XrSwapchain swapchain_ = XR_NULL_HANDLE;
   std::vector<VkImage> images_;
-  int width_ = 0, height_ = 0;
+  int width_ = 0, height_ = 0, layers_ = 0;
   bool bgra_ = false;
   std::optional<uint32_t> acquired_;
   // Of uploads.

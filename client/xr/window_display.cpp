@@ -206,6 +206,15 @@ void GlfwWindowDisplay::read_back(Image& image) const {
 
 }  // namespace
 
+bool WindowDisplay::is_possible() {
+  if (!glfwInit()) return false;
+  glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
+  GLFWwindow* window = glfwCreateWindow(16, 16, "", nullptr, nullptr);
+  if (window) glfwDestroyWindow(window);
+  glfwTerminate();  // forgets the hint as well
+  return window != nullptr;
+}
+
 Result<std::unique_ptr<WindowDisplay>> WindowDisplay::open(const std::string& title, int width, int height) {
   auto display = std::make_unique<GlfwWindowDisplay>();
   if (auto made = display->create(title, width, height); !made) return made.error();

@@ -40,6 +40,8 @@ struct WindowOverlay {
 // are stretched over the window. On the thread that opened it.
 class WindowDisplay : public Display {
  public:
+  // Whether open() would succeed: opens a window that is not seen. Before there is one.
+  static bool is_possible();
   // Unavailable, with the remedy, when there is no display or no OpenGL.
   static Result<std::unique_ptr<WindowDisplay>> open(const std::string& title, int width, int height);
 

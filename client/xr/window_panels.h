@@ -34,6 +34,7 @@ struct ObjectsPanel {
     std::string text;
   };
   std::vector<Message> messages;
+  std::string proposal;  // what could be accepted; empty when there is nothing
   std::string progress;  // of an analysis or a change under way; empty when there is none
 };
 
@@ -61,8 +62,15 @@ struct ForcePanel {
   std::string progress;  // of a recording; empty when there is none
 };
 
+// In place of all others, before there is anything to show.
+struct LoadingPanel {
+  std::string text;
+  double share = 0;  // that is there, 0..1
+};
+
 struct WindowPanels {
   bool shown = true;
+  std::optional<LoadingPanel> loading;
   RunPanel run;
   ForcePanel force;
   ObjectsPanel objects;
@@ -82,7 +90,7 @@ struct PanelActions {
   };
   std::optional<Typed> typed;
   std::optional<bool> fragile;
-  bool undo = false, redo = false, analyse = false, analyse_all = false;
+  bool accept = false, undo = false, redo = false, analyse = false, analyse_all = false;
   std::optional<bool> pause;
   bool step = false, reset = false;
   struct Force {

@@ -13,16 +13,20 @@ ImVec4 colour(float r, float g, float b, float a = 1.0f) { return {r, g, b, a}; 
 
 }  // namespace
 
-void set_window_style() {
-  ImGuiIO& io = ImGui::GetIO();
+ImFont* add_window_font(ImFontAtlas& atlas, float size_px, bool exact) {
   std::error_code error;
-  if (std::filesystem::exists(kFont, error)) {
-    io.Fonts->AddFontFromFileTTF(kFont, kFontSize_px);
-  } else {
-    ImFontConfig config;
-    config.SizePixels = kFontSize_px;
-    io.Fonts->AddFontDefault(&config);
+  ImFontConfig config;
+  if (exact) {
+    config.OversampleH = config.OversampleV = 1;
+    config.PixelSnapH = true;
   }
+  if (std::filesystem::exists(kFont, error)) return atlas.AddFontFromFileTTF(kFont, size_px, &config);
+  config.SizePixels = size_px;
+  return atlas.AddFontDefault(&config);
+}
+
+void set_window_style() {
+  add_window_font(*ImGui::GetIO().Fonts, kFontSize_px);
   ImGui::StyleColorsDark();
   ImGuiStyle& style = ImGui::GetStyle();
   style.WindowRounding = 6;

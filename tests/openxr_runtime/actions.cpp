@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Action sets, the profiles of controllers, and the hands of the timeline.
 #include <algorithm>
+#include <cstdlib>
 
 #include "runtime.h"
 
 namespace livegs::simulated {
 namespace {
 
-// What a profile has on either hand, in one string; "l:" and "r:" on that hand alone. The first of these profiles that the
-// application suggests bindings for is the controllers' that are there.
+// What a profile has on either hand, in one string; "l:" and "r:" on that hand alone. The first of these profiles that there
+// are controllers of, and that the application suggests bindings for, is in use.
 struct Profile {
   const char* path;
   const char* components;
@@ -68,8 +69,9 @@ std::string hand_of(const std::string& path) { return path.starts_with("/user/ha
 
 void use_profile(Session& session) {
   for (const Profile& profile : kProfiles) {
-    if (!session.profile.empty() || !the_instance().suggested.contains(profile.path)) continue;
+    if (!session.profile.empty() || !the_instance().suggested.contains(profile.path) || !has_controllers(profile.path)) continue;
     session.profile = profile.path;
+    runtime().record->profile(timeline_s(now()), session.profile);
     push_event(XrEventDataInteractionProfileChanged{XR_TYPE_EVENT_DATA_INTERACTION_PROFILE_CHANGED, nullptr,
                                                     runtime().sessions.begin()->first});
   }
@@ -129,11 +131,35 @@ XrResult look_up(XrSession handle, const XrActionStateGetInfo* info, XrActionTyp
   return success(*session);
 }
 
+bool is_top_level(const std::string& path) {
+  return path == "/user/hand/left" || path == "/user/hand/right" || path == "/user/head" || path == "/user/gamepad";
+}
+
+// Whether an action that gives back can be spoken to; a code where it may not.
+std::optional<XrResult> refuse_output(const Session* session, const XrHapticActionInfo* info, const char* call) {
+  if (const auto refused = refuse(session, call)) return refused;
+  if (!info || info->type != XR_TYPE_HAPTIC_ACTION_INFO) return misuse(XR_ERROR_VALIDATION_FAILURE, std::string(call) + ": not an XrHapticActionInfo");
+  const auto action = the_instance().actions.find(info->action);
+  if (action == the_instance().actions.end()) return misuse(XR_ERROR_HANDLE_INVALID, std::string(call) + ": no such action");
+  if (action->second.type != XR_ACTION_TYPE_VIBRATION_OUTPUT) return misuse(XR_ERROR_ACTION_TYPE_MISMATCH, std::string(call) + ": no output");
+  if (!the_instance().sets.at(action->second.set).attached)
+    return misuse(XR_ERROR_ACTIONSET_NOT_ATTACHED, std::string(call) + ": the set of " + action->second.name + " is not attached");
+  if (info->subactionPath != XR_NULL_PATH && !action->second.subactions.contains(info->subactionPath))
+    return misuse(XR_ERROR_PATH_UNSUPPORTED, std::string(call) + ": " + action->second.name + " has no such subaction");
+  return std::nullopt;
+}
+
 bool is_name(const char* name) {
   return name[0] && std::string(name).find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_.") == std::string::npos;
 }
 
 }  // namespace
+
+bool has_controllers(const std::string& profile) {
+  const char* there = std::getenv("LIVEGS_XR_CONTROLLERS");
+  return !there || profile.ends_with(std::string("/") + there);
+}
+
 }  // namespace livegs::simulated
 
 using namespace livegs::simulated;
@@ -149,6 +175,7 @@ XrResult xrCreateActionSet(XrInstance instance, const XrActionSetCreateInfo* inf
     if (other.localized == info->localizedActionSetName) return misuse(XR_ERROR_LOCALIZED_NAME_DUPLICATED, "xrCreateActionSet: a localized name twice");
   }
   *set = new_handle<XrActionSet>();
+  ++found->sets_made;
   found->sets[*set] = {info->actionSetName, info->localizedActionSetName, info->priority, false};
   return XR_SUCCESS;
 }
@@ -169,16 +196,20 @@ XrResult xrCreateAction(XrActionSet set, const XrActionCreateInfo* info, XrActio
   if (!info || !is_name(info->actionName)) return misuse(XR_ERROR_NAME_INVALID, "xrCreateAction: no name");
   if (!info->localizedActionName[0]) return misuse(XR_ERROR_LOCALIZED_NAME_INVALID, "xrCreateAction: no localized name");
   for (const auto& [handle, other] : instance.actions) {
-    if (other.set == set && other.name == info->actionName) return misuse(XR_ERROR_NAME_DUPLICATED, "xrCreateAction: a name twice");
+    if (other.set != set) continue;
+    if (other.name == info->actionName) return misuse(XR_ERROR_NAME_DUPLICATED, "xrCreateAction: a name twice");
+    if (other.localized == info->localizedActionName) return misuse(XR_ERROR_LOCALIZED_NAME_DUPLICATED, "xrCreateAction: a localized name twice");
   }
-  Action made{set, info->actionType, info->actionName, {}};
+  Action made{set, info->actionType, info->actionName, info->localizedActionName, {}};
   for (uint32_t i = 0; i < info->countSubactionPaths; ++i) {
     const std::string path = path_string(info->subactionPaths[i]);
-    if (path != "/user/hand/left" && path != "/user/hand/right" && path != "/user/head" && path != "/user/gamepad")
+    if (!is_top_level(path))
       return misuse(XR_ERROR_PATH_UNSUPPORTED, "xrCreateAction: " + path + " is no subaction");
-    made.subactions.insert(info->subactionPaths[i]);
+    if (!made.subactions.insert(info->subactionPaths[i]).second)
+      return misuse(XR_ERROR_PATH_UNSUPPORTED, "xrCreateAction: " + path + " twice");
   }
   *action = new_handle<XrAction>();
+  ++instance.actions_made;
   instance.actions.emplace(*action, std::move(made));
   return XR_SUCCESS;
 }
@@ -219,6 +250,8 @@ XrResult xrAttachSessionActionSets(XrSession session, const XrSessionActionSetsA
   Session* found = find(session);
   if (const auto refused = refuse(found, "xrAttachSessionActionSets")) return *refused;
   if (found->attached) return misuse(XR_ERROR_ACTIONSETS_ALREADY_ATTACHED, "xrAttachSessionActionSets: twice");
+  if (!info || info->type != XR_TYPE_SESSION_ACTION_SETS_ATTACH_INFO || info->countActionSets == 0)
+    return misuse(XR_ERROR_VALIDATION_FAILURE, "xrAttachSessionActionSets: no sets");
   for (uint32_t i = 0; i < info->countActionSets; ++i) {
     const auto set = the_instance().sets.find(info->actionSets[i]);
     if (set == the_instance().sets.end()) return misuse(XR_ERROR_HANDLE_INVALID, "xrAttachSessionActionSets: no such set");
@@ -234,6 +267,7 @@ XrResult xrGetCurrentInteractionProfile(XrSession session, XrPath user, XrIntera
   if (const auto refused = refuse(found, "xrGetCurrentInteractionProfile")) return *refused;
   if (!found->attached) return misuse(XR_ERROR_ACTIONSET_NOT_ATTACHED, "xrGetCurrentInteractionProfile: no set is attached");
   if (path_string(user).empty()) return misuse(XR_ERROR_PATH_INVALID, "xrGetCurrentInteractionProfile: no such path");
+  if (!is_top_level(path_string(user))) return misuse(XR_ERROR_PATH_UNSUPPORTED, "xrGetCurrentInteractionProfile: " + path_string(user) + " is no user's hand");
   state->interactionProfile = XR_NULL_PATH;
   if (!found->profile.empty()) take_path(found->profile, state->interactionProfile);
   return success(*found);
@@ -304,6 +338,7 @@ XrResult xrEnumerateBoundSourcesForAction(XrSession session, const XrBoundSource
   std::lock_guard lock(runtime().mutex);
   Session* found = find(session);
   if (const auto refused = refuse(found, "xrEnumerateBoundSourcesForAction")) return *refused;
+  if (!found->attached) return misuse(XR_ERROR_ACTIONSET_NOT_ATTACHED, "xrEnumerateBoundSourcesForAction: no set is attached");
   if (!the_instance().actions.contains(info->action)) return misuse(XR_ERROR_HANDLE_INVALID, "xrEnumerateBoundSourcesForAction: no such action");
   std::vector<XrPath> paths;
   for (const Binding& binding : the_instance().suggested[found->profile]) {
@@ -324,10 +359,7 @@ XrResult xrGetInputSourceLocalizedName(XrSession session, const XrInputSourceLoc
 XrResult xrApplyHapticFeedback(XrSession session, const XrHapticActionInfo* info, const XrHapticBaseHeader* feedback) {
   std::lock_guard lock(runtime().mutex);
   Session* found = find(session);
-  if (const auto refused = refuse(found, "xrApplyHapticFeedback")) return *refused;
-  const auto action = the_instance().actions.find(info->action);
-  if (action == the_instance().actions.end()) return misuse(XR_ERROR_HANDLE_INVALID, "xrApplyHapticFeedback: no such action");
-  if (action->second.type != XR_ACTION_TYPE_VIBRATION_OUTPUT) return misuse(XR_ERROR_ACTION_TYPE_MISMATCH, "xrApplyHapticFeedback: no output");
+  if (const auto refused = refuse_output(found, info, "xrApplyHapticFeedback")) return *refused;
   if (!feedback || feedback->type != XR_TYPE_HAPTIC_VIBRATION) return misuse(XR_ERROR_VALIDATION_FAILURE, "xrApplyHapticFeedback: no vibration");
   const auto& vibration = *reinterpret_cast<const XrHapticVibration*>(feedback);
   if (!(vibration.amplitude >= 0 && vibration.amplitude <= 1))
@@ -337,8 +369,8 @@ XrResult xrApplyHapticFeedback(XrSession session, const XrHapticActionInfo* info
   return success(*found);
 }
 
-XrResult xrStopHapticFeedback(XrSession session, const XrHapticActionInfo*) {
+XrResult xrStopHapticFeedback(XrSession session, const XrHapticActionInfo* info) {
   std::lock_guard lock(runtime().mutex);
-  if (const auto refused = refuse(find(session), "xrStopHapticFeedback")) return *refused;
+  if (const auto refused = refuse_output(find(session), info, "xrStopHapticFeedback")) return *refused;
   return XR_SUCCESS;
 }

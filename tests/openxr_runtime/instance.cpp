@@ -80,15 +80,22 @@ struct Extension {
   const char* name;
   uint32_t version;
 };
+constexpr const char* kTouchPlus = "XR_META_touch_controller_plus";
 constexpr Extension kExtensions[] = {
     {XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME, XR_KHR_vulkan_enable2_SPEC_VERSION},
     {XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME, XR_KHR_convert_timespec_time_SPEC_VERSION},
     {XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME, XR_FB_display_refresh_rate_SPEC_VERSION},
-    {"XR_META_touch_controller_plus", 1},
+    {kTouchPlus, 1},
 };
+
+// The newest controllers are an extension, of a runtime that has them.
+bool has(const Extension& extension) {
+  return std::strcmp(extension.name, kTouchPlus) != 0 || has_controllers("/interaction_profiles/meta/touch_controller_plus");
+}
 
 XrResult check_system(XrInstance instance, XrSystemId system, const char* call) {
   if (!find(instance)) return misuse(XR_ERROR_HANDLE_INVALID, std::string(call) + ": no such instance");
+  if (find(instance)->dead) return XR_ERROR_INSTANCE_LOST;
   if (system != kSystem) return misuse(XR_ERROR_SYSTEM_INVALID, std::string(call) + ": no such system");
   return XR_SUCCESS;
 }
@@ -99,6 +106,7 @@ XrResult xrEnumerateInstanceExtensionProperties(const char* layer, uint32_t capa
   if (layer) return XR_ERROR_API_LAYER_NOT_PRESENT;
   std::vector<XrExtensionProperties> all;
   for (const Extension& extension : kExtensions) {
+    if (!has(extension)) continue;
     XrExtensionProperties one{XR_TYPE_EXTENSION_PROPERTIES, nullptr, "", extension.version};
     std::snprintf(one.extensionName, sizeof one.extensionName, "%s", extension.name);
     all.push_back(one);
@@ -118,7 +126,8 @@ XrResult xrCreateInstance(const XrInstanceCreateInfo* info, XrInstance* instance
   Instance made;
   for (uint32_t i = 0; i < info->enabledExtensionCount; ++i) {
     bool known = false;
-    for (const Extension& extension : kExtensions) known = known || std::strcmp(extension.name, info->enabledExtensionNames[i]) == 0;
+    for (const Extension& extension : kExtensions)
+      known = known || (has(extension) && std::strcmp(extension.name, info->enabledExtensionNames[i]) == 0);
     if (!known) return XR_ERROR_EXTENSION_NOT_PRESENT;
     made.extensions.insert(info->enabledExtensionNames[i]);
   }
@@ -137,7 +146,11 @@ XrResult xrCreateInstance(const XrInstanceCreateInfo* info, XrInstance* instance
 
 XrResult xrDestroyInstance(XrInstance instance) {
   std::lock_guard lock(runtime().mutex);
-  if (!find(instance)) return misuse(XR_ERROR_HANDLE_INVALID, "xrDestroyInstance: no such instance");
+  const Instance* found = find(instance);
+  if (!found) return misuse(XR_ERROR_HANDLE_INVALID, "xrDestroyInstance: no such instance");
+  runtime().record->handles("instance", "session", found->sessions_made, runtime().sessions.size());
+  runtime().record->handles("instance", "action set", found->sets_made, found->sets.size());
+  runtime().record->handles("instance", "action", found->actions_made, found->actions.size());
   if (!runtime().sessions.empty())
     misuse(XR_ERROR_CALL_ORDER_INVALID, "xrDestroyInstance: a session is left");  // allowed, but a leak of the application's
   for (auto& [handle, session] : runtime().sessions) session.graphics.close();
@@ -151,7 +164,7 @@ XrResult xrDestroyInstance(XrInstance instance) {
   all.played_s = -1;
   all.stage_from_local = kStageFromLocal;
   all.refresh_hz = 90;
-  all.compositor_s = 0;
+  all.compositor_s = all.misjudged_m_s = 0;
   all.frames = 0;
   return XR_SUCCESS;
 }
@@ -170,6 +183,7 @@ XrResult xrPollEvent(XrInstance instance, XrEventDataBuffer* event) {
   if (!found) return misuse(XR_ERROR_HANDLE_INVALID, "xrPollEvent: no such instance");
   if (event->type != XR_TYPE_EVENT_DATA_BUFFER) return misuse(XR_ERROR_VALIDATION_FAILURE, "xrPollEvent: type is not EVENT_DATA_BUFFER");
   play_timeline();
+  if (found->dead) return XR_ERROR_INSTANCE_LOST;
   if (found->events.empty()) return XR_EVENT_UNAVAILABLE;
   *event = found->events.front();
   found->events.pop_front();
@@ -180,6 +194,7 @@ XrResult xrGetSystem(XrInstance instance, const XrSystemGetInfo* info, XrSystemI
   std::lock_guard lock(runtime().mutex);
   Instance* found = find(instance);
   if (!found) return misuse(XR_ERROR_HANDLE_INVALID, "xrGetSystem: no such instance");
+  if (found->dead) return XR_ERROR_INSTANCE_LOST;
   if (!info || info->type != XR_TYPE_SYSTEM_GET_INFO) return misuse(XR_ERROR_VALIDATION_FAILURE, "xrGetSystem: not an XrSystemGetInfo");
   if (info->formFactor != XR_FORM_FACTOR_HEAD_MOUNTED_DISPLAY) return XR_ERROR_FORM_FACTOR_UNSUPPORTED;
   if (now() < found->no_headset_until) return XR_ERROR_FORM_FACTOR_UNAVAILABLE;

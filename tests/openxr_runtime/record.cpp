@@ -14,11 +14,14 @@ Record::Record() {
                  "frame,waited_s,ended_s,displayed_s,eye,hash,px,py,pz,qw,qx,qy,qz,left_rad,right_rad,up_rad,down_rad,png");
   haptics_ = open("haptics.csv", "time_s,hand,amplitude,duration_ns");
   states_ = open("states.csv", "time_s,state");
+  profiles_ = open("profiles.csv", "time_s,profile");
+  views_ = open("views.csv", "frame,eye,answers,first_lead_s,first_x,first_y,first_z,last_lead_s,last_x,last_y,last_z");
+  handles_ = open("handles.csv", "destroyed,kind,made,left");
   misuse_ = open("misuse.txt", nullptr);
 }
 
 Record::~Record() {
-  for (std::FILE* file : {frames_, haptics_, states_, misuse_}) {
+  for (std::FILE* file : {frames_, haptics_, states_, profiles_, views_, handles_, misuse_}) {
     if (file) std::fclose(file);
   }
 }
@@ -31,7 +34,7 @@ std::FILE* Record::open(const char* name, const char* header) const {
 }
 
 void Record::frame(uint64_t index, double time_s, double ended_s, double displayed_s, const std::vector<EyeRecord>& eyes, bool keep) {
-  if (!frames_) return;
+  if (!frames_ || !views_) return;
   if (eyes.empty())
     std::fprintf(frames_, "%lu,%.6f,%.6f,%.6f,,,,,,,,,,,,,,\n", static_cast<unsigned long>(index), time_s, ended_s, displayed_s);
   for (size_t e = 0; e < eyes.size(); ++e) {
@@ -53,8 +56,12 @@ void Record::frame(uint64_t index, double time_s, double ended_s, double display
                  static_cast<unsigned long>(index), time_s, ended_s, displayed_s, e, static_cast<unsigned long>(eye.hash),
                  p.position.x, p.position.y, p.position.z, p.orientation.w, p.orientation.x, p.orientation.y, p.orientation.z,
                  eye.fov.angleLeft, eye.fov.angleRight, eye.fov.angleUp, eye.fov.angleDown, name);
+    const EyeForetold& told = eye.foretold;
+    std::fprintf(views_, "%lu,%zu,%d,%.6f,%.9g,%.9g,%.9g,%.6f,%.9g,%.9g,%.9g\n", static_cast<unsigned long>(index), e, told.answers,
+                 told.first_lead_s, told.first.x, told.first.y, told.first.z, told.last_lead_s, told.last.x, told.last.y, told.last.z);
   }
   std::fflush(frames_);
+  std::fflush(views_);
 }
 
 void Record::haptic(double time_s, const std::string& hand, const XrHapticVibration& vibration) {
@@ -67,6 +74,18 @@ void Record::state(double time_s, const std::string& state) {
   if (!states_) return;
   std::fprintf(states_, "%.6f,%s\n", time_s, state.c_str());
   std::fflush(states_);
+}
+
+void Record::profile(double time_s, const std::string& profile) {
+  if (!profiles_) return;
+  std::fprintf(profiles_, "%.6f,%s\n", time_s, profile.c_str());
+  std::fflush(profiles_);
+}
+
+void Record::handles(const char* destroyed, const char* kind, size_t made, size_t left) {
+  if (!handles_) return;
+  std::fprintf(handles_, "%s,%s,%zu,%zu\n", destroyed, kind, made, left);
+  std::fflush(handles_);
 }
 
 void Record::misuse(const std::string& what) {

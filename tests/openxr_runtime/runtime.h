@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <condition_variable>
 #include <deque>
 #include <map>
 #include <memory>
@@ -22,12 +24,14 @@
 //   LIVEGS_XR_TIMELINE   the timeline; without it nothing moves and nothing happens
 //   LIVEGS_XR_OUTPUT     the folder of the record; without it there is none
 //   LIVEGS_XR_EYE_SIZE   WxH recommended for an eye; 128x144 without it
+//   LIVEGS_XR_CONTROLLERS  the end of the path of the controllers' profile: touch_controller_plus, touch_controller,
+//                          simple_controller; without it, the first that the application knows of actions.cpp's kProfiles
 namespace livegs::simulated {
 
 struct Action {
   XrActionSet set;
   XrActionType type;
-  std::string name;
+  std::string name, localized;
   std::set<XrPath> subactions;
 };
 struct ActionSet {
@@ -72,12 +76,15 @@ struct Session {
   // Frames.
   bool waited = false, begun = false;
   uint64_t frames_in_state = 0;
+  XrTime foretold_for = 0;  // what the next is of
+  std::array<EyeForetold, 2> foretold;
   XrTime last_display_time = 0;
   std::set<XrTime> waited_for;  // display times handed out and not yet ended
   double waited_s = 0;  // when the last wait ended
   bool keep_next = false;
   std::map<XrSpace, Space> spaces;
   std::map<XrSwapchain, Swapchain> swapchains;
+  size_t spaces_made = 0, swapchains_made = 0;
 };
 
 struct Instance {
@@ -91,12 +98,15 @@ struct Instance {
   std::map<XrAction, Action> actions;
   std::map<std::string, std::vector<Binding>> suggested;  // by profile
   XrTime no_headset_until = 0;
+  size_t sessions_made = 0, sets_made = 0, actions_made = 0;
+  bool dead = false;
 };
 
 const Pose kStageFromLocal{{0, 1.6, 0}, Eigen::Quaterniond::Identity()};  // before a recentre
 
 struct Runtime {
   std::mutex mutex;
+  std::condition_variable frame_begun;
   std::map<XrInstance, Instance> instances;  // of one at most, as sessions
   std::map<XrSession, Session> sessions;
   Timeline timeline;
@@ -106,7 +116,7 @@ struct Runtime {
   double anchor_s = 0;
   double played_s = -1;   // the timeline's events up to here have happened
   Pose stage_from_local = kStageFromLocal;
-  double refresh_hz = 90, compositor_s = 0;
+  double refresh_hz = 90, compositor_s = 0, misjudged_m_s = 0;
   uint64_t frames = 0, last_handle = 0;
 };
 
@@ -137,9 +147,11 @@ Session* session_of(XrSwapchain swapchain);
 // The only instance; calls of a session have one.
 Instance& the_instance();
 std::string path_string(XrPath path);
+// Whether there are controllers of that profile.
+bool has_controllers(const std::string& profile);
 bool take_path(const std::string& text, XrPath& path);  // false where the text is no path
 
-// What has to be said before anything of a session: HANDLE_INVALID, SESSION_LOST, or nothing.
+// What has to be said before anything of a session: HANDLE_INVALID, INSTANCE_LOST, SESSION_LOST, or nothing.
 std::optional<XrResult> refuse(const Session* session, const char* call);
 // What a call that went well gives back: LOSS_PENDING is a success.
 XrResult success(const Session& session);
@@ -155,7 +167,7 @@ void play_timeline();
 
 // Where things are in the stage.
 Pose hand_pose(const std::string& hand, bool aim, XrTime time);
-Pose head_pose(XrTime time);
+Pose head_pose(XrTime time);  // as it is foretold now, for a time to come
 XrPosef to_xr(const Pose& pose);
 bool from_xr(const XrPosef& pose, Pose& read);  // false where the quaternion is not unit or a number not finite
 // The stage from a space; false where it is not known: a hand that has no focus or is bound to nothing.

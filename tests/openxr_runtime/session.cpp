@@ -73,12 +73,17 @@ void happen(Session& session, const Timeline::Event& event) {
   } else if (event.name == "vanish") {
     XrEventDataInstanceLossPending pending{XR_TYPE_EVENT_DATA_INSTANCE_LOSS_PENDING, nullptr, now()};
     push_event(pending);
+  } else if (event.name == "die") {
+    the_instance().dead = true;
+    runtime().record->state(timeline_s(now()), "dead");
   } else if (event.name == "recentre") {
     recentre(event);
   } else if (event.name == "refresh") {
     refresh(event.numbers[0]);
   } else if (event.name == "compositor") {
     runtime().compositor_s = event.numbers[0];
+  } else if (event.name == "misjudge") {
+    runtime().misjudged_m_s = event.numbers[0];
   } else if (event.name == "picture") {
     session.keep_next = true;
   } else if (event.name == "exit") {
@@ -90,16 +95,16 @@ void happen(Session& session, const Timeline::Event& event) {
 
 void play_timeline() {
   Runtime& all = runtime();
-  if (all.sessions.empty()) return;  // what is due waits for a session
+  if (all.sessions.empty() || the_instance().dead) return;  // what is due waits for a session
   Session& session = all.sessions.begin()->second;
   const double now_s = all.anchor_ns == 0 ? -1 : timeline_s(now());
   for (const Timeline::Event& event : all.timeline.events(all.played_s, now_s)) {
-    if (session.loss != Session::Loss::None) break;
+    if (session.loss != Session::Loss::None || the_instance().dead) break;
     all.played_s = event.time_s;
     happen(session, event);
   }
   // A frame in each state on the way up, so that the application sees every one.
-  if (session.loss != Session::Loss::None || session.exiting || session.frames_in_state == 0) return;
+  if (session.loss != Session::Loss::None || the_instance().dead || session.exiting || session.frames_in_state == 0) return;
   if (session.state == XR_SESSION_STATE_SYNCHRONIZED && !session.hidden)
     move_to(session, XR_SESSION_STATE_VISIBLE);
   else if (session.state == XR_SESSION_STATE_VISIBLE && !session.unfocused && !session.hidden)
@@ -115,6 +120,7 @@ Session* find(XrSession session) {
 
 std::optional<XrResult> refuse(const Session* session, const char* call) {
   if (!session) return misuse(XR_ERROR_HANDLE_INVALID, std::string(call) + ": no such handle");
+  if (the_instance().dead) return XR_ERROR_INSTANCE_LOST;
   if (session->loss == Session::Loss::Lost) return XR_ERROR_SESSION_LOST;
   return std::nullopt;
 }
@@ -130,6 +136,7 @@ XrResult xrCreateSession(XrInstance instance, const XrSessionCreateInfo* info, X
   Runtime& all = runtime();
   Instance* found = find(instance);
   if (!found) return misuse(XR_ERROR_HANDLE_INVALID, "xrCreateSession: no such instance");
+  if (found->dead) return XR_ERROR_INSTANCE_LOST;
   if (!info || info->type != XR_TYPE_SESSION_CREATE_INFO) return misuse(XR_ERROR_VALIDATION_FAILURE, "xrCreateSession: not an XrSessionCreateInfo");
   if (info->systemId != kSystem) return misuse(XR_ERROR_SYSTEM_INVALID, "xrCreateSession: no such system");
   if (!all.sessions.empty()) return misuse(XR_ERROR_LIMIT_REACHED, "xrCreateSession: there is one already");
@@ -142,6 +149,7 @@ XrResult xrCreateSession(XrInstance instance, const XrSessionCreateInfo* info, X
   Session made;
   if (!made.graphics.open(found->vulkan_of, *binding)) return XR_ERROR_RUNTIME_FAILURE;
   *session = new_handle<XrSession>();
+  ++found->sessions_made;
   Session& created = all.sessions.emplace(*session, std::move(made)).first->second;
   move_to(created, XR_SESSION_STATE_IDLE);
   move_to(created, XR_SESSION_STATE_READY);
@@ -152,6 +160,8 @@ XrResult xrDestroySession(XrSession session) {
   std::lock_guard lock(runtime().mutex);
   Session* found = find(session);
   if (!found) return misuse(XR_ERROR_HANDLE_INVALID, "xrDestroySession: no such session");
+  runtime().record->handles("session", "swapchain", found->swapchains_made, found->swapchains.size());
+  runtime().record->handles("session", "space", found->spaces_made, found->spaces.size());
   for (auto& [handle, swapchain] : found->swapchains) {
     for (SwapchainImage& image : swapchain.images) found->graphics.destroy(image);
   }

@@ -29,8 +29,10 @@ bool from_xr(const XrPosef& pose, Pose& read) {
 }
 
 Pose head_pose(XrTime time) {
-  if (!runtime().timeline.has("head")) return {{0, 1.6, 0}, Eigen::Quaterniond::Identity()};
-  return runtime().timeline.pose("head", timeline_s(time));
+  Pose pose{{0, 1.6, 0}, Eigen::Quaterniond::Identity()};
+  if (runtime().timeline.has("head")) pose = runtime().timeline.pose("head", timeline_s(time));
+  pose.position_m.x() += runtime().misjudged_m_s * 1e-9 * static_cast<double>(std::max<XrTime>(0, time - now()));
+  return pose;
 }
 
 Pose hand_pose(const std::string& hand, bool aim, XrTime time) {
@@ -88,6 +90,7 @@ XrResult xrCreateReferenceSpace(XrSession session, const XrReferenceSpaceCreateI
     return misuse(XR_ERROR_REFERENCE_SPACE_UNSUPPORTED, "xrCreateReferenceSpace: a space that was not enumerated");
   made.reference = info->referenceSpaceType;
   *space = new_handle<XrSpace>();
+  ++found->spaces_made;
   found->spaces.emplace(*space, made);
   return success(*found);
 }
@@ -114,6 +117,7 @@ XrResult xrCreateActionSpace(XrSession session, const XrActionSpaceCreateInfo* i
   made.action = info->action;
   made.subaction = info->subactionPath;
   *space = new_handle<XrSpace>();
+  ++found->spaces_made;
   found->spaces.emplace(*space, made);
   return success(*found);
 }
@@ -148,8 +152,10 @@ XrResult xrLocateViews(XrSession session, const XrViewLocateInfo* info, XrViewSt
   std::lock_guard lock(runtime().mutex);
   Session* found = find(session);
   if (const auto refused = refuse(found, "xrLocateViews")) return *refused;
-  if (!info || info->type != XR_TYPE_VIEW_LOCATE_INFO || info->viewConfigurationType != XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO)
-    return misuse(XR_ERROR_VALIDATION_FAILURE, "xrLocateViews: not an XrViewLocateInfo for stereo");
+  if (!info || info->type != XR_TYPE_VIEW_LOCATE_INFO || !state || state->type != XR_TYPE_VIEW_STATE)
+    return misuse(XR_ERROR_VALIDATION_FAILURE, "xrLocateViews: not an XrViewLocateInfo and an XrViewState");
+  if (info->viewConfigurationType != XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO)
+    return misuse(XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED, "xrLocateViews: not for stereo");
   if (info->displayTime <= 0) return misuse(XR_ERROR_TIME_INVALID, "xrLocateViews: no moment that can be known");
   const auto base = found->spaces.find(info->space);
   if (base == found->spaces.end()) return misuse(XR_ERROR_HANDLE_INVALID, "xrLocateViews: no such space");
@@ -162,11 +168,19 @@ XrResult xrLocateViews(XrSession session, const XrViewLocateInfo* info, XrViewSt
   state->viewStateFlags = XR_VIEW_STATE_ORIENTATION_VALID_BIT | XR_VIEW_STATE_POSITION_VALID_BIT |
                           XR_VIEW_STATE_ORIENTATION_TRACKED_BIT | XR_VIEW_STATE_POSITION_TRACKED_BIT;
   if (capacity == 0) return success(*found);
-  if (capacity < 2) return XR_ERROR_SIZE_INSUFFICIENT;
-  const Pose base_from_head = stage_from_base.inverse() * head_pose(info->displayTime);
-  for (int eye = 0; eye < 2; ++eye) {
+  if (capacity < 2) return misuse(XR_ERROR_SIZE_INSUFFICIENT, "xrLocateViews: room for one view");
+  const double lead_s = 1e-9 * static_cast<double>(info->displayTime - now());
+  const Pose stage_from_head = head_pose(info->displayTime);
+  if (std::exchange(found->foretold_for, info->displayTime) != info->displayTime) found->foretold = {};
+  for (size_t eye = 0; eye < 2; ++eye) {
     if (views[eye].type != XR_TYPE_VIEW) return misuse(XR_ERROR_VALIDATION_FAILURE, "xrLocateViews: not an XrView");
-    views[eye].pose = to_xr(base_from_head * Pose{{(eye - 0.5) * kEyeDistance_m, 0, 0}, Eigen::Quaterniond::Identity()});
+    const double side_m = (static_cast<double>(eye) - 0.5) * kEyeDistance_m;
+    const Pose stage_from_eye = stage_from_head * Pose{{side_m, 0, 0}, Eigen::Quaterniond::Identity()};
+    views[eye].pose = to_xr(stage_from_base.inverse() * stage_from_eye);
+    EyeForetold& told = found->foretold[eye];
+    told.last = to_xr(stage_from_eye).position;
+    told.last_lead_s = lead_s;
+    if (told.answers++ == 0) told.first = told.last, told.first_lead_s = lead_s;
     views[eye].fov = eye == 0 ? kLeftFov : XrFovf{-kLeftFov.angleRight, -kLeftFov.angleLeft, kLeftFov.angleUp, kLeftFov.angleDown};
   }
   return success(*found);

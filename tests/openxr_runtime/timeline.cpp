@@ -18,9 +18,11 @@ const std::map<std::string, size_t> kEvents = {
     {"lose-session", 0}, // announced by LOSS_PENDING, then gone
     {"cut-session", 0},  // gone without a word
     {"vanish", 0},       // the runtime says that it is going away
+    {"die", 0},          // the runtime is gone without a word: all calls but those that destroy answer INSTANCE_LOST
     {"recentre", 4},     // X Y Z of the new LOCAL space in the stage, and its turn about +Y in degrees
     {"refresh", 1},      // Hz
     {"compositor", 1},   // seconds it takes longer from now on
+    {"misjudge", 1},     // m/s: from now on a head is foretold that much too far to the right for each second ahead
     {"picture", 0},      // keeps the next submitted frame as PNGs
     {"exit", 0},         // asks the application to end
 };

@@ -13,8 +13,13 @@
 #include <thread>
 
 #include "client/stream/sink_log.h"
+#include "common/gaussian/synthetic_asset.h"
 #include "core/clock.h"
 #include "core/content_hash.h"
+#include "gaussian/asset_file.h"
+#include "scratch_folder.h"
+#include "session/session_table.h"
+#include "stream/asset_cache.h"
 #include "stream/session_client.h"
 #include "system/fault_proxy.h"
 #include "system/noise_server.h"
@@ -65,7 +70,7 @@ class Faults : public ::testing::Test {
   std::unique_ptr<SessionClient> client_;
 };
 
-// No more than the two frames that were under way are old; then comes the newest.
+// No more than the two frames that were under way on this link are old; then comes the newest.
 TEST_F(Faults, After300MsOfStallTheThirdFrameIsFresh) {
   start(box_scene());
   const int64_t begun_ns = now_ns();
@@ -127,8 +132,53 @@ TEST_F(Faults, ATickThatTakes40MsSlowsTheStreamAndNothingElse) {
   EXPECT_LT(second, first + 41 + 10);
 }
 
-// 16 kB at 90 Hz are 11.5 Mbit/s. In a pipe of 8 a frame takes 16 ms; two may be under way, and one waits for its turn. Goal:
-// p99 at most 60 ms, flat. Measured p99 43 to 44 ms.
+// A round trip of 40 ms. Two frames under way at a time are 50 a second; the window opens to four.
+TEST(LongWay, KeepsTheRate) {
+  NoiseServer noise(100);
+  FaultProxy proxy(noise.port());
+  SinkLog sink;
+  const auto client = join(proxy.port());
+  ASSERT_TRUE(client);
+  proxy.set_link({.delay_ms = 20});
+  client->start(sink);
+  ASSERT_TRUE(sink.wait_frames(200));  // the window opens
+  const size_t before = sink.state().frames.size();
+  const uint64_t made_before = noise.newest;
+  sleep_until_ns(now_ns() + 4'000'000'000);
+  const auto frames = static_cast<double>(sink.state().frames.size() - before), made = static_cast<double>(noise.newest - made_before);
+  std::printf("40 ms there and back: %.1f frames a second of %.1f made, in a window of %zu; two would give 50\n", frames / 4, made / 4,
+              noise.server->session_table().sessions_now().front()->window());
+  EXPECT_GE(frames, 0.85 * made);
+  EXPECT_EQ(noise.server->session_table().sessions_now().front()->window(), 4u);
+  EXPECT_TRUE(client->stop());
+}
+
+// How much later than told this machine wakes a thread up, the worst of a hundred times: what a wait costs beside other work.
+class Lateness {
+ public:
+  Lateness() : thread_([this] {
+    while (!stopping_) {
+      const int64_t due_ns = now_ns() + 5'000'000;
+      sleep_until_ns(due_ns);
+      late_ms_.push_back(milliseconds_from_ns(now_ns() - due_ns));
+    }
+  }) {}
+  double p99_ms() {
+    stopping_ = true;
+    if (thread_.joinable()) thread_.join();
+    return percentile(late_ms_, 0.99);
+  }
+  ~Lateness() { (void)p99_ms(); }
+
+ private:
+  std::atomic<bool> stopping_{false};
+  std::vector<double> late_ms_{0};
+  std::thread thread_;
+};
+
+// 16 kB at 90 Hz are 11.5 Mbit/s. In a pipe of 8 a frame takes 16 ms; one may be under way, and the newest waits for its turn.
+// Bar: p99 at most 60 ms, flat. `stream_bench --links` has the figures of a minute; beside other work each of the five waits on a
+// frame's way may be late.
 TEST(NarrowPipe, FramesThatDoNotFitAreLeftOutNotQueued) {
   NoiseServer noise(2667);
   FaultProxy proxy(noise.port());
@@ -137,20 +187,23 @@ TEST(NarrowPipe, FramesThatDoNotFitAreLeftOutNotQueued) {
   ASSERT_TRUE(client);
   proxy.set_link({.delay_ms = 1, .mbit_s = 8});
   client->start(sink);
-  ASSERT_TRUE(sink.wait_frames(150));
+  ASSERT_TRUE(sink.wait_frames(50));  // the key frame's wake, and the window's first look
+  const size_t begin = sink.state().frames.size();
+  Lateness lateness;
+  ASSERT_TRUE(sink.wait_frames(700));
+  const double late_ms = lateness.p99_ms();
   EXPECT_TRUE(client->stop());
   const SinkLog::State state = sink.state();
   EXPECT_TRUE(state.lost.empty());
   EXPECT_GT(state.frames.back().bytes, 15'000u);
-  EXPECT_GT(state.frames.back().tick - state.frames.front().tick, state.frames.size() + 20);  // the others were left out
-  const std::span frames = std::span(state.frames).subspan(10);  // without the key frame's wake
-  const double first = percentile(ages_ms(frames.first(frames.size() / 2)), 0.5);
-  const double second = percentile(ages_ms(frames.subspan(frames.size() / 2)), 0.5);
-  std::printf("8 Mbit/s: staleness p50 %.1f then %.1f ms, p99 %.1f ms (goal 60)\n", first, second,
-              percentile(ages_ms(frames), 0.99));
-  // A queue that grew would be 0.7 s long by the end. Two frames under way and one waiting are 59 ms.
-  EXPECT_LT(second, 1.5 * first + 5);
-  EXPECT_LT(second, 2 * 60);
+  EXPECT_GT(state.frames.back().tick - state.frames.front().tick, state.frames.size() + 200);  // the others were left out
+  const std::span frames = std::span(state.frames).subspan(begin);
+  const double first = percentile(ages_ms(frames.first(frames.size() / 2)), 0.99);
+  const double second = percentile(ages_ms(frames.subspan(frames.size() / 2)), 0.99);
+  std::printf("8 Mbit/s: staleness p50 %.1f, p99 %.1f then %.1f ms (bar 60); the machine is late by %.1f ms\n",
+              percentile(ages_ms(frames), 0.5), first, second, late_ms);
+  EXPECT_LT(percentile(ages_ms(frames), 0.99), 60 + 5 * late_ms);
+  EXPECT_LT(second, 1.25 * first + 5 * late_ms);
 }
 
 // Counts only: what it was given is gone.
@@ -223,27 +276,52 @@ TEST(SlowClient, HoldsUpNobodyAndCostsNoMemory) {
   for (auto& client : clients) EXPECT_TRUE(client->stop());
 }
 
+// Behind the floor a room of noise, which does not compress: some 700 kB.
+Scene scene_with_a_room(const ScratchFolder& folder) {
+  const auto written = write_asset(folder.path() / "room.ply", synthetic_asset(8000, 1, 3));
+  EXPECT_TRUE(written) << written.error().message;
+  v1::Scene file;
+  file.mutable_environment()->set_asset("room.ply");
+  file.mutable_environment()->add_colliders()->mutable_plane();
+  auto scene = Scene::build(file, folder.path(), "room", {});
+  EXPECT_TRUE(scene) << scene.error().message;
+  return std::move(*scene);
+}
+
 TEST_F(Faults, AnAssetThatBreaksOffAt60PercentIsTakenUpThere) {
-  start(box_scene());
-  const StreamedObject& box = client_->scene().objects.at(1);
-  std::vector<std::byte> bytes;
+  const ScratchFolder folder;
+  start(scene_with_a_room(folder));
+  const StreamedObject& room = client_->scene().objects.at(0);
+  const AssetCache cache(folder / "cache");
   size_t pieces = 0;
+  std::vector<uint64_t> begun_at;
+  std::vector<size_t> kernels;  // that could be drawn
   const uint64_t before = proxy_->bytes_from_server();
-  proxy_->reset_after(box.asset_bytes * 6 / 10, 1);
-  const auto fetched = client_->fetch_asset(
-      box.asset_hash, box.asset_bytes, 0, [&](uint64_t offset, uint64_t, std::span<const std::byte> piece) -> Result<void> {
-        EXPECT_EQ(offset, bytes.size());
-        bytes.insert(bytes.end(), piece.begin(), piece.end());
-        ++pieces;
-        return {};
-      });
-  ASSERT_TRUE(fetched) << fetched.error().message;
-  EXPECT_EQ(bytes.size(), box.asset_bytes);
-  EXPECT_EQ(content_hash(bytes), box.asset_hash);
+  proxy_->reset_after(room.asset_bytes * 6 / 10, 1);
+  const auto obtained = cache.obtain(
+      room.asset_hash, room.asset_bytes,
+      [&](uint64_t begin, const TakeChunk& take) {
+        begun_at.push_back(begin);
+        return client_->fetch_asset(room.asset_hash, room.asset_bytes, begin,
+                                    [&](uint64_t offset, uint64_t total, std::span<const std::byte> piece) {
+                                      ++pieces;
+                                      return take(offset, total, piece);
+                                    });
+      },
+      [&](const ProgressiveDecoder& so_far) { kernels.push_back(so_far.arrived()); });
+  ASSERT_TRUE(obtained) << obtained.error().message;
+  EXPECT_EQ(obtained->fetched_bytes, room.asset_bytes);
+  EXPECT_EQ(content_hash(obtained->bytes), room.asset_hash);
+  EXPECT_EQ(begun_at, (std::vector<uint64_t>{0}));  // the client takes it up by itself
   EXPECT_GT(pieces, 1u);
+  // It could be drawn long before it was whole, coarse at first.
+  ASSERT_GE(kernels.size(), 3u);
+  EXPECT_LT(kernels.front(), 8000u);
+  EXPECT_EQ(kernels.back(), 8000u);
+  EXPECT_LT(room.asset_bytes, obtained->bytes.size());
   // All of it once, and what of a piece was on its way: the pipe holds 128 kB, a piece 64 kB. (And frames, some kB.)
   const uint64_t brought = proxy_->bytes_from_server() - before;
-  EXPECT_LT(brought, box.asset_bytes + (256u << 10)) << box.asset_bytes;
+  EXPECT_LT(brought, room.asset_bytes + (256u << 10)) << room.asset_bytes;
   EXPECT_TRUE(sink_.state().lost.empty());  // the stream has a connection of its own
 }
 

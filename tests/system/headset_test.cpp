@@ -63,10 +63,9 @@ TEST_F(HeadsetSession, HandsGrabThrowPullAndShoot) {
     target_m_s = std::max(target_m_s, -tick.bodies.at("target").velocity_m_s.z());
   }
   EXPECT_GT(thrown_up_m, 0.3);
-  // It still flies: the hand went at 0.6 m/s when it let go. One that is looked at ten times a second has stopped each time.
-  if (done->draw_ms_p95 < 50) {
-    EXPECT_GT(thrown_m_s, 0.3);
-  }
+  // It still flies: the hand went at 0.6 m/s when it let go. Of one that is looked at ten times a second less is known.
+  std::printf("thrown at %.2f m/s\n", thrown_m_s);
+  EXPECT_GT(thrown_m_s, done->draw_ms_p95 < 50 ? 0.3 : 0.1);
   EXPECT_GT(pulled_up_m, 0.05);
   EXPECT_GT(target_m_s, 0.05);  // the ball met it
   // Each hand was told of what it took; the first.
@@ -126,54 +125,6 @@ TEST_F(HeadsetSession, OutlivesLostFocusAndLostSessions) {
   EXPECT_NEAR((after - before).norm(), std::hypot(0.05, 0.05, 0.1), 0.01);
 }
 
-// Drawn by the CPU, since a device in software takes ten times as long for a picture: a hand that holds a box jumps, and
-// the first picture that has changed is looked for. Through 4 ms of network each way. Goal: 50 ms for 95 of 100.
-TEST_F(HeadsetSession, TellsHowLongAHandTakesToBeSeen) {
-  constexpr int kJumps = 16;
-  std::string timeline = R"(0 pose head 0 1.6 0 1 0 0 0
-0 pose right 0 1.6 -1 1 0 0 0
-0.5 input right.squeeze 1
-)";
-  std::vector<double> jumps_s;
-  for (int i = 0; i < kJumps; ++i) {
-    const double at_s = 1.5 + 0.5037 * i;  // at no fixed phase of the display or of the server
-    char line[200];
-    std::snprintf(line, sizeof line, "%.5f pose right 0 %.3f -1 1 0 0 0\n%.5f pose right 0 %.3f -1 1 0 0 0\n", at_s - 1e-5,
-                  i % 2 ? 1.7 : 1.6, at_s, i % 2 ? 1.6 : 1.7);
-    timeline += line;
-    jumps_s.push_back(at_s);
-  }
-  timeline += std::to_string(jumps_s.back() + 0.6) + " do exit\n";
-  const auto done = run(floating({{"held", {0, 0, 0}}}), timeline,
-                        {.eye_size = "64x72", .renderer = RendererChoice::Cpu, .network_delay_ms = 4, .marks = false});
-  ASSERT_TRUE(done) << done.error().message;
-  expect_no_complaints();
-
-  // The box has come to rest before the next jump: its picture has the same hash again and again.
-  std::vector<double> seen_ms, submitted_ms;
-  const auto frames = rows(folder_ / "frames.csv");
-  for (const double jump_s : jumps_s) {
-    std::string before;
-    for (const auto& row : frames) {
-      if (row.size() < 6 || row[4] != "0") continue;
-      if (std::stod(row[2]) < jump_s) {
-        before = row[5];
-      } else if (row[5] != before) {
-        submitted_ms.push_back(1e3 * (std::stod(row[2]) - jump_s));
-        seen_ms.push_back(1e3 * (std::max(std::stod(row[2]), std::stod(row[3])) - jump_s));
-        break;
-      }
-    }
-  }
-  ASSERT_EQ(seen_ms.size(), jumps_s.size());
-  std::sort(seen_ms.begin(), seen_ms.end());
-  std::sort(submitted_ms.begin(), submitted_ms.end());
-  const auto at = [](const std::vector<double>& sorted, double share) { return sorted[static_cast<size_t>(share * (sorted.size() - 1))]; };
-  std::printf("hand to picture: submitted p50 %.1f, p95 %.1f ms; seen p50 %.1f, p95 %.1f ms; of it drawing p50 %.1f, p95 %.1f ms\n",
-              at(submitted_ms, 0.5), at(submitted_ms, 0.95), at(seen_ms, 0.5), at(seen_ms, 0.95), done->draw_ms_p50, done->draw_ms_p95);
-  EXPECT_GT(seen_ms.front(), 4 + 4);  // the network alone
-}
-
 // A hand that comes to a box feels it when it gets there, and once; so does it the box in its hand when that meets a wall,
 // though the server tells of the same touch a little later.
 TEST_F(HeadsetSession, ATouchIsFeltWhenItIsSeenAndOnce) {
@@ -191,7 +142,6 @@ TEST_F(HeadsetSession, ATouchIsFeltWhenItIsSeenAndOnce) {
                         {.eye_size = "64x72", .renderer = RendererChoice::Cpu});
   ASSERT_TRUE(done) << done.error().message;
   expect_no_complaints();
-  if (done->draw_ms_p95 > 150) GTEST_SKIP() << "hands are looked at once a picture, and one takes " << done->draw_ms_p95 << " ms";
   std::vector<double> touched, met;
   size_t took = 0;
   for (const auto& row : rows(folder_ / "haptics.csv")) {
@@ -206,13 +156,16 @@ TEST_F(HeadsetSession, ATouchIsFeltWhenItIsSeenAndOnce) {
       met.push_back(at_s);
   }
   // The hand's ball of 10 mm meets the face at 60 mm when it is 70 mm from the middle; kernels bulge a little. Foreseen by
-  // 25 ms and the time to a picture; a busy machine draws every 50 ms.
+  // 25 ms and the time to a picture, which a busy machine takes longer for: hands are looked at once a picture.
+  const double hand_a_picture_m = 0.3 * 1e-3 * done->draw_ms_p95;
   ASSERT_EQ(touched.size(), 1u);
-  EXPECT_NEAR(0.3 - 0.3 * (touched[0] - 1.0), 0.07, 0.04);
+  const double from_middle_m = 0.3 - 0.3 * (touched[0] - 1.0);
+  std::printf("touched %.1f mm from the face; a hand goes %.1f mm a picture\n", 1e3 * (from_middle_m - 0.07), 1e3 * hand_a_picture_m);
+  EXPECT_NEAR(from_middle_m, 0.07, 0.02 + 2 * hand_a_picture_m);
   EXPECT_EQ(took, 1u);
   // Faces meet when the hand is at -0.35 + 0.12 = -0.23 m; the box follows its hand by a spring, up to 0.1 s later.
   ASSERT_EQ(met.size(), 1u);
-  EXPECT_NEAR(-0.3 * (met[0] - 3.4), -0.23, 0.06);
+  EXPECT_NEAR(-0.3 * (met[0] - 3.4), -0.23, 0.05 + 2 * hand_a_picture_m);
 }
 
 // A runtime that goes away while it is in use: the run ends with one line that names it and the remedy.
@@ -223,6 +176,92 @@ TEST_F(HeadsetSession, ARuntimeThatVanishesEndsTheRunWithTheRemedy) {
   EXPECT_EQ(done.error().code, ErrorCode::Unavailable);
   EXPECT_NE(done.error().message.find("is going away; start it and the client again"), std::string::npos) << done.error().message;
   expect_no_complaints();
+}
+
+// The same without a word: from one moment on no call does anything.
+TEST_F(HeadsetSession, ARuntimeThatDiesEndsTheRunWithTheRemedy) {
+  const auto done = run(floating({{"box", {0, 0, 0}}}), "0 pose head 0 1.6 0 1 0 0 0\n1.0 do die\n30 do exit\n",
+                        {.eye_size = "64x72", .renderer = RendererChoice::Cpu});
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, ErrorCode::Unavailable);
+  EXPECT_NE(done.error().message.find("is going away; start it and the client again"), std::string::npos) << done.error().message;
+  ASSERT_FALSE(states().empty());
+  EXPECT_EQ(states().back(), "dead");
+  expect_no_complaints();
+}
+
+// Where a plate's writing lies in a picture: its middle, and how many pixels are in its very colour.
+struct Writing {
+  Eigen::Vector2d middle_px{0, 0};
+  size_t pixels = 0;
+};
+Writing writing(const Image& image) {
+  Writing found;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const float* pixel = image.at(x, y);
+      if (std::abs(255 * pixel[0] - 255) > 25 || std::abs(255 * pixel[1] - 138) > 25 || std::abs(255 * pixel[2] - 120) > 25) continue;
+      found.middle_px += Eigen::Vector2d(x + 0.5, y + 0.5);
+      ++found.pixels;
+    }
+  }
+  if (found.pixels > 0) found.middle_px /= static_cast<double>(found.pixels);
+  return found;
+}
+
+Image upper_half(const Image& image) {
+  const int height = image.height / 2;
+  return {image.width, height, {image.pixels.begin(), image.pixels.begin() + std::ptrdiff_t{4} * image.width * height}};
+}
+
+// The server has gone: the wearer reads it, over the last picture and wherever the head turns, until it is back.
+TEST_F(HeadsetSession, SaysBeforeTheEyesThatTheServerHasGone) {
+  int kept = 0;
+  const auto done = run(floating({{"box", {0, 0, 0}}}), R"(
+0    pose head   0 1.6 0         1 0 0 0
+0.6  do picture
+4.0  do picture
+4.2  pose head   0 1.6 0         1 0 0 0
+4.6  pose head   0 1.6 0         0.98481 0 0.17365 0
+4.8  do picture
+5.0  pose head   0 1.6 0         0.98481 0 0.17365 0
+5.4  pose head   0 1.6 0         1 0 0 0
+9.0  do picture
+9.4  do exit
+)",
+                        {.eye_size = "320x360", .renderer = RendererChoice::Cpu, .on_kept = [&](const PlannedFrame&, const SceneView&, FaultProxy& network) {
+                           ++kept;
+                           if (kept == 1) network.cut();
+                           if (kept == 3) network.heal();
+                         }});
+  ASSERT_TRUE(done) << done.error().message;
+  expect_no_complaints();
+  ASSERT_EQ(kept_.size(), 4u);
+  Writing first;
+  for (size_t i = 0; i < kept_.size(); ++i) {
+    const bool gone = i == 1 || i == 2;
+    for (int eye = 0; eye < 2; ++eye) {
+      const auto shown = read_png(kept_[i].files[eye]);
+      ASSERT_TRUE(shown) << shown.error().message;
+      if (const char* folder = std::getenv("LIVEGS_TEST_PICTURES")) {
+        const std::string name = "notice_" + std::to_string(i) + "_" + std::to_string(eye) + ".png";
+        ASSERT_TRUE(write_png(std::filesystem::path(folder) / name, *shown));
+      }
+      // The scene, as it was last, is where the plate is not.
+      EXPECT_GT(psnr_db(upper_half(*shown), upper_half(kept_[i].oracle[eye])), 50.0) << i;
+      const Writing read = writing(*shown);
+      if (!gone) {
+        EXPECT_EQ(read.pixels, 0u) << i;
+        EXPECT_GT(psnr_db(*shown, kept_[i].oracle[eye]), 50.0) << i;
+        continue;
+      }
+      EXPECT_GT(read.pixels, 100u) << i;
+      if (eye == 0 && i == 1) first = read;
+      if (eye == 0) {
+        EXPECT_LT((read.middle_px - first.middle_px).norm(), 1.0) << i;
+      }
+    }
+  }
 }
 
 // No runtime, and nothing to open a window on: a line each, and the code of what could not be done.

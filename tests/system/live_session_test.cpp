@@ -194,9 +194,9 @@ TEST_F(LiveSession, FramesComeInOrderAndTheirDriversAreTheServersWithinAStep) {
   for (size_t i = 0; i < own.objects.size(); ++i) {
     ASSERT_EQ(own.objects[i].positions_m.size(), streamed->objects[i].positions_m.size());
     for (size_t n = 0; n < own.objects[i].positions_m.size(); ++n) {
-      // Half a step of the stream, 2^-15 m, and of the file's 16 bits over a box of less than half a metre.
+      // Half a step of the stream, 15/16 of 2^-14 m, and of the file's 16 bits over a box of less than half a metre.
       EXPECT_LT((own.objects[i].positions_m[n] - streamed->objects[i].positions_m[n]).cwiseAbs().maxCoeff(),
-                std::exp2(-16.0f) + 0.25f / 65535);
+                0.9375f * std::exp2(-15.0f) + 0.25f / 65535);
     }
   }
 }

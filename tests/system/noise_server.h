@@ -10,6 +10,7 @@
 #include "core/clock.h"
 #include "server/session/box_scene.h"
 #include "session/live_server.h"
+#include "session/session_table.h"
 
 namespace livegs {
 
@@ -17,10 +18,11 @@ namespace livegs {
 // They are made beforehand; making one takes as long as encoding it.
 class NoiseServer {
  public:
-  explicit NoiseServer(size_t nodes, ServerSecurity* security = nullptr) : scene_(box_scene()) {
+  explicit NoiseServer(size_t nodes, ServerSecurity* security = nullptr, size_t clients = kUsualSessions) : scene_(box_scene()) {
     auto listening = LiveServer::listen("127.0.0.1:0", security);
     EXPECT_TRUE(listening) << listening.error().message;
     server = std::move(*listening);
+    server->admit(clients);
     server->open(scene_, nobody_);
     std::mt19937_64 random(1);
     std::uniform_real_distribution<float> place(-0.5f, 0.5f);

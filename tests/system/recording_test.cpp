@@ -40,7 +40,7 @@ TEST_F(Recordings, AreLookedAtWatchedAndSimulatedAgain) {
   EXPECT_EQ(verified.out().find("equal to the bit"), 0u) << verified.out();
 
   // No server, no cache: the assets are in it.
-  Program watched({LIVEGS_CLIENT, "--replay", file(), "--from", "1", "--output", folder_ / "watched", "--cache",
+  Program watched({LIVEGS_CLIENT, "--display", "offscreen", "--replay", file(), "--from", "1", "--output", folder_ / "watched", "--cache",
                    folder_ / "empty", "--size", "160x120", "--no-video", "--every", "10", "--threads", "1"});
   ASSERT_EQ(watched.wait(), 0) << watched.err();
   EXPECT_TRUE(std::filesystem::exists(folder_ / "watched/last.png"));
@@ -89,7 +89,7 @@ TEST_F(Recordings, ThatAreNoneAreRefusedInOneLine) {
   Program summary = replay();
   EXPECT_EQ(summary.wait(), 2);
   expect_one_line(summary, "session.lvgrec: is no recording");
-  Program watched({LIVEGS_CLIENT, "--replay", file()});
+  Program watched({LIVEGS_CLIENT, "--display", "offscreen", "--replay", file()});
   EXPECT_EQ(watched.wait(), 2);
   expect_one_line(watched, "session.lvgrec: is no recording");
   Program server(server_words({"--record", file()}));

@@ -20,6 +20,10 @@ namespace {
 
 constexpr int kNobody = 1;  // a port on which connections are refused at once
 
+// The longest of ten that `resume_bench` measured for a cut and for a server that is back. Beside other work everything takes longer; more
+// than eight times that, and something waits that should not.
+constexpr double kLongestAfterCut_ms = 192, kLongestAfterRestart_ms = 177, kBusy = 8;
+
 // How long after `moment_ns` the first frame came that came after it.
 double first_frame_after_ms(const SinkLog::State& state, int64_t moment_ns) {
   for (const ReceivedFrame& frame : state.frames) {
@@ -69,8 +73,8 @@ TEST_F(Resume, AResetConnectionLosesNeitherSessionNorScene) {
 }
 
 // Nobody is told of the cut: the client notices by the silence, the server too, and gives up the stream. Goal: pictures
-// move within 300 ms after it heals. `resume_bench` measured 31 to 192 ms; on a machine busy enough there is no telling, so what is held here
-// is what it follows from: a fresh connection every 150 ms, and the first that can brings the frames.
+// move within 300 ms after it heals. `resume_bench` measured 31 to 192 ms. It follows from a fresh connection every 150 ms, and that the
+// first that can brings the frames.
 TEST_F(Resume, AfterACutTheFirstConnectionBringsTheFrames) {
   start();
   proxy_->cut();
@@ -89,7 +93,7 @@ TEST_F(Resume, AfterACutTheFirstConnectionBringsTheFrames) {
   const SinkLog::State state = sink_.state();
   const double ms = first_frame_after_ms(state, healed_ns);
   std::printf("moving %.0f ms after a cut of 2.7 s healed (goal 300)\n", ms);
-  EXPECT_LT(ms, 5000);
+  EXPECT_LT(ms, kBusy * kLongestAfterCut_ms);
   EXPECT_TRUE(state.resumed.front().same_server);
   EXPECT_TRUE(state.added.empty() && state.changed.empty() && state.removed.empty());
   EXPECT_TRUE(client_->stop());
@@ -126,7 +130,7 @@ TEST_F(Resume, AServerThatIsStartedAnewHasTheSameScene) {
   const SinkLog::State state = sink_.state();
   const double ms = first_frame_after_ms(state, back_ns);
   std::printf("moving %.0f ms after the server was back (goal 500)\n", ms);
-  EXPECT_LT(ms, 5000);
+  EXPECT_LT(ms, kBusy * kLongestAfterRestart_ms);
   EXPECT_FALSE(state.resumed.back().same_server);
   EXPECT_TRUE(state.added.empty() && state.changed.empty() && state.removed.empty());
   const ReceivedFrame &before = state.frames.front(), &after = state.frames.back();

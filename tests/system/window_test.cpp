@@ -4,9 +4,15 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <functional>
+#include <iterator>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <thread>
 
 #include "core/file.h"
 #include "splat/image.h"
@@ -156,28 +162,144 @@ TEST_F(WindowOnADisplay, RecordsAForceWithItsSentence) {
   const auto sentence = read_file(study / "study_001.txt");
   ASSERT_TRUE(sentence) << window.err();
   EXPECT_EQ(std::string(reinterpret_cast<const char*>(sentence->data()), sentence->size()),
-            "Apply a force of 10 N to the cube for 0.3 s.\n");
+            "Apply a force of 10 newtons to the cube for 0.3 seconds.\n");
   for (const char* name : {"study_001.mp4", "study_001.json", "study_001_camera.json"}) {
     EXPECT_TRUE(std::filesystem::exists(study / name)) << name;
   }
   EXPECT_GT(std::filesystem::file_size(study / "study_001.mp4"), 2000u);
 }
 
-// The last picture stays, with a notice; a server that is started anew at its place is found, and the window ends as it
+// Several points at once.
+TEST_F(WindowOnADisplay, RecordsForcesOnSeveralPoints) {
+  if (!std::filesystem::exists("/usr/bin/ffmpeg")) GTEST_SKIP() << "no ffmpeg";
+  size_ = "480x300";
+  const std::filesystem::path study = folder_ / "study";
+  Program window(window_words(display_, port_, {"--force", "cube:0.1,0.1,0.1:10,0,0:0.3", "--force", "cube:0.1,0.1,-0.1:10,0,0:0.3",
+                                                "--force", "box:0,0.1,0:0,1,0:1", "--output", study.string()}));
+  EXPECT_EQ(window.wait(), 0) << window.err();
+  const auto sentence = read_file(study / "study_001.txt");
+  ASSERT_TRUE(sentence) << window.err();
+  EXPECT_EQ(std::string(reinterpret_cast<const char*>(sentence->data()), sentence->size()),
+            "Apply a force of 10 newtons to the cube for 0.3 seconds at 2 points, and a force of 1 newton to the box for 1 second.\n");
+  const auto json = read_file(study / "study_001.json");
+  ASSERT_TRUE(json);
+  EXPECT_EQ(nlohmann::json::parse(reinterpret_cast<const char*>(json->data()), reinterpret_cast<const char*>(json->data()) + json->size()).size(), 3u);
+  EXPECT_GT(std::filesystem::file_size(study / "study_001.mp4"), 2000u);
+}
+
+// Pixels of the panel on the left in the ink of what is out of order, its soft edges included.
+size_t notice_pixels(const Image& image) {
+  size_t count = 0;
+  for (int y = 10; y < 400; ++y) {
+    for (int x = 10; x < 310; ++x) {
+      const float* pixel = image.at(x, y);
+      count += pixel[0] > 0.5f && pixel[1] < 0.63f * pixel[0] && pixel[1] > 0.4f * pixel[0] && pixel[2] < 0.58f * pixel[0];
+    }
+  }
+  return count;
+}
+
+// Squares of 20 pixels there whose mean differs, of 1120: how finely each picture was drawn does not count.
+size_t changed_squares(const Image& a, const Image& b) {
+  constexpr int kSquare = 20;
+  size_t count = 0;
+  for (int top = 0; top + kSquare <= a.height; top += kSquare) {
+    for (int left = kLeft; left + kSquare <= kRight; left += kSquare) {
+      float difference[3] = {0, 0, 0};
+      for (int y = top; y < top + kSquare; ++y) {
+        for (int x = left; x < left + kSquare; ++x) {
+          for (int c = 0; c < 3; ++c) difference[c] += (a.at(x, y)[c] - b.at(x, y)[c]) / (kSquare * kSquare);
+        }
+      }
+      count += std::any_of(std::begin(difference), std::end(difference), [](float one) { return std::abs(one) > 0.06f; });
+    }
+  }
+  return count;
+}
+
+// The last picture stays, with a notice in red; a server that is started anew at its place is found, and the window ends as it
 // would have.
 TEST_F(WindowOnADisplay, OutlivesItsServer) {
-  Program window(window_words(display_, port_, {"--renderer", "cpu"}));
+  const std::filesystem::path shots = folder_ / "shots";
+  const std::string camera = folder_.write("camera.json", R"({ "position_m": [-0.3, 0.4, 1.8], "look_at_m": [-0.3, 0.3, 0],
+                                                              "vertical_fov_deg": 40 })");
+  Program window(window_words(display_, port_, {"--renderer", "cpu", "--camera", camera, "--output", shots.string(), "--every", "4"}));
+  // The first screenshot from number `from` on of which this is true; those before the newest are written to their end.
+  int newest = 0;
+  const auto shot = [&](int from, const std::function<bool(const Image&)>& wanted) -> std::optional<Image> {
+    const auto name = [&](int number) {
+      char text[32];
+      std::snprintf(text, sizeof text, "window_%03d.png", number);
+      return shots / text;
+    };
+    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    for (int number = from; std::chrono::steady_clock::now() < give_up;) {
+      if (!std::filesystem::exists(name(number + 1))) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        continue;
+      }
+      auto image = read_png(name(number));
+      newest = number++;
+      if (image && wanted(*image)) return std::move(*image);
+    }
+    return std::nullopt;
+  };
+  const auto keep = [](const char* name, const Image& image) {
+    if (const char* folder = std::getenv("LIVEGS_TEST_PICTURES")) {
+      EXPECT_TRUE(write_png(std::filesystem::path(folder) / name, image));
+    }
+  };
   ASSERT_TRUE(server_->says("streaming to")) << server_->err();
+  const auto before = shot(5, [](const Image&) { return true; });
+  ASSERT_TRUE(before) << window.err();
+  EXPECT_EQ(notice_pixels(*before), 0u);
   server_->send(SIGKILL);
   EXPECT_TRUE(window.says("the server has gone")) << window.err();
   server_->wait();
+  const auto gone = shot(newest, [](const Image& image) { return notice_pixels(image) > 0; });
+  ASSERT_TRUE(gone) << window.err();
+  EXPECT_GT(notice_pixels(*gone), 100u);
+  const auto still = shot(newest + 2, [](const Image&) { return true; });
+  ASSERT_TRUE(still) << window.err();
+  keep("server_gone.png", *still);
+  EXPECT_GT(notice_pixels(*still), 100u);
+  EXPECT_LT(changed_squares(*gone, *still), 10u);
+  EXPECT_LT(changed_squares(*before, *still), 10u);  // the box, 50 squares, is where it was
   std::vector<std::string> words = server_words();
   std::replace(words.begin(), words.end(), std::string("127.0.0.1:0"), "127.0.0.1:" + port_);
   Program again(words);
   EXPECT_TRUE(window.says("a server that was started anew")) << window.err();
   EXPECT_TRUE(again.says("streaming to")) << again.err();
+  const auto back = shot(newest, [](const Image& image) { return notice_pixels(image) == 0; });
+  ASSERT_TRUE(back) << window.err();
+  EXPECT_LT(changed_squares(*before, *back), 10u);
   window.send(SIGINT);
   EXPECT_EQ(window.wait(), 0) << window.err();
+}
+
+// Where nothing is said of a display it is a window where there is one to open it on, and pictures where not.
+TEST_F(WindowOnADisplay, IsOpenedWhereThereIsADisplayAndNothingIsSaid) {
+  std::vector<std::string> words = {"/usr/bin/env", "DISPLAY=" + display_, LIVEGS_CLIENT, "127.0.0.1:" + port_, "--size", "320x240",
+                                    "--cache", folder_ / "cache", "--threads", "1", "--renderer", "cpu", "--seconds", "2",
+                                    "--output", folder_ / "auto"};
+  Program window(words);
+  EXPECT_EQ(window.wait(), 0) << window.err();
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "auto" / "window_000.png")) << window.err();
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "auto" / "first.png"));
+
+  words[1] = "DISPLAY=";
+  words.back() = folder_ / "files";
+  Program files(words);
+  EXPECT_EQ(files.wait(), 0) << files.err();
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "files" / "first.png")) << files.err();
+
+  // What only files can have.
+  words[1] = "DISPLAY=" + display_;
+  words.back() = folder_ / "no_video";
+  words.push_back("--no-video");
+  Program no_video(words);
+  EXPECT_EQ(no_video.wait(), 0) << no_video.err();
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "no_video" / "first.png")) << no_video.err();
 }
 
 TEST_F(WindowOnADisplay, PlaysARecording) {
@@ -201,6 +323,12 @@ TEST_F(Window, WithoutADisplayItIsOneLineAndCodeOne) {
   const std::string err = window.err();
   EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;
   EXPECT_NE(err.find("--display offscreen"), std::string::npos) << err;
+}
+
+TEST_F(Window, AForceOffscreenIsOneLineAndCodeTwo) {
+  Program client({LIVEGS_CLIENT, "127.0.0.1:1", "--display", "offscreen", "--force", "cube:0,0,0:1,0,0:1"});
+  EXPECT_EQ(client.wait(), 2);
+  expect_one_line(client, "--display window");
 }
 
 TEST_F(Window, AForceThatCannotBeReadIsOneLineAndCodeTwo) {

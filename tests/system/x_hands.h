@@ -4,9 +4,11 @@
 #include <memory>
 #include <string>
 
+#include "splat/image.h"
+
 namespace livegs {
 
-// The mouse and the keys of an X display, for a test: pointer moves are real, presses are sent to one window. Each call
+// The mouse and the keys of an X display, and an eye, for a test: pointer moves are real, presses are sent to one window. Each call
 // has reached that window's program when it returns.
 class XHands {
  public:
@@ -19,6 +21,7 @@ class XHands {
   void release();
   void key(const std::string& name, bool down);  // X's name of it: "space"
   void close();                                  // as a window manager asks a window to
+  Image picture() const;                         // what the window shows
 
  private:
   struct Window;

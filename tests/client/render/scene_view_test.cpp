@@ -46,11 +46,30 @@ TEST(SceneView, SkinsOnlyWhatMoved) {
   SceneView view;
   ASSERT_TRUE(view.add(1, cube_asset(0.2f, {1, 0, 0}), rigid_rest(), false));
   ASSERT_TRUE(view.add(2, cube_asset(0.2f, {0, 1, 0}), rigid_rest(), false));
-  ASSERT_TRUE(view.pose(frame_of({{1, {0, 0, 0}}, {2, {1, 0, 0}}})));
+  const Camera camera = look_at({0, 0, 2}, {0, 0, 0}, {0, 1, 0}, 0.7, 96, 64);
+  std::vector<Image> picture;
+  ASSERT_TRUE(view.draw(frame_of({{1, {0, 0, 0}}, {2, {1, 0, 0}}}), {&camera, 1}, picture));
   EXPECT_EQ(view.last_times().objects_skinned, 2u);
-  ASSERT_TRUE(view.pose(frame_of({{1, {0, 0, 0}}, {2, {1.5, 0, 0}}})));
+  ASSERT_TRUE(view.draw(frame_of({{1, {0, 0, 0}}, {2, {1.5, 0, 0}}}), {&camera, 1}, picture));
+  EXPECT_EQ(view.last_times().objects_moved, 1u);
   EXPECT_EQ(view.last_times().objects_skinned, 1u);
   EXPECT_NEAR(view.bounds(2).center().x(), 1.5, 1e-6);
+  EXPECT_EQ(view.last_times().objects_skinned, 1u);
+}
+
+// Where things are is worked out for who asks, not for every moment that is gone to.
+TEST(SceneView, SkinsOnlyWhatIsAskedFor) {
+  SceneView view;
+  ASSERT_TRUE(view.add(1, cube_asset(0.2f, {1, 0, 0}), rigid_rest(), false));
+  ASSERT_TRUE(view.add(2, cube_asset(0.2f, {0, 1, 0}), rigid_rest(), false));
+  ASSERT_TRUE(view.pose(frame_of({{1, {0, 0, 0}}, {2, {1, 0, 0}}})));
+  EXPECT_EQ(view.last_times().objects_skinned, 0u);
+  EXPECT_FALSE(view.pick({0.5, 0, 2}, {0, 0, -1}));  // between them
+  EXPECT_EQ(view.last_times().objects_skinned, 0u);
+  const auto picked = view.pick({1, 0, 2}, {0, 0, -1});
+  ASSERT_TRUE(picked);
+  EXPECT_EQ(picked->object_id, 2u);
+  EXPECT_EQ(view.last_times().objects_skinned, 1u);
 }
 
 TEST(SceneView, APictureWithSavedSkinningIsTheSamePicture) {
@@ -113,6 +132,40 @@ TEST(SceneView, WhatCannotBeDrawnIntoADevicesImageComesAsPictures) {
   const auto oracle = create_cpu_renderer();
   ASSERT_TRUE(view.draw_again(*oracle, {&camera, 1}, again));
   EXPECT_EQ(again.at(0).pixels, first.at(0).pixels);
+}
+
+// What a renderer is asked for.
+class AskedRenderer final : public SplatRenderer {
+ public:
+  const std::string& name() const override { return name_; }
+  const RenderTimes& last_times() const override { return times_; }
+  Result<void> draw(std::span<const RenderedObject>, std::span<const Camera>, const RenderOptions& options, std::vector<Image>&) override {
+    asked = options;
+    return {};
+  }
+  RenderOptions asked;
+
+ private:
+  std::string name_ = "asked";
+  RenderTimes times_;
+};
+
+TEST(SceneView, KernelsBeforeTheEyeAreHeldTighterWhilePicturesAreLate) {
+  const Camera camera = look_at({0, 0, 2}, {0, 0, 0}, {0, 1, 0}, 0.7, 96, 64);
+  auto made = std::make_unique<AskedRenderer>();
+  const RenderOptions& asked = made->asked;
+  SceneView view(std::move(made));
+  std::vector<Image> picture;
+  ASSERT_TRUE(view.draw({}, {&camera, 1}, picture));
+  EXPECT_EQ(asked.max_radius_px, 192);
+  view.set_min_contribution(0.5f);
+  ASSERT_TRUE(view.draw({}, {&camera, 1}, picture));
+  EXPECT_EQ(asked.max_radius_px, 96);
+  EXPECT_EQ(asked.min_contribution_px, 0.5f);
+  AskedRenderer again;  // which a picture is held against: the same is asked of it
+  ASSERT_TRUE(view.draw_again(again, {&camera, 1}, picture));
+  EXPECT_EQ(again.asked.max_radius_px, 96);
+  EXPECT_EQ(again.asked.min_contribution_px, 0.5f);
 }
 
 TEST(SceneView, LeavesOutWhatWasRemovedAndWhatIsUnknown) {

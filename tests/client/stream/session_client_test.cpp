@@ -4,6 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
 #include <thread>
 
 #include "client/stream/scripted_server.h"
@@ -128,6 +132,73 @@ TEST(SpoiledFrame, IsRefusedAndAKeyFrameIsAskedFor) {
   EXPECT_EQ(state.frames[0].tick, 1u);
   EXPECT_EQ(state.frames[1].tick, 3u);
   EXPECT_TRUE(state.lost.empty());
+}
+
+// A message that comes late or is coalesced with the next loses no press of a button: each holds the last three samples, oldest first,
+// also one that is an acknowledgement or a sign of life.
+TEST(Inputs, EveryMessageHoldsTheLastThreeSamples) {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::vector<std::vector<uint64_t>> heard;  // the sequences of each message
+  ScriptedServer server;
+  server.on_join = [](int, const v1::JoinRequest&, v1::JoinReply& reply) {
+    reply = welcome();
+    return grpc::Status::OK;
+  };
+  server.on_stream = [&](int, ScriptedServer::ServerStream& stream) {
+    v1::ServerMessage message;
+    DriverFrame frame;
+    frame.tick = 7;
+    message.set_tick(7);
+    const auto encoded = encode_stream_frame(frame, nullptr);
+    message.set_frame(encoded.bytes.data(), encoded.bytes.size());
+    stream.Write(message);
+    v1::ClientMessage incoming;
+    while (stream.Read(&incoming)) {
+      std::vector<uint64_t> sequences;
+      for (const v1::Input& input : incoming.inputs()) sequences.push_back(input.sequence());
+      std::lock_guard lock(mutex);
+      heard.push_back(std::move(sequences));
+      changed.notify_all();
+    }
+    return grpc::Status::OK;
+  };
+  server.start();
+  auto joined = SessionClient::join(server.address(), patient());
+  ASSERT_TRUE(joined) << joined.error().message;
+  SinkLog sink;
+  (*joined)->start(sink);
+  ASSERT_TRUE(sink.wait([](const SinkLog::State& state) { return !state.frames.empty(); }));
+  const auto wait_for = [&](const std::function<bool()>& enough) {
+    std::unique_lock lock(mutex);
+    return changed.wait_for(lock, kPatience, enough);
+  };
+  for (uint64_t sequence = 1; sequence <= 6; ++sequence) {
+    InputSample sample;
+    sample.sequence = sequence;
+    sample.hands[1].active = true;
+    sample.hands[1].shoot = sequence == 4;  // one press, of one sample
+    (*joined)->send(sample);
+    ASSERT_TRUE(wait_for([&] { return !heard.empty() && !heard.back().empty() && heard.back().back() == sequence; })) << sequence;
+  }
+  const size_t before = [&] {
+    std::lock_guard lock(mutex);
+    return heard.size();
+  }();
+  ASSERT_TRUE(wait_for([&] { return heard.size() >= before + 3; }));  // signs of life
+  EXPECT_TRUE((*joined)->stop());
+  std::lock_guard lock(mutex);
+  size_t with_the_press = 0;
+  for (const std::vector<uint64_t>& sequences : heard) {
+    if (sequences.empty()) continue;  // before the first sample
+    const uint64_t newest = sequences.back();
+    std::vector<uint64_t> last_three;
+    for (uint64_t one = newest > 3 ? newest - 2 : 1; one <= newest; ++one) last_three.push_back(one);
+    EXPECT_EQ(sequences, last_three);
+    with_the_press += std::count(sequences.begin(), sequences.end(), 4u) > 0 ? 1 : 0;
+  }
+  EXPECT_GE(with_the_press, 3u);
+  EXPECT_EQ(heard.back(), (std::vector<uint64_t>{4, 5, 6}));
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ TEST(ForceStudy, SaysAndAsksForTheSame) {
   EXPECT_FALSE(study.shown("").ready);
   study.aim({"pillow", 3, 17, {0.1, 0.2, 0.3}});
   study.choose({12, 0.5, 90, 0});
-  EXPECT_EQ(study.sentence(), "Apply a force of 12 N to the pillow for 0.5 s.");
+  EXPECT_EQ(study.sentence(), "Apply a force of 12 newtons to the pillow for 0.5 seconds.");
   const v1::Event::Force force = study.message();
   EXPECT_EQ(force.object(), "pillow");
   EXPECT_DOUBLE_EQ(force.point_m(1), 0.2);
@@ -22,6 +22,22 @@ TEST(ForceStudy, SaysAndAsksForTheSame) {
   EXPECT_NEAR(force.force_n(2), 0, 1e-12);
   EXPECT_DOUBLE_EQ(force.duration_s(), 0.5);
   EXPECT_TRUE(study.shown("").ready);
+}
+
+TEST(ForceStudy, SentencesAreInWords) {
+  const auto study = [](const std::string& object, double size_n, double duration_s) {
+    ForceStudy made;
+    made.aim({object, 1, 0, {0, 0, 0}});
+    made.choose({size_n, duration_s, 0, 90});
+    return made;
+  };
+  EXPECT_EQ(study("hat", 1, 1).sentence(), "Apply a force of 1 newton to the hat for 1 second.");
+  EXPECT_EQ(study("hat", 1200, 0.05).sentence(), "Apply a force of 1200 newtons to the hat for 0.05 seconds.");
+  EXPECT_EQ(study("hat", 0.001, 10).sentence(), "Apply a force of 0.001 newtons to the hat for 10 seconds.");
+  const std::vector<ForceStudy> several = {study("hat", 5, 1), study("cup", 2, 0.5), study("hat", 5, 1), study("bag", 1, 3)};
+  EXPECT_EQ(sentence_of(several),
+            "Apply a force of 5 newtons to the hat for 1 second at 2 points, a force of 2 newtons to the cup for 0.5 seconds, and a "
+            "force of 1 newton to the bag for 3 seconds.");
 }
 
 TEST(ForceStudy, AForceIsItsSizeAndDirection) {

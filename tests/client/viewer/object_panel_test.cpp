@@ -131,5 +131,34 @@ TEST(ObjectPanel, TellsHowAnAnalysisGetsOn) {
   EXPECT_EQ(panel.shown(objects).progress, "");
 }
 
+TEST(ObjectPanel, WhatIsProposedCanBeAccepted) {
+  const auto objects = pillow_and_room();
+  ObjectPanel panel;
+  panel.select("pillow");
+  PanelActions actions;
+  actions.accept = true;
+  EXPECT_TRUE(panel.act(actions, objects).empty());  // nothing is proposed
+  v1::AnalysisProgress progress;
+  progress.set_object("pillow");
+  progress.set_stage(v1::AnalysisProgress::FINISHED);
+  progress.set_verdict(v1::AnalysisProgress::NEEDS_REVIEW);
+  progress.mutable_proposal()->set_material("down");
+  progress.mutable_proposal()->set_behavior(v1::Physics::ELASTIC);
+  progress.mutable_proposal()->mutable_mass_kg()->set_low(7);
+  progress.mutable_proposal()->mutable_mass_kg()->set_best(8);
+  progress.mutable_proposal()->mutable_mass_kg()->set_high(9);
+  panel.take_progress(progress);
+  EXPECT_EQ(panel.shown(objects).proposal, "Proposed: 8 kg (7 to 9 kg) of down, elastic");
+  const auto calls = panel.act(actions, objects);
+  ASSERT_EQ(calls.size(), 1u);
+  EXPECT_EQ(std::get<AcceptProposalCall>(calls[0]).object, "pillow");
+  EXPECT_EQ(panel.shown(objects).proposal, "");
+  EXPECT_TRUE(panel.act(actions, objects).empty());  // once
+  panel.take_progress(progress);
+  progress.set_verdict(v1::AnalysisProgress::ACCEPTED);
+  panel.take_progress(progress);
+  EXPECT_EQ(panel.shown(objects).proposal, "");
+}
+
 }  // namespace
 }  // namespace livegs

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "compute/vulkan_memory.h"
+#include "xr/openxr_instance.h"
+#include "xr/openxr_swapchain.h"
+#include "xr/text_plate.h"
+
+namespace livegs {
+
+// Text that stays before the eyes wherever the head turns: a quad in VIEW space, a little below where one looks. One thread.
+class OpenXrPlate {
+ public:
+  explicit OpenXrPlate(const VulkanHandles& handles) : handles_(handles) {}
+  ~OpenXrPlate() { end(); }
+  OpenXrPlate(const OpenXrPlate&) = delete;
+  OpenXrPlate& operator=(const OpenXrPlate&) = delete;
+
+  void set(const std::string& text) { text_ = text; }
+  void end();  // before the session goes
+  // The layer for the end of a frame, empty where there is no text; it holds until the next call.
+  XrResult layer(XrSession session, std::optional<XrCompositionLayerQuad>& layer);
+
+ private:
+  XrResult write(XrSession session);
+
+  const VulkanHandles& handles_;
+  const TextPlate plate_;
+  std::string text_, written_;
+  // Of the session.
+  XrSpace view_ = XR_NULL_HANDLE;
+  std::optional<OpenXrSwapchain> swapchain_;
+  int height_px_ = 0;
+};
+
+}  // namespace livegs
