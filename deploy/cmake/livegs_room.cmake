@@ -39,10 +39,10 @@ function(livegs_add_room name)
   livegs_precompile(livegs_${name} common ${ROOM_PRIVATE})
 endfunction()
 
-# livegs_add_test(NAME SOURCES ... LINK ... [LABELS ...] [TIMEOUT seconds])
-#   One GoogleTest program; every TEST becomes a ctest of its own, found when ctest runs.
+# livegs_add_test(NAME SOURCES ... LINK ... [LABELS ...] [TIMEOUT seconds] [SERIAL])
+#   One GoogleTest program; every TEST becomes a ctest of its own, found when ctest runs. SERIAL: no other beside it.
 function(livegs_add_test name)
-  cmake_parse_arguments(TEST "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
+  cmake_parse_arguments(TEST "SERIAL" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
   if(NOT TEST_TIMEOUT)
     set(TEST_TIMEOUT 300)
   endif()
@@ -64,7 +64,7 @@ function(livegs_add_test name)
     set(environment ENVIRONMENT ASAN_OPTIONS=detect_leaks=0)
   endif()
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
-                       PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT ${TEST_TIMEOUT} ${environment})
+                       PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT ${TEST_TIMEOUT} RUN_SERIAL ${TEST_SERIAL} ${environment})
 endfunction()
 
 # livegs_add_bench(NAME SOURCES ... LINK ...)

@@ -3,8 +3,10 @@
 // threshold, with the kernels drawn, what is lost against all of them (decibels), and the processor time of a frame
 // on the CPU, of all threads, best of three. Views: afar at three times the size, front, close and inside as
 // posed_assets.h has them. Run by hand; with "lean", the frames of a camera that moves into an asset, with neither,
-// one and both of resolution and contribution held to a budget, wall time:
+// one and both of resolution and contribution held to a budget, and the radius of kernels held as well, wall time; with "cap", what holding the radius of a kernel
+// costs and saves, as for the threshold:
 //   cull_bench > tests/bench/results/<processor>/cull.csv
+//   cull_bench cap > tests/bench/results/<processor>/cap.csv
 //   cull_bench lean [vulkan] > tests/bench/results/<processor>/lean.csv
 #include <time.h>
 
@@ -39,12 +41,13 @@ struct Drawn {
   size_t kernels = 0;
 };
 
-Drawn draw(Rasteriser& rasteriser, const DrawnObject& object, const Camera& camera, float min_contribution_px,
+Drawn draw(Rasteriser& rasteriser, const DrawnObject& object, const Camera& camera, float min_contribution_px, float max_radius_px,
            RasterisedView& view) {
   RasteriseOptions options;
   options.background = kBackground;
   options.order = DepthOrder::Distance;
   options.min_contribution_px = min_contribution_px;
+  options.max_radius_px = max_radius_px;
   const double begun_ms = process_cpu_ms();
   rasteriser.draw({&object, 1}, camera, options, view);
   return {process_cpu_ms() - begun_ms, rasteriser.last_times().visible_kernels};
@@ -97,7 +100,7 @@ void measure_thresholds() {
       for (const float threshold_px : {0.0f, 0.5f, 1.0f, 2.0f, 4.0f, 8.0f, 16.0f, 32.0f}) {
         Drawn best;
         for (int i = 0; i < 3; ++i) {
-          const Drawn once = draw(rasteriser, thing.drawn(), camera, threshold_px, threshold_px == 0 ? all : some);
+          const Drawn once = draw(rasteriser, thing.drawn(), camera, threshold_px, 0, threshold_px == 0 ? all : some);
           if (i == 0 || once.cpu_ms < best.cpu_ms) best = once;
         }
         if (threshold_px == 0) whole = best;
@@ -112,6 +115,33 @@ void measure_thresholds() {
   }
 }
 
+void measure_caps() {
+  std::printf("asset,kernels,view,width,height,cap_of_longer_side,psnr_db,cpu_ms,time_share\n");
+  for (const Thing& thing : things()) {
+    const CloudExtent extent = extent_of(thing.posed);
+    const std::pair<const char*, Camera> views[] = {{"afar", seen_from(extent, 3.0, kWidth, kHeight)},
+                                                    {"front", view_of(extent, View::Front, kWidth, kHeight)},
+                                                    {"close", view_of(extent, View::Close, kWidth, kHeight)},
+                                                    {"inside", view_of(extent, View::Inside, kWidth, kHeight)}};
+    for (const auto& [name, camera] : views) {
+      Rasteriser rasteriser;
+      RasterisedView all, some;
+      double whole_ms = 0;
+      for (const float cap : {0.0f, 4.0f, 2.0f, 1.0f, 0.5f, 0.25f}) {
+        Drawn best;
+        for (int i = 0; i < 3; ++i) {
+          const Drawn once = draw(rasteriser, thing.drawn(), camera, 0, cap * kWidth, cap == 0 ? all : some);
+          if (i == 0 || once.cpu_ms < best.cpu_ms) best = once;
+        }
+        if (cap == 0) whole_ms = best.cpu_ms;
+        std::printf("%s,%zu,%s,%d,%d,%g,%.1f,%.1f,%.2f\n", thing.name.c_str(), thing.asset.size(), name, kWidth, kHeight, cap,
+                    cap == 0 ? 999.0 : std::min(999.0, psnr_db(some.image, all.image)), best.cpu_ms, best.cpu_ms / whole_ms);
+      }
+      std::fflush(stdout);
+    }
+  }
+}
+
 // A camera that comes from three times the size away into the middle of a thing, and stays there a while, in the
 // window's size and with its budget.
 constexpr int kLeanWidth = 1280, kLeanHeight = 800, kLeanFrames = 60, kStayFrames = 15;
@@ -119,9 +149,11 @@ constexpr double kBudget_ms = 30;
 
 struct Mode {
   const char* name;
-  bool scales, leaves_out;
+  bool scales, leaves_out, holds;
 };
-constexpr Mode kModes[] = {{"neither", false, false}, {"resolution", true, false}, {"both", true, true}};
+// The last as SceneView draws.
+constexpr Mode kModes[] = {
+    {"neither", false, false, false}, {"resolution", true, false, false}, {"both", true, true, false}, {"radius too", true, true, true}};
 
 void lean_into(SplatRenderer& renderer, const Thing& thing, const Mode& mode) {
   const CloudExtent extent = extent_of(thing.posed);
@@ -139,6 +171,7 @@ void lean_into(SplatRenderer& renderer, const Thing& thing, const Mode& mode) {
     const int width = mode.scales ? scale.of(kLeanWidth) : kLeanWidth;
     const int height = mode.scales ? scale.of(kLeanHeight) : kLeanHeight;
     options.min_contribution_px = mode.leaves_out ? scale.min_contribution_px() : 0.0f;
+    if (mode.holds) options.max_radius_px = static_cast<float>((options.min_contribution_px > 0 ? 1 : 2) * std::max(width, height));
     const Camera camera = seen_from(extent, distance, width, height);
     if (auto drawn = renderer.draw({&object, 1}, {&camera, 1}, options, images); !drawn) {
       std::fprintf(stderr, "%s: %s\n", renderer.name().c_str(), drawn.error().message.c_str());
@@ -179,6 +212,6 @@ int measure_lean(bool vulkan) {
 int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "";
   if (what == "lean") return livegs::measure_lean(argc > 2 && std::string(argv[2]) == "vulkan");
-  livegs::measure_thresholds();
+  what == "cap" ? livegs::measure_caps() : livegs::measure_thresholds();
   return 0;
 }

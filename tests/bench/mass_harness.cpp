@@ -37,7 +37,9 @@ constexpr Row kRows[] = {{"mape_percent", &MassScores::mape, 100},
                          {"mnre", &MassScores::mnre, 1},
                          {"within_25_percent_percent", &MassScores::within_25, 100},
                          {"within_2x_percent", &MassScores::within_2x, 100},
-                         {"coverage_percent", &MassScores::coverage, 100}};
+                         {"coverage_percent", &MassScores::coverage, 100},
+                         {"median_high_over_low", &MassScores::width, 1},
+                         {"high_over_low_needed_for_95_percent", &MassScores::width_needed, 1}};
 
 void write_header(std::ofstream& out) {
   out << "form,name_given,scale,objects";
@@ -120,8 +122,8 @@ int main(int argc, char** argv) {
   std::ofstream figures(folder / "mass.csv"), each(folder / "mass_objects.csv");
   write_header(figures);
   each << "id,name_given,name,mass_kg,low_kg,best_kg,high_kg,label,material,reason\n";
-  std::printf("%-6s %-9s %-7s %6s %6s %6s %6s %6s %6s %6s %6s %6s\n", "form", "name", "scale", "MAPE",
-              "median", "max", "ADE", "ALDE", "MnRE", "<25%", "<2x", "cover");
+  std::printf("%-6s %-9s %-7s %6s %6s %6s %6s %6s %6s %6s %6s %6s %6s %6s\n", "form", "name", "scale", "MAPE",
+              "median", "max", "ADE", "ALDE", "MnRE", "<25%", "<2x", "cover", "width", "need");
   for (const KnownForm form : {KnownForm::Splats, KnownForm::Mesh}) {
     const auto& objects = known_objects(form);
     for (const bool metric : {true, false}) {

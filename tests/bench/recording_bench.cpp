@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <random>
 
+#include "bench/arguments.h"
 #include "bench/dragged_blocks.h"
 #include "core/clock.h"
 #include "recording/recording_writer.h"
@@ -127,7 +128,10 @@ void report(const std::vector<DriverFrame>& motion, const std::vector<v1::Sessio
 }  // namespace
 
 int main(int argc, char** argv) {
-  const double minutes = argc > 1 ? std::atof(argv[1]) : 10;
+  double minutes = 10;
+  CLI::App app("How large recordings are, and how long a seek takes; CSV on standard output", "recording_bench");
+  app.add_option("MINUTES", minutes, "Of each recording")->check(bench::between(0.1, 600))->capture_default_str();
+  bench::read_arguments(app, argc, argv);
   World world = bench::dragged_blocks();
   std::vector<DriverFrame> motion;
   for (int i = 0; i < 540; ++i) {

@@ -1,16 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long until frames come again: after a network of so many seconds of cut heals, and after a server is back. CSV on
-// standard output, a row a trial.
-//   resume_bench [TRIALS]      10 of each when left out
+// How long until frames and pictures come again: after a network of so many seconds of cut heals; after a server is back, in this
+// process and as a process of its own that was killed. CSV on standard output, a row a trial:
+//   resume_bench [TRIALS] > results/<machine>/resume.csv       10 of each when left out
+// back_ms: from starting the process anew until it says that clients may join. The other times count from then, frames_again_ms
+// to the first frame, picture_ms until that is drawn, 320 x 240 on the CPU; `none` where none came within a minute. objects_told:
+// of which the client heard that they are others; assets_fetched: again.
+#include <signal.h>
+
 #include <cstdio>
 #include <cstdlib>
-#include <thread>
+#include <optional>
 
+#include "bench/arguments.h"
 #include "client/stream/sink_log.h"
 #include "core/log.h"
-#include "stream/session_client.h"
+#include "render/choose_camera.h"
 #include "system/fault_proxy.h"
+#include "system/programs_fixture.h"
 #include "system/served_scene.h"
+#include "viewer/live_loading.h"
 
 using namespace livegs;
 
@@ -18,56 +26,118 @@ namespace {
 
 constexpr int kNobody = 1;  // a port on which connections are refused at once
 
-void trial(int number, bool restart, double outage_s) {
+[[noreturn]] void give_up(const std::string& why) {
+  std::fprintf(stderr, "resume_bench: %s\n", why.c_str());
+  std::exit(1);
+}
+
+// A client that draws the frames it is told to.
+class Watcher {
+ public:
+  explicit Watcher(int port) {
+    JoinOptions options;
+    options.address = "127.0.0.1:" + std::to_string(port);
+    options.cache = folder_ / "cache";
+    options.connect_timeout_s = 60;
+    LiveLoading loading(options, [] { return Result<std::unique_ptr<SplatRenderer>>(create_cpu_renderer()); });
+    auto joined = loading.take();
+    if (!joined) give_up(joined.error().message);
+    live_ = std::move(*joined);
+    live_->client->start(sink_);
+    if (!sink_.wait_frames(20)) give_up("no frames came to begin with");
+    const auto drivers = sink_.state().frames.back().drivers;
+    if (auto posed = live_->view.pose(*drivers); !posed) give_up(posed.error().message);
+    camera_ = choose_camera(live_->view, 320, 240);
+    draw(*drivers);
+    fetched_ = live_->assets.totals().fetched;
+  }
+  ~Watcher() { (void)live_->client->stop(); }
+
+  void draw(const DriverFrame& drivers) {
+    std::vector<Image> images;
+    if (auto drawn = live_->view.draw(drivers, {&*camera_, 1}, images); !drawn) give_up(drawn.error().message);
+  }
+
+  // Waits for the first frame after the outage, draws it and prints the row.
+  void report(const char* fault, int trial, double outage_s, std::optional<double> start_ms, int64_t back_ns) {
+    std::printf("%s,%d,%.1f,%s,", fault, trial, outage_s, start_ms ? std::to_string(std::lround(*start_ms)).c_str() : "");
+    if (!sink_.wait_resumed(1)) {
+      std::printf("none,none,,\n");
+    } else {
+      const SinkLog::State state = sink_.state();
+      const ReceivedFrame& frame = state.frames.at(state.resumed_at.front());
+      draw(*frame.drivers);
+      std::printf("%.0f,%.0f,%zu,%zu\n", milliseconds_from_ns(frame.received_ns - back_ns), milliseconds_from_ns(now_ns() - back_ns),
+                  state.added.size() + state.changed.size() + state.removed.size(), live_->assets.totals().fetched - fetched_);
+    }
+    std::fflush(stdout);
+  }
+
+ private:
+  ScratchFolder folder_;
+  SinkLog sink_;
+  std::unique_ptr<LiveView> live_;
+  std::optional<Camera> camera_;
+  size_t fetched_ = 0;
+};
+
+void cut(int trial, double outage_s) {
+  ServedScene served(box_scene());
+  FaultProxy proxy(served.port());
+  Watcher watcher(proxy.port());
+  proxy.cut();
+  sleep_until_ns(now_ns() + static_cast<int64_t>(outage_s * 1e9));
+  proxy.heal();
+  watcher.report("cut", trial, outage_s, std::nullopt, now_ns());
+}
+
+void restart(int trial, double outage_s) {
   auto served = std::make_unique<ServedScene>(box_scene());
   FaultProxy proxy(served->port());
-  ConnectOptions options;
-  options.timeout_s = options.reconnect_s = 60;
-  auto client = SessionClient::join("127.0.0.1:" + std::to_string(proxy.port()), options);
-  if (!client) {
-    std::fprintf(stderr, "%s\n", client.error().message.c_str());
-    std::exit(1);
-  }
-  SinkLog sink;
-  (*client)->start(sink);
-  (void)sink.wait_frames(20);
+  Watcher watcher(proxy.port());
   const int64_t begun_ns = now_ns();
-  if (restart) {
-    proxy.set_server(kNobody);
-    proxy.reset();
-  } else {
-    proxy.cut();
-  }
+  proxy.set_server(kNobody);
+  proxy.reset();
   sleep_until_ns(begun_ns + static_cast<int64_t>(outage_s * 1e9));
-  if (restart) {
-    served = std::make_unique<ServedScene>(box_scene());  // takes a while to build, and longer to end the old one
-    proxy.set_server(served->port());
-  } else {
-    proxy.heal();
-  }
+  served = std::make_unique<ServedScene>(box_scene());  // takes a while to build, and longer to end the old one
+  proxy.set_server(served->port());
+  watcher.report("restart", trial, outage_s, std::nullopt, now_ns());
+}
+
+void kill_server(int trial, double outage_s) {
+  const ScratchFolder folder;
+  const std::string scene = folder.write("boxes.scene.json", kBoxesScene);
+  const auto words = [&](const std::string& port) {
+    return std::vector<std::string>{LIVEGS_SERVER, scene, "--listen", "127.0.0.1:" + port, "--print-port"};
+  };
+  auto server = std::make_unique<Program>(words("0"));
+  const std::string port = server->first_line();
+  if (port.empty()) give_up(server->err());
+  Watcher watcher(std::atoi(port.c_str()));
+  const int64_t begun_ns = now_ns();
+  server->send(SIGKILL);
+  server->wait();
+  sleep_until_ns(begun_ns + static_cast<int64_t>(outage_s * 1e9));
+  const int64_t started_ns = now_ns();
+  server = std::make_unique<Program>(words(port));
+  if (server->first_line() != port) give_up(server->err());
   const int64_t back_ns = now_ns();
-  (void)sink.wait_resumed(1);
-  (void)(*client)->stop();
-  const SinkLog::State state = sink.state();
-  for (const ReceivedFrame& frame : state.frames) {
-    if (frame.received_ns <= back_ns) continue;
-    std::printf("%s,%d,%.1f,%.0f,%zu\n", restart ? "restart" : "cut", number, outage_s,
-                milliseconds_from_ns(frame.received_ns - back_ns),
-                state.added.size() + state.changed.size() + state.removed.size());
-    std::fflush(stdout);
-    break;
-  }
+  watcher.report("server killed", trial, outage_s, milliseconds_from_ns(back_ns - started_ns), back_ns);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   set_log_level(LogLevel::Error);
-  const int trials = argc > 1 ? std::atoi(argv[1]) : 10;
-  std::printf("fault,trial,outage_s,frames_again_ms,objects_told\n");
-  for (int i = 1; i <= trials; ++i) {
-    trial(i, false, 5.0);
-    trial(i, true, 2.0);
+  int trials = 10;
+  CLI::App app("How long after an outage frames and pictures come again; CSV on standard output", "resume_bench");
+  app.add_option("TRIALS", trials, "Of each kind of outage")->check(bench::between(1, 1000))->capture_default_str();
+  bench::read_arguments(app, argc, argv);
+  std::printf("fault,trial,outage_s,back_ms,frames_again_ms,picture_ms,objects_told,assets_fetched\n");
+  for (int trial = 1; trial <= trials; ++trial) {
+    cut(trial, 5.0);
+    restart(trial, 2.0);
+    kill_server(trial, 2.0);
   }
   return 0;
 }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "bench/arguments.h"
 #include "bench/dragged_blocks.h"
 #include "core/clock.h"
 #include "session/frame_tail.h"
@@ -95,7 +96,9 @@ void run(const std::vector<DriverFrame>& motion, const Client& client, double ca
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  CLI::App app("What a cap costs a client in what it sees; CSV on standard output", "sending_bench");
+  read_arguments(app, argc, argv);
   World world = dragged_blocks();
   std::vector<DriverFrame> motion;
   for (int i = 0; i < 540; ++i) {

@@ -3,9 +3,12 @@
 // loopback, 90 frames a second. The server is this process, the clients are another, and both share the machine's cores. What
 // decoding costs 64 clients, 64 machines would bear; so there are whole clients and light ones (bench/stream_clients.h). CSV:
 //   stream_bench [SECONDS [SCENE...]] > results/<machine>/stream.csv       20 s when left out
-// Frames of noise (bytes as given, nothing compresses) to one client in the clear and over TLS by turns; to 1 … 64 clients; to
-// 63 with and without one that is stopped, by turns. With scenes, files or folders of assets, instead: each to 1 and 8 clients.
-// `stream_bench SECONDS --clients N`: noise to so many alone. The first second never counts. others_cpu_percent is what the rest of the machine did meanwhile: 100 is one core.
+// Frames of noise (bytes as given, nothing compresses) to one client in the clear and over TLS by turns; to 1 … 64 clients, and
+// to more that only acknowledge until p99 is over 5 ms; to 63 with and without one that is stopped, by turns; through links that are
+// narrow, long or stall (system/fault_proxy.h), three times as long. With scenes, files or folders of assets, instead: each to 1 and
+// 8 clients. --links: the links alone; --clients N...: noise to so many alone. The first second never counts. The halves are those
+// of a measurement's time: flat is where they are alike.
+// others_cpu_percent is what the rest of the machine did meanwhile: 100 is one core; the links' proxy is in the server's.
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -15,9 +18,12 @@
 #include <fstream>
 #include <numeric>
 
+#include "bench/arguments.h"
 #include "bench/stream_clients.h"
 #include "core/log.h"
 #include "session/server_security.h"
+#include "session/session_table.h"
+#include "system/fault_proxy.h"
 #include "system/noise_server.h"
 #include "system/served_scene.h"
 
@@ -27,6 +33,7 @@ using namespace livegs::bench;
 namespace {
 
 constexpr int64_t kSecond_ns = 1'000'000'000;
+constexpr double kBar_ms = 5;  // for p99 at 64 clients
 
 double percentile(std::vector<double>& numbers, double share) {
   if (numbers.empty()) return 0;
@@ -91,6 +98,7 @@ struct Measured {
   int clients = 0;
   ClientKind kind;
   std::vector<double> received_ms, decoded_ms, bytes;
+  std::vector<double> half_ms[2];  // decoded_ms of what was made in the first and the second half of a window
   uint64_t missed = 0, frames = 0, encoded = 0;
   double seconds = 0;
   int64_t server_cpu_ns = 0, clients_cpu_ns = 0, machine_cpu_ns = 0;
@@ -102,6 +110,7 @@ struct Measured {
       if (frame.stepped_ns < window.begin_ns || frame.stepped_ns >= window.end_ns) continue;
       received_ms.push_back(milliseconds_from_ns(frame.received_ns - frame.stepped_ns));
       decoded_ms.push_back(milliseconds_from_ns(frame.decoded_ns - frame.stepped_ns));
+      half_ms[frame.stepped_ns - window.begin_ns < window.end_ns - frame.stepped_ns ? 0 : 1].push_back(decoded_ms.back());
       bytes.push_back(frame.bytes);
       first = count == 0 ? frame.tick : std::min(first, frame.tick);
       last = std::max(last, frame.tick);
@@ -121,15 +130,16 @@ struct Measured {
   static void print_head() {
     std::printf(
         "what,transport,clients,client,seconds,frame_bytes_p50,received_hz,missed_frames,encoded_per_frame,received_ms_p50,received_ms_p99,decoded_ms_p50,"
-        "decoded_ms_p99,decoded_ms_p999,server_cpu_percent,clients_cpu_percent,others_cpu_percent,note\n");
+        "decoded_ms_p95,decoded_ms_p99,decoded_ms_p999,first_half_ms_p99,second_half_ms_p99,server_cpu_percent,clients_cpu_percent,others_cpu_percent,note\n");
   }
   void print() {
     const auto percent = [&](int64_t cpu_ns) { return 100 * seconds_from_ns(cpu_ns) / seconds; };
-    std::printf("%s,%s,%d,%s,%.0f,%.0f,%.2f,%llu,%.2f,%.3f,%.3f,%.3f,%.3f,%.3f,%.1f,%.1f,%.1f,%s\n", what.c_str(), transport.c_str(),
+    std::printf("%s,%s,%d,%s,%.0f,%.0f,%.2f,%llu,%.2f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.1f,%.1f,%.1f,%s\n", what.c_str(), transport.c_str(),
                 clients, kind == ClientKind::Whole ? "whole" : "light", seconds, percentile(bytes, 0.5),
                 static_cast<double>(decoded_ms.size()) / seconds / static_cast<double>(clients),
                 static_cast<unsigned long long>(missed), static_cast<double>(encoded) / static_cast<double>(frames), percentile(received_ms, 0.5), percentile(received_ms, 0.99),
-                percentile(decoded_ms, 0.5), decoded_p99_ms(), percentile(decoded_ms, 0.999), percent(server_cpu_ns),
+                percentile(decoded_ms, 0.5), percentile(decoded_ms, 0.95), decoded_p99_ms(), percentile(decoded_ms, 0.999),
+                percentile(half_ms[0], 0.99), percentile(half_ms[1], 0.99), percent(server_cpu_ns),
                 percent(clients_cpu_ns), percent(machine_cpu_ns - server_cpu_ns - clients_cpu_ns), note.c_str());
     std::fflush(stdout);
   }
@@ -154,7 +164,7 @@ struct Secured {
 
 // Noise at `nodes` a frame, to `clients`; added to `measured`.
 void noise(Measured& measured, size_t nodes, Secured* secured, double seconds) {
-  NoiseServer server(nodes, secured ? secured->security.get() : nullptr);
+  NoiseServer server(nodes, secured ? secured->security.get() : nullptr, kMostSessions);
   StreamClients clients({server.port(), secured ? secured->security->fingerprint() : "", secured ? secured->token : ""},
                         measured.clients, measured.kind);
   sleep_until_ns(now_ns() + kSecond_ns);
@@ -212,6 +222,56 @@ void frozen_among_63(size_t nodes, double seconds) {
   beside.print();
 }
 
+// One client behind a link; with stalls of 300 ms every two seconds, or without.
+void through(const char* what, const Link& link, bool stalls, size_t nodes, double seconds) {
+  constexpr double kStall_s = 0.3;
+  constexpr int64_t kStallEvery_ns = 2 * kSecond_ns, kOld_ns = 50'000'000;
+  NoiseServer server(nodes);
+  FaultProxy proxy(server.port());
+  proxy.set_link(link);
+  Measured measured(what, "plain", 1, ClientKind::Whole);
+  StreamClients clients({proxy.port(), "", ""}, 1, ClientKind::Whole);
+  sleep_until_ns(now_ns() + kSecond_ns);
+  std::vector<int64_t> healed_ns;
+  size_t window_frames[5] = {};
+  const Window window = watch(*server.server, clients, [&] {
+    const int64_t begun_ns = now_ns(), end_ns = begun_ns + static_cast<int64_t>(seconds * 1e9);
+    int64_t stall_ns = begun_ns + kStallEvery_ns / 2;
+    while (now_ns() < end_ns) {
+      if (stalls && now_ns() >= stall_ns) {
+        proxy.stall(kStall_s);
+        healed_ns.push_back(now_ns() + static_cast<int64_t>(1e9 * kStall_s));
+        stall_ns += kStallEvery_ns;
+      }
+      for (const auto& session : server.server->session_table().sessions_now()) ++window_frames[session->window()];
+      sleep_until_ns(now_ns() + 10'000'000);
+    }
+  });
+  const std::vector<GotFrame> got = clients.stop();
+  measured.add(window, got);
+  // Of what came in the second after a stall, frames that were made well before it was over.
+  size_t most_old = 0;
+  for (const int64_t healed : healed_ns) {
+    size_t old = 0;
+    for (const GotFrame& frame : got) {
+      const bool after = frame.received_ns > healed - 5'000'000 && frame.received_ns < healed + kSecond_ns;
+      old += after && frame.stepped_ns < healed - kOld_ns ? 1 : 0;
+    }
+    most_old = std::max(most_old, old);
+  }
+  const size_t usual = static_cast<size_t>(std::max_element(window_frames, window_frames + 5) - window_frames);
+  measured.note = "window " + std::to_string(usual) + " most of the time";
+  if (stalls) measured.note += "; " + std::to_string(healed_ns.size()) + " stalls, at most " + std::to_string(most_old) + " old frames after each";
+  measured.print();
+}
+
+void links(size_t nodes, double seconds) {
+  through("noise over 8 Mbit/s", {.delay_ms = 1, .mbit_s = 8}, false, nodes, seconds);
+  through("noise over 8 Mbit/s that stall", {.delay_ms = 1, .mbit_s = 8}, true, nodes, seconds);
+  through("noise over a link that stalls", {.delay_ms = 1}, true, nodes, seconds);
+  through("noise over 40 ms there and back", {.delay_ms = 20}, false, nodes, seconds);
+}
+
 void scene(const char* path, int count, double seconds) {
   auto loaded = Scene::load(path, {});
   if (!loaded) {
@@ -239,7 +299,21 @@ void scene(const char* path, int count, double seconds) {
 int main(int argc, char** argv) {
   if (is_stream_clients(argc, argv)) return run_stream_clients(argv);
   set_log_level(LogLevel::Warn);
-  const double seconds = argc > 1 ? std::atof(argv[1]) : 20.0;
+  double seconds = 20;
+  std::vector<std::string> scenes;
+  std::vector<int> counts;
+  bool links_only = false;
+  CLI::App app("How old frames are when clients have them, and for how many clients; CSV on standard output", "stream_bench");
+  app.add_option("SECONDS", seconds, "Of each measurement")->check(between(1, 3600))->capture_default_str();
+  auto* of_scenes = app.add_option("SCENE", scenes, "Scene files or folders of assets, each to 1 and 8 clients, in place of noise")
+                        ->check(CLI::ExistingPath);
+  auto* of_clients = app.add_option("--clients", counts, "Noise to so many clients alone, each number to light and to whole ones")
+                         ->check(between(1, static_cast<double>(kMostSessions)))
+                         ->excludes(of_scenes);
+  app.add_flag("--links", links_only, "Noise through links that are narrow, long or stall, alone")
+      ->excludes(of_scenes)
+      ->excludes(of_clients);
+  read_arguments(app, argc, argv);
   Measured::print_head();
   // A node is six bytes of noise; 24 more are the frame's.
   constexpr size_t k16kB = 2667, k32kB = 5333;
@@ -247,21 +321,29 @@ int main(int argc, char** argv) {
     Measured measured("noise", secured ? "tls" : "plain", clients, kind);
     noise(measured, k16kB, secured, seconds);
     measured.print();
+    return measured.decoded_p99_ms();
   };
-  if (argc == 4 && std::string(argv[2]) == "--clients") {
-    for (const ClientKind kind : {ClientKind::Light, ClientKind::Whole}) noise_to(std::atoi(argv[3]), kind, nullptr);
+  if (links_only) {
+    links(k16kB, seconds);
     return 0;
   }
-  for (int i = 2; i < argc; ++i) {
-    for (const int clients : {1, 8}) scene(argv[i], clients, seconds);
+  for (const int clients : counts) {
+    for (const ClientKind kind : {ClientKind::Light, ClientKind::Whole}) noise_to(clients, kind, nullptr);
   }
-  if (argc > 2) return 0;
+  for (const std::string& path : scenes) {
+    for (const int clients : {1, 8}) scene(path.c_str(), clients, seconds);
+  }
+  if (!counts.empty() || !scenes.empty()) return 0;
   plain_and_tls(k32kB, seconds);
   for (const ClientKind kind : {ClientKind::Light, ClientKind::Whole}) {
     for (const int clients : {1, 8, 16, 32, 64}) noise_to(clients, kind, nullptr);
   }
+  for (const int clients : {96, 128, 192, 256, 320}) {  // as many as the machine carries
+    if (noise_to(clients, ClientKind::Light, nullptr) > kBar_ms) break;
+  }
   Secured secured;
   noise_to(64, ClientKind::Light, &secured);
   frozen_among_63(k16kB, seconds);
+  links(k16kB, 3 * seconds);
   return 0;
 }

@@ -1,22 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// What each step of a picture costs on the Vulkan device found, one after the other, the queue empty between
-// them. Prints a CSV: medians and the slowest of a few frames in which the camera walks around a shell of
-// kernels with three bands, after a warm-up. skin: the pass that poses rigid kernels, of a thousand bodies;
-// upload: what skinning on the CPU costs on top, 52 bytes a kernel; project, sort and draw as RenderTimes has
-// them, draw with resolve and reading back; device_...: the passes alone, by the device's clock. Bytes are those of a kernel on the device, pictures left out. Run
-// by hand:
+// What each step of a picture costs on the Vulkan device found, one after the other, the queue empty between them. Prints a
+// CSV: medians and the slowest of a few frames in which the camera walks around a shell of kernels with three bands that ride
+// in a twisted lattice of 9, 14 and 25 cells across, after a warm-up. skin: the pass that skins them, alone, and skin_rigid the one
+// for kernels of a thousand rigid bodies; upload: drivers, 64 bytes a node; project, with skinning, sort and draw as RenderTimes
+// has them, draw with resolve and reading back; device_...: the passes alone, by the device's clock. Bytes are those of a kernel
+// on the device with its share of cells and nodes, pictures left out. Run by hand; a number of kernels measures that alone:
 //   vulkan_bench > tests/bench/results/<processor>/vulkan.csv
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
+#include "common/skin/rest_bodies.h"
 #include "common/splat/synthetic_kernels.h"
 #include "compute/vulkan_backend.h"
 #include "core/clock.h"
+#include "gaussian/posed_kernel_row.h"
 #include "render/splat_renderer.h"
-#include "skin/pose_rigid_kernels.h"
+#include "skin/device_skin.h"
 #include "splat/frame_splats.h"
 
 namespace livegs {
@@ -25,6 +28,7 @@ namespace {
 constexpr int kFrames = 7, kWarmUpFrames = 2;
 constexpr int kWidth = 640, kHeight = 480;  // of an eye
 constexpr uint32_t kBodies = 1000;
+constexpr double kBarBytes = 256;  // of a kernel with three bands, for two eyes
 
 [[noreturn]] void stop(const Error& error) {
   std::fprintf(stderr, "vulkan_bench: %s\n", error.message.c_str());
@@ -48,36 +52,76 @@ struct Samples {
   double slowest() const { return *std::max_element(ms.begin(), ms.end()); }
 };
 
-Samples skin_times(const std::shared_ptr<VulkanDevice>& device, uint32_t count) {
+// The object as a client holds it: each kernel in a lattice that is twisted, or with one of many rigid bodies.
+struct Ridden {
+  RestBody rest;
+  KernelBindings bindings;
+  ObjectDrivers drivers;
+};
+
+Ridden ride(const GaussianAsset& asset, RestBody rest) {
+  Ridden ridden{std::move(rest), {}, {}};
+  ridden.bindings = take(bind_kernels(asset, ridden.rest));
+  return ridden;
+}
+
+Ridden ride_lattice(const GaussianAsset& asset) {
+  const int across = static_cast<int>(std::cbrt(static_cast<double>(asset.size())) / 4);  // 25 of a million
+  const auto in_shell = [across](int x, int y, int z) {
+    const double middle = (Eigen::Vector3d(x, y, z) - Eigen::Vector3d::Constant(0.5 * (across - 1))).norm();
+    return middle > 0.3 * across && middle < 0.55 * across;
+  };
+  RestBody rest = testing::lattice_body(across, across, across, 1.0 / across, in_shell);
+  rest.object_from_lattice.position_m.setConstant(-0.5);
+  Ridden ridden = ride(asset, rest);
+  ridden.drivers = testing::moved_drivers(rest, [](const Eigen::Vector3d& x) -> Eigen::Vector3d {
+    return Eigen::AngleAxisd(1.5 * x.y(), Eigen::Vector3d::UnitY()) * x;
+  });
+  return ridden;
+}
+
+Ridden ride_bodies(const GaussianAsset& asset) {
+  RestBody rest;
+  synthetic::Random random(2);
+  for (uint32_t b = 0; b < kBodies; ++b) rest.bodies.push_back({random.in_ball(0.5), random.rotation()});
+  Ridden ridden = ride(asset, rest);
+  ridden.drivers.poses = rest.bodies;
+  return ridden;
+}
+
+// The pass a client runs, an eighth of the kernels at a time, as a frame has them.
+Samples skin_times(const std::shared_ptr<VulkanDevice>& device, const Ridden& ridden) {
   const auto backend = take(create_vulkan_backend(device));
-  const BufferId rest = take(backend->create_buffer(count * sizeof(RigidKernelRow)));
-  const BufferId posed = take(backend->create_buffer(count * sizeof(RigidKernelRow)));
-  const BufferId poses = take(backend->create_buffer(kBodies * sizeof(RigidPoseRows)));
-  std::vector<RigidKernelRow> rows(count);
-  for (uint32_t i = 0; i < count; ++i)
-    rows[i] = {0.1f, 0.2f, 0.3f, i % kBodies, 1e-4f, 0, 0, 1e-4f, 0, 1e-4f, 0, 0};
-  const std::vector<RigidPoseRows> turns(kBodies, {0, -1, 0, 0.5f, 1, 0, 0, 0, 0, 0, 1, 0});
-  take(backend->upload(rest, std::as_bytes(std::span(rows))));
-  take(backend->upload(poses, std::as_bytes(std::span(turns))));
+  auto skin = take(DeviceSkin::create(*backend, ridden.rest, ridden.bindings));
+  const uint32_t at_once = (skin.size() + 7) / 8;
+  const BufferId posed = take(backend->create_buffer(at_once * sizeof(PosedKernelRow)));
+  take(skin.move(ridden.rest, ridden.bindings, ridden.drivers));
+  take(backend->submit());
   Samples samples;
   for (int frame = -kWarmUpFrames; frame < kFrames; ++frame) {
     const int64_t begun_ns = now_ns();
-    take(dispatch_pose_rigid_kernels(*backend, {rest, poses, posed, count, kBodies}));
+    for (uint32_t first = 0; first < skin.size(); first += at_once)
+      take(skin.pose(first, std::min(at_once, skin.size() - first), posed));
     take(backend->submit());
     if (frame >= 0) samples.ms.push_back(milliseconds_from_ns(now_ns() - begun_ns));
   }
   return samples;
 }
 
-// Of the kernels themselves, and of what a frame keeps of each.
-double bytes_a_kernel(const std::shared_ptr<VulkanDevice>& device, const GaussianAsset& asset, size_t eyes) {
+// Of the kernels themselves, of their drivers, and of what a frame keeps of each.
+double bytes_a_kernel(const std::shared_ptr<VulkanDevice>& device, const GaussianAsset& asset, const Ridden& ridden,
+                      size_t eyes) {
   const auto backend = take(create_vulkan_backend(device));
   const DeviceKernels kernels = take(DeviceKernels::create(*backend, asset));
+  DeviceSkin skin = take(DeviceSkin::create(*backend, ridden.rest, ridden.bindings));
+  take(skin.move(ridden.rest, ridden.bindings, ridden.drivers));
+  const FrameSplats::Object one{
+      &kernels, [&](uint32_t first, uint32_t count, BufferId posed) { return skin.pose(first, count, posed); }};
   const std::vector<Camera> cameras(eyes);
-  const DeviceKernels* one = &kernels;
   FrameSplats frame(*backend);
   take(frame.project({&one, 1}, cameras, {}));
-  return static_cast<double>(kernels.device_bytes() + frame.device_bytes()) /
+  take(backend->submit());
+  return static_cast<double>(kernels.device_bytes() + skin.device_bytes() + frame.device_bytes()) /
          static_cast<double>(asset.size());
 }
 
@@ -93,15 +137,18 @@ std::vector<Camera> eyes_at(double angle_rad, int count) {
   return eyes;
 }
 
-void measure(const std::shared_ptr<VulkanDevice>& device, const synthetic::Object& object, int eye_count,
-             BlendPrecision precision) {
+void measure(const std::shared_ptr<VulkanDevice>& device, const synthetic::Object& object, const Ridden& lattice,
+             const Ridden& bodies, int eye_count, BlendPrecision precision) {
   const auto renderer =
       take(create_vulkan_renderer(device, {.precision = precision, .separate_times = true}));
-  Samples upload, project, sort, draw, device_project, device_sort, device_draw, device_resolve;
+  Samples upload, project, sort, draw, device_skin, device_project, device_sort, device_draw, device_resolve;
   std::vector<Image> images;
   for (int frame = -kWarmUpFrames; frame < kFrames; ++frame) {
     // A new place each frame, as of what moves; the asset is uploaded once.
-    const RenderedObject rendered{object.drawn(), static_cast<uint64_t>(frame + kWarmUpFrames + 1), 1};
+    const RenderedObject rendered{{&object.asset, nullptr, 0},
+                                  static_cast<uint64_t>(frame + kWarmUpFrames + 1),
+                                  1,
+                                  {&lattice.rest, &lattice.bindings, &lattice.drivers}};
     const auto eyes = eyes_at(2.0 * M_PI * frame / kFrames, eye_count);
     RenderOptions options;
     options.order = DepthOrder::Distance;
@@ -113,39 +160,42 @@ void measure(const std::shared_ptr<VulkanDevice>& device, const synthetic::Objec
     sort.ms.push_back(times.sort_ms);
     draw.ms.push_back(times.draw_ms);
     const DeviceTimes device_times = times.device.value_or(DeviceTimes{});
+    device_skin.ms.push_back(device_times.skin_ms);
     device_project.ms.push_back(device_times.project_ms);
     device_sort.ms.push_back(device_times.sort_ms);
     device_draw.ms.push_back(device_times.draw_ms);
     device_resolve.ms.push_back(device_times.resolve_ms);
   }
-  Samples skin = skin_times(device, static_cast<uint32_t>(object.size()));
-  std::printf("%zu,%d,%d,%d,%s,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.2f,%.1f\n", object.size(),
-              eye_count, kWidth, kHeight, precision == BlendPrecision::Half ? "16" : "32", skin.median(),
-              skin.slowest(), upload.median(), upload.slowest(), project.median(), project.slowest(),
-              sort.median(), sort.slowest(), draw.median(), draw.slowest(), device_project.median(), device_sort.median(),
-              device_draw.median(), device_resolve.median(),
-              bytes_a_kernel(device, object.asset, eye_count));
+  Samples skin = skin_times(device, lattice), rigid = skin_times(device, bodies);
+  const char* bits = precision == BlendPrecision::Half ? "16" : "32";
+  std::printf("%zu,%d,%d,%d,%s", object.size(), eye_count, kWidth, kHeight, bits);
+  for (Samples* samples : {&skin, &rigid, &upload, &project, &sort, &draw})
+    std::printf(",%.2f,%.2f", samples->median(), samples->slowest());
+  for (Samples* samples : {&device_skin, &device_project, &device_sort, &device_draw, &device_resolve})
+    std::printf(",%.2f", samples->median());
+  std::printf(",%.1f,%.0f\n", bytes_a_kernel(device, object.asset, lattice, eye_count), kBarBytes);
   std::fflush(stdout);
 }
 
-void measure_all() {
+void measure_all(size_t only) {
   const auto device = take(VulkanDevice::create());
   std::printf("# %s\n", device->name().c_str());
   std::printf(
-      "kernels,eyes,width,height,blend_bits,skin_ms,skin_max_ms,upload_ms,upload_max_ms,project_ms,project_"
-      "max_ms,"
-      "sort_ms,sort_max_ms,draw_ms,draw_max_ms,device_project_ms,device_sort_ms,device_draw_ms,device_resolve_ms,"
-      "bytes_a_kernel\n");
+      "kernels,eyes,width,height,blend_bits,skin_ms,skin_max_ms,skin_rigid_ms,skin_rigid_max_ms,upload_ms,upload_max_ms,"
+      "project_ms,project_max_ms,sort_ms,sort_max_ms,draw_ms,draw_max_ms,device_skin_ms,device_project_ms,device_sort_ms,"
+      "device_draw_ms,device_resolve_ms,bytes_a_kernel,bar_bytes\n");
   for (const size_t count : {50'000u, 200'000u, 1'000'000u}) {
+    if (only > 0 && count != only) continue;
     // Kernels shrink as they grow in number, so that the shell stays as opaque.
     const synthetic::Object object =
         synthetic::shell(count, 3, 0.9 / std::sqrt(static_cast<double>(count)), 1);
-    for (const int eyes : {1, 2}) measure(device, object, eyes, BlendPrecision::Half);
-    measure(device, object, 1, BlendPrecision::Full);
+    const Ridden lattice = ride_lattice(object.asset), bodies = ride_bodies(object.asset);
+    for (const int eyes : {1, 2}) measure(device, object, lattice, bodies, eyes, BlendPrecision::Half);
+    measure(device, object, lattice, bodies, 1, BlendPrecision::Full);
   }
 }
 
 }  // namespace
 }  // namespace livegs
 
-int main() { livegs::measure_all(); }
+int main(int argc, char** argv) { livegs::measure_all(argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 0); }

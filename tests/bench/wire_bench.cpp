@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Time and bytes to encode and decode driver frames. Prints CSV: `wire_bench > results/<machine>/wire.csv`.
-// Objects move as a twisted ball does. Ten runs warm up, 200 count. One thread: the codec uses no other.
+// Nodes of lattices stand in rows, with their neighbours told, particles anywhere. Objects move as a twisted ball does. Ten runs warm up, 200 count. One thread: the codec uses no other.
 #include <cmath>
 #include <cstdio>
 
+#include "bench/arguments.h"
 #include "bench/time_of.h"
 #include "common/skin/rest_bodies.h"
 #include "wire/frame_codec.h"
@@ -21,8 +22,14 @@ DriverFrame frame_of(DriverKind kind, size_t objects, size_t drivers, uint64_t s
     ObjectDrivers object;
     object.object_id = static_cast<uint32_t>(i + 1);
     object.kind = kind;
+    const auto side = static_cast<size_t>(std::ceil(std::cbrt(static_cast<double>(drivers))));
+    std::vector<Eigen::Vector3i> places;
     for (size_t d = 0; d < drivers; ++d) {
-      const Eigen::Vector3d at = uniform3(random, -0.5, 0.5);
+      Eigen::Vector3d at = uniform3(random, -0.5, 0.5);
+      if (kind == DriverKind::Lattice) {
+        places.emplace_back(d % side, d / side % side, d / side / side);
+        at = places.back().cast<double>() / static_cast<double>(side) - Eigen::Vector3d::Constant(0.5);
+      }
       if (kind == DriverKind::Rigid) {
         object.poses.push_back({at, random_rotation(random)});
       } else {
@@ -30,6 +37,7 @@ DriverFrame frame_of(DriverKind kind, size_t objects, size_t drivers, uint64_t s
         if (kind == DriverKind::Particles) object.rotations.push_back(random_rotation(random).cast<float>());
       }
     }
+    if (kind == DriverKind::Lattice) object.neighbours = find_node_neighbours(std::move(places));
     frame.objects.push_back(object);
   }
   return frame;
@@ -62,7 +70,9 @@ std::vector<DriverFrame> motion_of(DriverKind kind, size_t objects, size_t drive
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  CLI::App app("Time and bytes to encode and decode driver frames; CSV on standard output", "wire_bench");
+  bench::read_arguments(app, argc, argv);
   struct Case {
     const char* kind;
     DriverKind driver_kind;

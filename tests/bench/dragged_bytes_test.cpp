@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// What four torn blocks and 200 boxes take on the wire, so that it is noticed when a frame grows. `codec_bench` tells the rest.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "bench/dragged_blocks.h"
+#include "wire/frame_stream.h"
+
+namespace livegs::bench {
+namespace {
+
+// The best reached, and a little for motions that come out otherwise when the physics change.
+constexpr double kMostBytesP95 = 12'000, kMostMbit_s = 7.6, kMostOff_mm = 0.0496;
+constexpr double kGoalBytesP95 = 12'000, kGoalMbit_s = 8, kGoalOff_mm = 0.05;
+
+TEST(DraggedBytes, FourTornBlocksAndTwoHundredBoxesFitANarrowLink) {
+  World world = dragged_blocks();
+  StreamBaselinePtr baseline;
+  StreamReader reader;
+  std::vector<double> sizes;
+  float off_m = 0;
+  for (int i = 0; i < 540; ++i) {
+    drag(world, world.tick());
+    world.step();
+    const DriverFrame frame = world.drivers();
+    const EncodedStreamFrame encoded = encode_stream_frame(frame, baseline);
+    baseline = encoded.next;
+    const auto read = reader.read(encoded.bytes);
+    ASSERT_TRUE(read) << read.error().message;
+    if (i < 90) continue;
+    sizes.push_back(static_cast<double>(encoded.bytes.size()));
+    for (size_t block = 0; block < kBlocks; ++block) {
+      const auto &is = frame.objects[block].positions_m, &shown = read->objects[block].positions_m;
+      for (size_t k = 0; k < is.size(); ++k) off_m = std::max(off_m, (is[k] - shown[k]).norm());
+    }
+  }
+  double mean = 0;
+  for (const double size : sizes) mean += size / static_cast<double>(sizes.size());
+  std::sort(sizes.begin(), sizes.end());
+  const double p95 = sizes[sizes.size() * 95 / 100], mbit_s = mean * 8 * 90 * 1e-6;
+  std::printf("p95 %.0f bytes (goal %.0f), %.2f Mbit/s (goal %.0f), nodes at most %.4f mm off (goal %.2f)\n", p95, kGoalBytesP95, mbit_s,
+              kGoalMbit_s, 1e3 * static_cast<double>(off_m), kGoalOff_mm);
+  EXPECT_LE(p95, kMostBytesP95);
+  EXPECT_LE(mbit_s, kMostMbit_s);
+  EXPECT_LE(1e3 * static_cast<double>(off_m), kMostOff_mm);
+}
+
+}  // namespace
+}  // namespace livegs::bench
