@@ -92,6 +92,7 @@ class JointGroup {
     // World: the two directions across a hinge's axis.
     Eigen::Matrix<double, 3, 2> across = Eigen::Matrix<double, 3, 2>::Zero();
     Eigen::Vector3d start_gap_m = Eigen::Vector3d::Zero();
+    double back_m_s = 0.0;  // how fast the push takes the gap back
     Bend bend, next_bend;  // what this substep reckons with; the last measure
     Eigen::Vector2d start_tilt = Eigen::Vector2d::Zero();
   };
@@ -121,7 +122,7 @@ class JointGroup {
   static double kinetic_j(const Motion& motion, const RigidBody& body);
   void note_others();
   double slow_down(const std::vector<Motion>& starts, const std::vector<Impulses>& others, double allowance_j);
-  void limit_push(double substep_s);
+  void limit_push();
   void move_in_small_steps(double substep_s, int steps);
 
   std::vector<double> swing_;  // of bodies_: by how much each is heavier during small steps
