@@ -25,7 +25,7 @@ class NoiseServer {
     server->admit(clients);
     server->open(scene_, nobody_);
     std::mt19937_64 random(1);
-    std::uniform_real_distribution<float> place(-0.5f, 0.5f);
+    std::uniform_real_distribution<float> place(-0.9f, 0.9f);
     for (ObjectDrivers& object : objects_) {
       object.object_id = 1;
       object.kind = DriverKind::Lattice;
