@@ -43,12 +43,13 @@ class HeadsetRun {
  private:
   Result<void> take_news();
   Result<void> place();
-  void send_hands();
-  void send_hands_again();
+  void send_hands(int64_t displayed_ns);
+  void send_hands_again(int64_t displayed_ns);
   void vibrate(size_t hand, const std::optional<TouchFeel::Pulse>& pulse);
   void feel(const ReceivedFrame& frame);
   void foresee(int64_t displayed_ns);
-  void add_marks(DriverFrame& drivers) const;
+  double size_when_taken_m(uint32_t object_id);
+  void add_marks(DriverFrame& drivers);
   Result<void> draw(PlannedFrame& planned);
 
   const HeadsetRunOptions& options_;
@@ -58,7 +59,8 @@ class HeadsetRun {
   HeadsetDisplay& display_;
 
   Playout playout_;
-  std::map<uint32_t, double> masses_kg_;  // by object id
+  std::map<uint32_t, double> masses_kg_;  // by object id, like the next
+  std::map<uint32_t, double> sizes_m_;    // of those a hand has taken
   bool placed_ = false;
   int64_t placed_ns_ = 0;
   InputSample sample_;
@@ -96,7 +98,11 @@ Result<void> HeadsetRun::place() {
 Result<void> HeadsetRun::take_news() {
   auto news = stream_.take(view_);
   if (!news) return news.error();
-  for (const StreamedObject& object : news->described) masses_kg_[object.id] = object.mass_kg;
+  for (const StreamedObject& object : news->described) {
+    masses_kg_[object.id] = object.mass_kg;
+    sizes_m_.erase(object.id);
+  }
+  for (const uint32_t id : news->refined) sizes_m_.erase(id);
   notice_.take(*news, client_);
   if (news->anew) playout_.begin_again();
   if (news->frames.empty()) return {};
@@ -110,19 +116,19 @@ Result<void> HeadsetRun::take_news() {
   return place();
 }
 
-void HeadsetRun::send_hands() {
+void HeadsetRun::send_hands(int64_t displayed_ns) {
   const HeadsetInput& input = display_.input();
   sample_.hands = input.hands;
   ++sample_.sequence;
-  sample_.sampled_ns = now_ns();
-  meter_.sampled(sample_.sequence, sample_.sampled_ns);
+  sample_.sampled_ns = displayed_ns;  // where the hands will be then
+  meter_.sampled(sample_.sequence, now_ns());
   client_.send(sample_);
 }
 
 // Looked at once a picture, a hand that moves waits for the next: half a picture, and a whole one at worst. So it is looked at
 // after each thing that takes its time.
-void HeadsetRun::send_hands_again() {
-  if (display_.update_input()) send_hands();
+void HeadsetRun::send_hands_again(int64_t displayed_ns) {
+  if (display_.update_input()) send_hands(displayed_ns);
 }
 
 void HeadsetRun::vibrate(size_t hand, const std::optional<TouchFeel::Pulse>& pulse) {
@@ -160,13 +166,23 @@ void HeadsetRun::foresee(int64_t displayed_ns) {
   }
 }
 
-void HeadsetRun::add_marks(DriverFrame& drivers) const {
+// As it was when a hand took it: looking at all of its kernels costs more than a picture.
+double HeadsetRun::size_when_taken_m(uint32_t object_id) {
+  const auto [known, fresh] = sizes_m_.try_emplace(object_id, 0.0);
+  if (fresh) {
+    const Eigen::AlignedBox3d box = view_.bounds(object_id);
+    if (!box.isEmpty()) known->second = box.sizes().maxCoeff();
+  }
+  return known->second;
+}
+
+void HeadsetRun::add_marks(DriverFrame& drivers) {
   std::vector<HandMarks::Force> forces;
   for (const HeldByHand& held : playout_.shown()->hands) {
     const auto mass = masses_kg_.find(held.object_id);
-    const Eigen::AlignedBox3d box = view_.bounds(held.object_id);
-    if (mass == masses_kg_.end() || box.isEmpty()) continue;
-    const double metres_a_newton = arrow_metres_per_newton(mass->second, box.sizes().maxCoeff());
+    const double size_m = size_when_taken_m(held.object_id);
+    if (mass == masses_kg_.end() || size_m <= 0) continue;
+    const double metres_a_newton = arrow_metres_per_newton(mass->second, size_m);
     forces.push_back({held.hand, held.point_m.cast<double>(), metres_a_newton * held.force_n.cast<double>()});
   }
   HandMarks::append(display_.input().hands, forces, drivers);
@@ -179,14 +195,14 @@ Result<void> HeadsetRun::draw(PlannedFrame& planned) {
   if (options_.marks) add_marks(*drivers);
   if (auto posed = view_.prepare(*drivers); !posed) return posed;
   foresee(planned.display_time_ns);
-  send_hands_again();
+  send_hands_again(planned.display_time_ns);
   display_.update_views(planned);  // skinning took its time, and the head moves on
   client_.look(seen_cone(planned.views));
   const auto image = display_.acquire();
   if (!image) return display_.submit(planned, {});
   if (auto drawn = view_.draw_into(*drivers, planned.views, *image, images_); !drawn) return drawn;
   const int64_t drawn_ns = now_ns();
-  send_hands_again();
+  send_hands_again(planned.display_time_ns);
   const uint64_t before = display_.counts().pictures;
   if (auto submitted = display_.submit(planned, images_); !submitted) return submitted;
   if (display_.counts().pictures == before) return {};  // the session was lost meanwhile
@@ -203,7 +219,7 @@ Result<void> HeadsetRun::draw(PlannedFrame& planned) {
   if (!options_.scales) return {};
   const double budget_ms = 1e3 * kBudgetOfPeriod * display_.period_s();
   if (!scale_ || std::abs(budget_ms - scale_budget_ms_) > 0.01) scale_.emplace(scale_budget_ms_ = budget_ms);
-  scale_->drew(milliseconds_from_ns(drawn_ns - begun_ns));
+  scale_->drew(view_.last_times().raster_ms);  // the rest of it does not go with the number of pixels
   display_.set_scale(scale_->value());
   view_.set_min_contribution(scale_->min_contribution_px());
   return {};
@@ -217,7 +233,7 @@ Result<void> HeadsetRun::run(const std::atomic<bool>& interrupted) {
     if (!planned) break;
     if (auto taken = take_news(); !taken) return taken;  // what came while it waited
     display_.set_notice(notice_.text(view_.notice()));
-    if (placed_) send_hands();
+    if (placed_) send_hands(planned->display_time_ns);
     if (auto done = planned->views.empty() || !placed_ ? display_.submit(*planned, {}) : draw(*planned); !done) return done;
     if (options_.seconds > 0 && placed_ && seconds_from_ns(now_ns() - placed_ns_) >= options_.seconds) break;
   }

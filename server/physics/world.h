@@ -170,10 +170,11 @@ class World {
     double max_force_n = 50.0, max_torque_n_m = 5.0;
   };
   Result<void> grab(uint64_t grab_id, uint32_t object_id, const Pose& world_from_hand, const Grip& grip);
-  // Where the hand is at the start of the next tick, and how it moves during it. Not finite: ignored. Unknown ids are
-  // ignored too. What is let go flies on as it moves then.
+  // Where the hand is at the start of the next tick, and how it moves for `goes_on_s` from then, at least during that tick:
+  // the time until it is likely to be heard of again. Then it stands. Not finite: ignored. Unknown ids are ignored too. What
+  // is let go flies on as it moves then.
   void move_grab(uint64_t grab_id, const Pose& world_from_hand, const Eigen::Vector3d& velocity_m_s,
-                 const Eigen::Vector3d& spin_rad_s);
+                 const Eigen::Vector3d& spin_rad_s, double goes_on_s = 0.0);
   void release_grab(uint64_t grab_id);
   struct GrabState {
     Eigen::Vector3d point_m;              // the material point that was at the hand's place, now
@@ -195,7 +196,8 @@ class World {
   // The same of one object, however far it is: what grab() would hold. Nothing for static and unknown ones.
   std::optional<RayHit> nearest_of(uint32_t object_id, const Eigen::Vector3d& point_m) const;
 
-  // What a ray from `origin_m` along the unit `direction` meets first within `max_distance_m`.
+  // What a ray from `origin_m` along the unit `direction` meets first within `max_distance_m`. Nothing where that is a
+  // collider or what stands still; those that hold `origin_m` are looked through.
   std::optional<RayHit> ray_cast(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
                                  double max_distance_m) const;
   // Where a material point is now; the rest point itself for an unknown object.

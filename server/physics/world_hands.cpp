@@ -15,7 +15,7 @@ namespace {
 // A palm: an elastic object is held by points within this distance of the hand.
 constexpr double kPalm_m = 0.05;
 constexpr size_t kMaxHeldPlaces = 6;
-constexpr double kSilentTicks = 4.0;
+constexpr double kSilentTicks = 3.0;  // later than that a hand is at rest
 
 double squared(double value) { return value * value; }
 
@@ -154,15 +154,15 @@ void World::State::gather_springs(double duration_s) {
     held.force_n.setZero();
     WorldObject* object = find(held.object_id);
     if (!object || object->fixed()) continue;
-    // Hands go on moving within the tick; one that is not heard of stands.
+    // Hands go on moving until they are heard of again; one that should have been stands, and soon at rest.
     const double tick_s = 1.0 / settings.rate_hz;
-    if (held.moving_s > kSilentTicks * tick_s) {
-      held.velocity_m_s.setZero();
-      held.spin_rad_s.setZero();
-    }
+    const double goes_on_s = std::max(held.goes_on_s, tick_s);
     Pose hand = held.world_from_hand;
-    hand.position_m += std::min(held.moving_s, tick_s) * held.velocity_m_s;
-    const Eigen::Vector3d turned = std::min(held.moving_s, tick_s) * held.spin_rad_s;
+    hand.position_m += std::min(held.moving_s, goes_on_s) * held.velocity_m_s;
+    const Eigen::Vector3d turned = std::min(held.moving_s, goes_on_s) * held.spin_rad_s;
+    const bool silent = held.moving_s > goes_on_s + kSilentTicks * tick_s;
+    const Eigen::Vector3d velocity = silent ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : held.velocity_m_s;
+    const Eigen::Vector3d spin = silent ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : held.spin_rad_s;
     if (turned.norm() > 0.0) {
       hand.orientation = Eigen::AngleAxisd(turned.norm(), turned.normalized()) * hand.orientation;
     }
@@ -173,9 +173,9 @@ void World::State::gather_springs(double duration_s) {
       RigidSpring& row = held.row;
       row.rest_point_m = held.rest_point_m;
       row.target_m = hand.position_m;
-      row.target_velocity_m_s = held.velocity_m_s;
+      row.target_velocity_m_s = velocity;
       row.target_orientation = (hand.orientation * held.hand_from_object).normalized();
-      row.target_spin_rad_s = held.spin_rad_s;
+      row.target_spin_rad_s = spin;
       row.stiffness_n_m = body.mass_kg * squared(rate);
       row.turn_rad_s = rate;
       row.max_force_n = held.grip.max_force_n;
@@ -189,7 +189,7 @@ void World::State::gather_springs(double duration_s) {
         const Eigen::Vector3d arm = hand.orientation * place.hand_point_m;
         const World::Spring spring{place.rest_point_m, hand.position_m + arm, mass_kg * squared(rate),
                                    share * held.grip.max_force_n};
-        held.force_n += draw(elastic, spring, held.velocity_m_s + held.spin_rad_s.cross(arm), mass_kg, place.point);
+        held.force_n += draw(elastic, spring, velocity + spin.cross(arm), mass_kg, place.point);
       }
     }
   }
@@ -243,14 +243,16 @@ Result<void> World::grab(uint64_t grab_id, uint32_t object_id, const Pose& world
 }
 
 void World::move_grab(uint64_t grab_id, const Pose& world_from_hand, const Eigen::Vector3d& velocity_m_s,
-                      const Eigen::Vector3d& spin_rad_s) {
+                      const Eigen::Vector3d& spin_rad_s, double goes_on_s) {
   const auto found = state_->grabs.find(grab_id);
   if (found == state_->grabs.end() || !velocity_m_s.allFinite() || !spin_rad_s.allFinite()) return;
+  if (!(goes_on_s >= 0.0 && std::isfinite(goes_on_s))) return;
   if (!check_pose(0, world_from_hand)) return;
   HeldGrab& held = found->second;
   held.world_from_hand = {world_from_hand.position_m, world_from_hand.orientation.normalized()};
   held.velocity_m_s = velocity_m_s;
   held.spin_rad_s = spin_rad_s;
+  held.goes_on_s = goes_on_s;
   held.moving_s = 0.0;
 }
 

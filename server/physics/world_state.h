@@ -118,7 +118,7 @@ struct HeldGrab {
   std::optional<uint32_t> piece;  // of an object that has broken
   Pose world_from_hand;
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero(), spin_rad_s = Eigen::Vector3d::Zero();
-  double moving_s = 0;  // since it was set
+  double goes_on_s = 0, moving_s = 0;  // from when it was set, and since
   Eigen::Quaterniond hand_from_object = Eigen::Quaterniond::Identity();
   RigidSpring row;                // of a rigid object
   std::vector<HeldPlace> places;  // of an elastic one

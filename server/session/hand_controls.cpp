@@ -62,10 +62,17 @@ void HandControls::apply_ray(Scene& scene, uint64_t spring, Hand& hand, const Ha
   world.set_spring(spring, hand.object_id, pull);
 }
 
-// The grip's velocity from two samples, by the client's clock as far as it is likely.
+// The grip's velocity from two samples, by the client's clock as far as it is likely. Of several looks at one moment, as a
+// headset takes them while a picture is made, the last says best where the hand is, and none how fast.
 void HandControls::track(Hand& hand, const HandSample& sample, int64_t sampled_ns) {
-  const double passed_s = std::clamp(1e-9 * static_cast<double>(sampled_ns - hand.sampled_ns), 0.002, 0.1);
-  if (!hand.tracked) {
+  const double passed_s = 1e-9 * (static_cast<double>(sampled_ns) - static_cast<double>(hand.sampled_ns));
+  const bool told = hand.tracked && std::abs(passed_s) <= kRarestSample_s;
+  if (told && passed_s < kSameMoment_s) {
+    hand.grip = sample.grip;
+    return;
+  }
+  hand.goes_on_s = told ? passed_s : 0.0;
+  if (!told) {
     hand.velocity_m_s.setZero();
     hand.spin_rad_s.setZero();
   } else {
@@ -101,7 +108,7 @@ void HandControls::apply_grab(Scene& scene, uint64_t grab_id, Hand& hand, const 
   }
   hand.squeezed = squeezed;
   if (!squeezed && hand.grabbing) let_go(scene, grab_id, hand);
-  if (hand.grabbing) world.move_grab(grab_id, input.grip, hand.velocity_m_s, hand.spin_rad_s);
+  if (hand.grabbing) world.move_grab(grab_id, input.grip, hand.velocity_m_s, hand.spin_rad_s, hand.goes_on_s);
 }
 
 void HandControls::let_go(Scene& scene, uint64_t spring, Hand& hand) {

@@ -29,6 +29,10 @@ inline constexpr float kSqueezeEased = 0.4f;
 // A thrown object goes as the hand went: its velocity is averaged over about this time, and bounded, since samples come
 // from outside.
 inline constexpr double kHandSmoothing_s = 0.03;
+// Between samples a hand goes on as it went, for as long as the last two were apart: a client that draws slowly throws as well
+// as one that draws fast. Those further apart than this say nothing of how it moved.
+inline constexpr double kRarestSample_s = 0.3;
+inline constexpr double kSameMoment_s = 0.002;  // nor do those that are closer
 inline constexpr double kFastestHand_m_s = 15.0;
 inline constexpr double kFastestTurn_rad_s = 30.0;
 
@@ -61,6 +65,7 @@ class HandControls {
     bool tracked = false;   // grip and the two below are of the sample before
     Pose grip;
     int64_t sampled_ns = 0;
+    double goes_on_s = 0;  // until the next sample is likely
     Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero(), spin_rad_s = Eigen::Vector3d::Zero();
     uint32_t object_id = 0;
     Eigen::Vector3d rest_point_m = Eigen::Vector3d::Zero();

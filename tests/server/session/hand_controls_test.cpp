@@ -17,6 +17,7 @@ struct Hands {
   Scene scene = box_scene();
   HandControls controls;
   uint64_t sequence = 0;
+  int looks = 1;  // at the hands of one moment; the last is right, the others fell behind by a millimetre each
 
   uint32_t id(const char* name) const { return scene.find(name)->id; }
   Vector3d middle(const char* name) const { return scene.world().world_point(id(name), Vector3d::Zero()); }
@@ -35,6 +36,12 @@ struct Hands {
     apply(sample);
   }
 
+  // One tick without a word from the client.
+  void silent_tick() {
+    ++sequence;
+    scene.step();
+  }
+
   // One tick with the right hand's ray straight down.
   void point_down(const Vector3d& from_m, float trigger) {
     InputSample sample;
@@ -48,7 +55,11 @@ struct Hands {
   void apply(InputSample sample) {
     sample.sequence = ++sequence;
     sample.sampled_ns = std::llround(1e9 * static_cast<double>(sequence) / rate_hz());
-    controls.apply(scene, 1, sample, static_cast<double>(sequence) / rate_hz());
+    for (int look = looks; look-- > 0;) {
+      InputSample seen = sample;
+      for (HandSample& hand : seen.hands) hand.grip.position_m -= look * Vector3d(5e-4, 5e-4, 0);
+      controls.apply(scene, 1, seen, static_cast<double>(sequence) / rate_hz());
+    }
     scene.step();
   }
 };
@@ -95,6 +106,55 @@ TEST(HandControls, AnOpenHandThrowsAndAFarOneTakesNothing) {
   const Vector3d before = hands.middle("box");
   hands.tick(hand, 0.0f);
   EXPECT_LT(((hands.middle("box") - before) * 90.0 - velocity).norm(), 0.1 * velocity.norm());
+}
+
+// A client that draws 90 pictures a second tells of its hands with every tick, one that draws 8 with every eleventh. Carried
+// evenly and let go, a thing goes as the hand did. So it does where a client looks three times at one moment.
+TEST(HandControls, ASlowClientThrowsAsAFastOneDoes) {
+  const Vector3d velocity(1.5, 1.5, 0);
+  for (const auto& [ticks_a_sample, looks] : {std::pair{1, 1}, {1, 3}, {3, 1}, {3, 3}, {6, 1}, {6, 3}, {11, 1}, {11, 3}}) {
+    Hands hands;
+    hands.looks = looks;
+    Vector3d hand = hands.middle("box");
+    hands.tick(hand, 0.0f);
+    double slowest = INFINITY, fastest = 0;
+    Vector3d before = hand;
+    const int samples = 90 / ticks_a_sample;
+    for (int i = 0; i < samples; ++i) {
+      const double share = std::min(1.0, 2.5 * i / samples);
+      hands.tick(hand += share * ticks_a_sample * velocity / 90.0, 1.0f);
+      for (int rest = 0; rest < ticks_a_sample; ++rest) {
+        if (rest > 0) hands.silent_tick();
+        const double speed = 90.0 * (hands.middle("box") - before).norm() / velocity.norm();
+        before = hands.middle("box");
+        if (i < 0.7 * samples) continue;
+        slowest = std::min(slowest, speed);
+        fastest = std::max(fastest, speed);
+      }
+    }
+    hands.tick(hand += ticks_a_sample * velocity / 90.0, 0.0f);
+    before = hands.middle("box");
+    hands.silent_tick();
+    const double thrown = ((hands.middle("box") - before) * 90.0 - velocity).norm() / velocity.norm();
+    std::printf("%2d ticks a sample, %d looks: carried at %.3f to %.3f of the hand's speed, thrown %.3f off\n", ticks_a_sample, looks, slowest, fastest, thrown);
+    EXPECT_GT(slowest, 0.85) << ticks_a_sample;
+    EXPECT_LT(fastest, 1.15) << ticks_a_sample;
+    EXPECT_LT(thrown, 0.1) << ticks_a_sample;
+  }
+}
+
+// One that stops telling stops where its hand would have been, and does not go on for good.
+TEST(HandControls, ASilentHandStands) {
+  Hands hands;
+  Vector3d hand = hands.middle("box");
+  hands.tick(hand, 0.0f);
+  hands.tick(hand, 1.0f);
+  for (int i = 0; i < 30; ++i) {
+    hands.tick(hand += Vector3d(0, 0.06, 0), 1.0f);
+    for (int rest = 1; rest < 6; ++rest) hands.silent_tick();
+  }
+  for (int i = 0; i < 180; ++i) hands.silent_tick();
+  EXPECT_NEAR(hands.middle("box").y(), hand.y() + 0.06, 0.01);
 }
 
 TEST(HandControls, TwoHandsHoldOneObjectAndFeelTheTable) {
