@@ -344,11 +344,12 @@ std::optional<DeviceImage> OpenXrDisplay::acquire() {
 Result<void> OpenXrDisplay::submit(const PlannedFrame& frame, std::span<const Image> images) {
   if (!begun_) return {};
   if (!images.empty() && !swapchain_->acquired() && !acquire()) return {};
-  const bool drawn = swapchain_->acquired();
+  const bool acquired = swapchain_->acquired();
+  const bool drawn = acquired && frame.views.size() == 2;  // else it was begun for a picture that failed
   if (!images.empty()) {
     if (auto done = swapchain_->upload(images); !done) return done;
   }
-  if (drawn && !ok(swapchain_->release(), "xrReleaseSwapchainImage")) return {};
+  if (acquired && !ok(swapchain_->release(), "xrReleaseSwapchainImage")) return {};
   std::array<XrCompositionLayerProjectionView, 2> views;
   for (uint32_t e = 0; drawn && e < 2; ++e) {
     views[e] = openxr_info<XrCompositionLayerProjectionView>(XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW);

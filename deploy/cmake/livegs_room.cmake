@@ -67,6 +67,19 @@ function(livegs_add_test name)
                        PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT ${TEST_TIMEOUT} RUN_SERIAL ${TEST_SERIAL} ${environment})
 endfunction()
 
+# livegs_add_second_device(NAME FILTER)
+#   The tests of a program that FILTER names, once more on SwiftShader (Debian's chromium-common has it): unlike lavapipe it
+#   draws both eyes at once, as a GPU does, and rounds 16-bit floats to the nearest. Skipped aloud where it is not installed.
+set(LIVEGS_SWIFTSHADER_ICD /usr/lib/chromium/vk_swiftshader_icd.json)
+function(livegs_add_second_device name filter)
+  add_test(NAME SwiftShader.${name}
+           COMMAND sh -c "test -f ${LIVEGS_SWIFTSHADER_ICD} || { echo 'no SwiftShader: apt-get install chromium-common'; exit 77; }; \
+                          exec $<TARGET_FILE:${name}> --gtest_filter='${filter}'")
+  set_tests_properties(SwiftShader.${name} PROPERTIES
+                       LABELS "parity;vulkan" TIMEOUT 900 SKIP_RETURN_CODE 77 FAIL_REGULAR_EXPRESSION "multiview draws wrong"
+                       ENVIRONMENT "VK_ICD_FILENAMES=${LIVEGS_SWIFTSHADER_ICD};ASAN_OPTIONS=detect_leaks=0")
+endfunction()
+
 # livegs_add_bench(NAME SOURCES ... LINK ...)
 #   A program that is built with the tests and run by hand; its CSV goes to tests/bench/results.
 function(livegs_add_bench name)

@@ -41,8 +41,12 @@ constexpr const char* kAssets[] = {"camera_leica/leica-sofort-top8192.ply",
                                    "statues/trumpet.sog",
                                    "statues/trumpet_statue_only.ply"};
 
+// Of pictures blended in 16-bit floats there, which it rounds towards zero: 44.8 found; goal kBar_db, which SwiftShader meets.
+constexpr double kLavapipeHalf_db = 44;
+
 struct Renderers {
   std::unique_ptr<SplatRenderer> oracle, screen, halves, floats;
+  bool on_lavapipe = false;
 };
 
 Image drawn_by(SplatRenderer& renderer, const RenderedObject& object, const Camera& camera) {
@@ -101,7 +105,7 @@ bool measure(const Renderers& renderers, const std::string& name, const Gaussian
     (void)write_png(folder / (stem + "_vulkan.png"), screen);
     (void)write_png(folder / (stem + "_difference.png"), amplified_difference(screen, shown));
   }
-  return db >= kBar_db;
+  return db >= kBar_db && psnr_db(halves, shown) >= (renderers.on_lavapipe ? kLavapipeHalf_db : kBar_db);
 }
 
 Result<Renderers> make_renderers() {
@@ -113,7 +117,8 @@ Result<Renderers> make_renderers() {
   if (!halves) return halves.error();
   auto floats = create_vulkan_renderer(*device, {.precision = BlendPrecision::Full, .read_blended = true});
   if (!floats) return floats.error();
-  return Renderers{create_cpu_renderer(), *std::move(screen), *std::move(halves), *std::move(floats)};
+  const bool on_lavapipe = (*screen)->name().find("llvmpipe") != std::string::npos;
+  return Renderers{create_cpu_renderer(), *std::move(screen), *std::move(halves), *std::move(floats), on_lavapipe};
 }
 
 int run(const std::filesystem::path& folder, const std::string& only) {

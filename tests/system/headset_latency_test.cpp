@@ -10,9 +10,9 @@ namespace livegs {
 namespace {
 
 constexpr int kJumps = 40;
-// 95 of 100 on two cores that draw with the CPU; goal: 50 ms. Other programs take a share of the same cores: at a load of 19
-// it was 63 once.
-constexpr double kFoundP95_ms = 43, kNoise = 2;
+// 95 of 100 on two cores that draw with the CPU: 43 found. Other programs that take a share of the same cores show in pictures
+// that come less often than the display's 11.1 ms: at 13.8 it was 59, and 63 once.
+constexpr double kBarP95_ms = 50, kUndisturbed_ms = 13, kDisturbedP95_ms = 86;
 
 double at(const std::vector<double>& sorted, double share) {
   return sorted[static_cast<size_t>(std::lround(share * static_cast<double>(sorted.size() - 1)))];
@@ -78,7 +78,7 @@ TEST_F(HeadsetSession, AHandIsSeenSoon) {
              "picture_p50_ms,picture_p95_ms,goal_p95_ms",
              row);
   EXPECT_GT(seen_ms.front(), 4 + 4);  // the network alone
-  EXPECT_LT(at(seen_ms, 0.95), kNoise * kFoundP95_ms);
+  EXPECT_LT(at(seen_ms, 0.95), at(intervals_ms, 0.95) < kUndisturbed_ms ? kBarP95_ms : kDisturbedP95_ms);
 }
 
 }  // namespace

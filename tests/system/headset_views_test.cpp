@@ -7,8 +7,10 @@
 namespace livegs {
 namespace {
 
-// Wrong by 10 m for each second ahead: 11 mm a millisecond, so that what a second look gains is seen in pixels of 18 mm.
+// Wrong by 40 m for each second ahead: 40 mm a millisecond, so that what a second look gains is seen in pixels of 18 mm.
 constexpr double kMisjudged_m_s = 40;
+// Two places that are nearer to each other look too alike to tell by a picture which one it was drawn from.
+constexpr double kToldApart_m = 0.006;
 
 TEST_F(HeadsetSession, WhatIsDrawnIsWhereTheHeadWasSaidToBeLast) {
   // The scene's middle is at (0, 1.6, -1) in the stage, and nothing recentres.
@@ -56,25 +58,30 @@ TEST_F(HeadsetSession, WhatIsDrawnIsWhereTheHeadWasSaidToBeLast) {
     if (row.size() > 8 && !row[4].empty()) submitted_m[{row[0], row[4]}] = point(row, 6);
   }
   double gained_s = 0;
-  size_t frames = 0;
+  size_t frames = 0, as_misjudged = 0;
+  std::map<std::pair<std::string, std::string>, double> moved_m;  // between the looks, likewise
   for (const auto& row : rows(folder_ / "views.csv")) {
     const Eigen::Vector3d first = point(row, 4), last = point(row, 8), shown = submitted_m.at({row.at(0), row.at(1)});
     const double earlier_s = std::stod(row.at(3)) - std::stod(row.at(7));
     EXPECT_GE(std::stoi(row.at(2)), 2);
     EXPECT_GT(earlier_s, 0.0);
     EXPECT_LT((shown - last).norm(), 1e-5) << "frame " << row[0];
+    moved_m[{row.at(0), row.at(1)}] = (first - last).norm();
     if ((first - last).norm() < 1e-6) continue;  // before it misjudged
-    EXPECT_NEAR((first - last).norm(), kMisjudged_m_s * earlier_s, 1e-3) << "frame " << row[0];
     gained_s += earlier_s;
     ++frames;
+    if (std::abs((first - last).norm() - kMisjudged_m_s * earlier_s) < 1e-3) ++as_misjudged;
   }
   ASSERT_GE(frames, 6u);
+  // But for a look whose thread was put aside between being asked and answering: the one moment is written down, the other used.
+  EXPECT_GE(10 * as_misjudged, 9 * frames);
   std::printf("the second look is %.2f ms later than the first (mean of %zu)\n", 1e3 * gained_s / static_cast<double>(frames), frames);
 
   // And of each picture: it is what the oracle sees from where the last answer put the eyes, and not from where the first did.
   ASSERT_EQ(kept_.size(), 3u);
   ASSERT_EQ(drawn.size(), 3u);
   expect_oracle();
+  int told_apart = 0;
   for (size_t i = 0; i < kept_.size(); ++i) {
     for (int eye = 0; eye < 2; ++eye) {
       const auto shown = read_png(kept_[i].files[eye]);
@@ -83,9 +90,12 @@ TEST_F(HeadsetSession, WhatIsDrawnIsWhereTheHeadWasSaidToBeLast) {
       const std::string frame = std::to_string(std::stol(name.substr(6, 5)));
       const Eigen::Vector3d at = scene_from_stage * submitted_m.at({frame, std::to_string(eye)});
       EXPECT_LT((drawn[i].eyes[eye].world_from_camera.position_m - at).norm(), 1e-5) << name;
+      if (moved_m.at({frame, std::to_string(eye)}) < kToldApart_m) continue;
+      ++told_apart;
       EXPECT_LT(psnr_db(*shown, drawn[i].as_first_foretold[eye]), psnr_db(*shown, kept_[i].oracle[eye]) - 6) << name;
     }
   }
+  EXPECT_GE(told_apart, 1);
 }
 
 }  // namespace
