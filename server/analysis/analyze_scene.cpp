@@ -121,6 +121,7 @@ AnalysisSummary analyze_scene(std::span<const AnalysisTarget> targets, ModelEndp
   };
   for (size_t i = 0; i < targets.size(); ++i) update(offline_of(i));
 
+  if (endpoint) endpoint->get_ready(stop);  // a question's hash holds the model's name
   const EndpointState known = endpoint ? endpoint->state() : EndpointState{};
   Course course(targets, options.neighbours);
   std::vector<bool> finished(targets.size(), false);

@@ -32,6 +32,7 @@ inline constexpr double kWidestRatio = 20.0;
 inline constexpr size_t kMaxAnswerBytes = 256 << 10;
 inline constexpr int kMaxAnswerDepth = 16;
 inline constexpr size_t kMaxAnswerParts = 32;
+inline constexpr size_t kMaxAnswerSources = 8;
 
 struct AnswerPart {
   std::string name;
@@ -42,7 +43,9 @@ struct AnswerPart {
 
 struct Answer {
   std::string name, description, evidence;  // printable, cut to a length; only ever shown
+  std::optional<double> name_confidence;
   std::optional<bool> replica;
+  std::vector<std::string> kb_ids;  // rows of the tables it went by; those that there are
   v1::Physics::Fill fill = v1::Physics::FILL_UNKNOWN;  // FILL_UNKNOWN: an assembly
   v1::Physics::Behavior behavior = v1::Physics::RIGID;
   std::vector<AnswerPart> parts;  // largest share first; at least one
@@ -54,6 +57,7 @@ struct Answer {
   std::optional<double> friction, restitution;
   std::optional<double> longest_side_m;
   double confidence = 0.5;
+  bool blind = false;  // given without having seen the pictures
   std::vector<std::string> changes;  // what was read otherwise than it stands there, a line each
 };
 

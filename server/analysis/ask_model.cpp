@@ -94,7 +94,6 @@ void ask_model(const AnalysisTarget& target, const std::vector<SceneObjectFacts>
     question.images = look.images;
     const std::string key = question_hash(question, target, neighbours, state, options.prompt_version);
     question_hashes += key;
-    update.record.set_views(update.record.views() + 1);
 
     const auto take = [&](const RawAnswer& raw, std::string repair, AnalysisQuestion asked) -> bool {
       AnalysisTurn turn;
@@ -103,6 +102,10 @@ void ask_model(const AnalysisTarget& target, const std::vector<SceneObjectFacts>
       turn.answer = raw;
       auto answer = read_and_examine(raw.json, target);
       if (!answer) turn.error = answer.error().message;
+      if (answer && raw.blind) {
+        answer->blind = true;
+        answer->changes.push_back("pictures: the model takes none and was asked without");
+      }
       update.turns.push_back(std::move(turn));
       if (!answer) return false;
       answers.push_back(std::move(*answer));
@@ -110,15 +113,18 @@ void ask_model(const AnalysisTarget& target, const std::vector<SceneObjectFacts>
       return true;
     };
 
-    if (options.cache) {
-      if (const auto failed = options.cache->failure(key)) {
+    // Of a model that is not known nothing can be told again.
+    AnswerCache* const cache = state.model.empty() ? nullptr : options.cache;
+    if (cache) {
+      if (const auto failed = cache->failure(key)) {
         give_up(*failed);
         continue;
       }
-      if (const auto kept = options.cache->answer(key)) {
+      if (const auto kept = cache->answer(key)) {
         if (take(*kept, "", question)) {
           update.record.set_model(shown_text(kept->model, 80));
           update.record.set_prompt_version(shown_text(kept->prompt_version, 80));
+          update.record.set_views(update.record.views() + 1);
           continue;
         }
         update.turns.pop_back();  // the gate has changed since
@@ -134,17 +140,19 @@ void ask_model(const AnalysisTarget& target, const std::vector<SceneObjectFacts>
       continue;
     }
     add_to(update.record, *raw);
+    if (!raw->blind) update.record.set_views(update.record.views() + 1);
     bool taken = take(*raw, "", question);
     if (!taken && !stop.stop_requested()) {
       staged(AnalysisStage::Repaired);
       const std::string wrong = update.turns.back().error;
-      // Tokens of a repair are those of the whole conversation so far; it is counted once.
+      // Tokens and time of a repair are those of the whole conversation so far; it is counted once.
       v1::AnalysisRecord before = update.record;
       auto again = exchange->repair(wrong, stop);
       if (again) {
         before.set_prompt_tokens(before.prompt_tokens() - raw->prompt_tokens);
         before.set_completion_tokens(before.completion_tokens() - raw->completion_tokens);
         before.set_cost_usd(before.cost_usd() - raw->cost_usd);
+        before.set_wall_s(before.wall_s() - raw->wall_s);
         update.record = before;
         add_to(update.record, *again);
         raw = std::move(again);
@@ -152,10 +160,11 @@ void ask_model(const AnalysisTarget& target, const std::vector<SceneObjectFacts>
       }
     }
     if (taken) {
-      if (options.cache) options.cache->keep(key, *raw);
+      // One that was given blind is not worth keeping: the server may see the next time.
+      if (cache && !raw->blind) cache->keep(key, *raw);
     } else {
       const std::string why = "the answer would not do: " + update.turns.back().error;
-      if (options.cache && !stop.stop_requested()) options.cache->keep_failure(key, why);
+      if (cache && !raw->blind && !stop.stop_requested()) cache->keep_failure(key, why);
       give_up(why);
     }
   }
@@ -167,6 +176,7 @@ void ask_model(const AnalysisTarget& target, const std::vector<SceneObjectFacts>
   update.record.set_question_hash(hash_of(question_hashes));
   update.record.set_answer_hash(hash_of(answer_hashes));
   for (const std::string& change : update.judgement.changes) update.record.add_gate(change);
+  for (const std::string& remark : update.judgement.remarks) update.record.add_gate(remark);
   if (update.judgement.verdict == Verdict::NeedsReview) update.record.set_review(update.judgement.message);
 }
 

@@ -178,8 +178,7 @@ double ChatEndpoint::deadline_s() const {
 
 void ChatEndpoint::warn_once(const std::string& warning) {
   std::lock_guard lock(mutex_);
-  if (warned_ == warning) return;
-  warned_ = warning;
+  if (!warned_.insert(warning).second) return;
   log_warn("%s: %s", settings_.base_url.c_str(), warning.c_str());
 }
 

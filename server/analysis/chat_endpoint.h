@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <mutex>
+#include <set>
 #include <string>
 
 #include "analysis/endpoint_quirks.h"
@@ -19,6 +20,9 @@ class ChatEndpoint final : public ModelEndpoint {
 
   std::unique_ptr<Exchange> start(ToolBox tools) override;
   EndpointState state() const override;
+  void get_ready(std::stop_token stop) override {
+    if (model().empty()) (void)get_to_know(stop);
+  }
 
   // Finds out once who the server is and what its model is called; at most probe_timeout_s. Fails without a
   // model.
@@ -45,7 +49,8 @@ class ChatEndpoint final : public ModelEndpoint {
   std::mutex probing_;        // held by the one that asks the server who it is
   mutable std::mutex mutex_;  // guards what follows
   bool known_ = false;
-  std::string model_, warned_;
+  std::string model_;
+  std::set<std::string> warned_;
   EndpointQuirks quirks_;
   ModelServer server_;
 };

@@ -58,6 +58,7 @@ Result<RawAnswer> ChatExchange::converse(std::stop_token stop, bool with_tools) 
   max_tokens_ = endpoint_.settings().max_answer_tokens;
   Result<Json> found = Json();
   if (repair_turn_.empty()) {
+    if (endpoint_.settings().web_search && !quirks_.web_search) warn_of_no_search();
     if (endpoint_.settings().web_search && quirks_.web_search) search(slots_, stop);
     opening_ = endpoint_.prompts().user(slots_);
     begin_turns();
@@ -65,6 +66,11 @@ Result<RawAnswer> ChatExchange::converse(std::stop_token stop, bool with_tools) 
   }
   if (found && found->is_null()) found = run_answer(stop);
   answer_.wall_s += seconds_from_ns(now_ns() - begin_ns);
+  answer_.blind = !images_.empty() && !quirks_.images;
+  if (answer_.blind) {
+    warn("the model takes no pictures and is asked without them, by what was measured alone; set LIVEGS_MODEL to one "
+         "that sees");
+  }
   answer_.transcript = transcript_.lines();
   if (!found) return found.error();
   answer_.json = transcript_.redact(dump_json(*found));
@@ -121,6 +127,7 @@ ServerAnswer ChatExchange::send(Phase phase, std::stop_token stop) {
       taken = learn_from_refusal(quirks_, refusal, features, named_only);
     }
     if (taken.empty()) return false;
+    if (features.web_search && !quirks_.web_search) warn_of_no_search();
     transcript_.note("the server refused; left out from now on: " + taken);
     return true;
   };
@@ -154,13 +161,20 @@ void ChatExchange::note_truncation(const ChatReply& reply) {
   const std::string warning = "the server cut the prompt to its context of " + std::to_string(*context) +
                               " tokens without saying so; start it with a longer one (Ollama: "
                               "OLLAMA_CONTEXT_LENGTH=16384)";
-  for (const std::string& told : answer_.warnings) {
-    if (told == warning) return;
-  }
+  warn(warning);
+  quirks_.examples = 0;  // what can be spared, from the next object on
+}
+
+void ChatExchange::warn_of_no_search() {
+  warn("--web-search: the server searches nothing for this model; its answers come without");
+}
+
+// Told in the answer and, the first time, in the log.
+void ChatExchange::warn(const std::string& warning) {
+  if (std::find(answer_.warnings.begin(), answer_.warnings.end(), warning) != answer_.warnings.end()) return;
   answer_.warnings.push_back(warning);
   transcript_.note(warning);
   endpoint_.warn_once(warning);
-  quirks_.examples = 0;  // what can be spared, from the next object on
 }
 
 void ChatExchange::search(std::map<std::string, std::string>& slots, std::stop_token stop) {
@@ -168,6 +182,7 @@ void ChatExchange::search(std::map<std::string, std::string>& slots, std::stop_t
   const ServerAnswer found = send(Phase::Search, stop);
   if (found.kind == Kind::Answered) slots["search"] = quoted_text(found.reply.content, kLongestSearch);
   if (found.kind == Kind::Refused) endpoint_.keep(quirks_);
+  if (found.kind == Kind::Failed) warn("--web-search: " + transcript_.redact(found.error.message));
 }
 
 Result<Json> ChatExchange::run_tools(std::stop_token stop) {

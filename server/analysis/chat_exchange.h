@@ -28,6 +28,8 @@ class ChatExchange final : public Exchange {
   void begin_turns();
   void put_last_turn();
   void note_truncation(const ChatReply& reply);
+  void warn_of_no_search();
+  void warn(const std::string& warning);
 
   ChatEndpoint& endpoint_;
   ToolBox tools_;

@@ -12,6 +12,8 @@
 namespace livegs {
 namespace {
 
+constexpr double kLongestDeadline_s = 3600;
+
 Result<void> read_price(const std::string& text, EndpointSettings& settings) {
   std::istringstream cells(text);
   double in = 0, out = 0;
@@ -25,6 +27,19 @@ Result<void> read_price(const std::string& text, EndpointSettings& settings) {
   settings.usd_per_million_prompt_tokens = in;
   settings.usd_per_million_completion_tokens = out;
   return {};
+}
+
+// Seconds; 0 where nothing is said.
+Result<double> read_deadline(double told_s) {
+  const char* text = std::getenv("LIVEGS_MODEL_DEADLINE_S");
+  const char* name = told_s != 0 ? "--model-deadline" : "LIVEGS_MODEL_DEADLINE_S";
+  if (told_s == 0 && (!text || !*text)) return 0.0;
+  char* end = nullptr;
+  const double seconds = told_s != 0 ? told_s : std::strtod(text, &end);
+  if ((end && *end != '\0') || !(seconds >= 1 && seconds <= kLongestDeadline_s)) {
+    return invalid_argument(std::string(name) + ": has to be seconds, 1 to 3600");
+  }
+  return seconds;
 }
 
 std::string_view without_slashes(std::string_view url) {
@@ -79,6 +94,9 @@ Result<std::unique_ptr<ModelEndpoint>> choose_endpoint(const EndpointChoice& cho
   }
   settings->prompt_folder = choice.prompts;
   settings->web_search = choice.web_search;
+  const auto deadline_s = read_deadline(choice.deadline_s);
+  if (!deadline_s) return deadline_s.error();
+  settings->deadline_s = *deadline_s;
   const char* told_price = std::getenv("LIVEGS_PRICE");
   const std::string price = !choice.price.empty() ? choice.price : told_price ? told_price : "";
   if (!price.empty()) {

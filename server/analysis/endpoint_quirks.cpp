@@ -31,7 +31,8 @@ Enum read_name(const Json& object, const char* key, const std::array<const char*
   return fallback;
 }
 
-// Every switch by its name in the file.
+// Every switch by its name in the file. `images` is not among them: a server may be given eyes (a projector is loaded,
+// another model takes the name), and to go on asking it blind for a month costs more than one refusal a run.
 constexpr std::pair<const char*, bool EndpointQuirks::*> kSwitches[] = {
     {"limit_key_swapped", &EndpointQuirks::limit_key_swapped},
     {"tools", &EndpointQuirks::tools},
@@ -39,7 +40,6 @@ constexpr std::pair<const char*, bool EndpointQuirks::*> kSwitches[] = {
     {"strict_tools", &EndpointQuirks::strict_tools},
     {"temperature", &EndpointQuirks::temperature},
     {"seed", &EndpointQuirks::seed},
-    {"images", &EndpointQuirks::images},
     {"stream", &EndpointQuirks::stream},
     {"stream_options", &EndpointQuirks::stream_options},
     {"web_search", &EndpointQuirks::web_search}};

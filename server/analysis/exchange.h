@@ -45,6 +45,7 @@ struct RawAnswer {
       transcript;  // JSON lines, one a request, reply and tool call; without the key and without image bytes
   std::vector<std::string>
       warnings;  // for people: "the prompt was cut to 4096 tokens; set OLLAMA_CONTEXT_LENGTH"
+  bool blind = false;  // the server takes no pictures: it was asked without those of the question
 };
 
 // One conversation about one object, by one thread at a time. Calls block; a requested stop ends them within
@@ -76,6 +77,9 @@ class ModelEndpoint {
   virtual ~ModelEndpoint() = default;
   // Never blocks, never fails: what is wrong with the endpoint is told by ask().
   virtual std::unique_ptr<Exchange> start(ToolBox tools) = 0;
+  // Finds out what a question's hash has to know, such as the model where none is named. Blocks for a moment; what
+  // fails here is told by ask().
+  virtual void get_ready(std::stop_token) {}
   virtual EndpointState state() const = 0;
 };
 

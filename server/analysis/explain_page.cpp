@@ -144,6 +144,15 @@ std::string word(std::string name) {
   return escaped(name);
 }
 
+std::string parts_text(const v1::PhysicalParameters& now) {
+  std::string text;
+  for (const v1::MaterialPart& part : now.parts()) {
+    text += (text.empty() ? "<br>Parts: " : ", ") + escaped(part.name() + " of " + part.material()) +
+            format_text(" (%.0f %% of the mass)", 100 * part.mass_share());
+  }
+  return text;
+}
+
 std::string figure(const AnalysisImage& image) {
   const bool known = image.media_type == "image/png" || image.media_type == "image/jpeg";
   if (!known) return "";
@@ -190,6 +199,7 @@ std::string turn_section(const AnalysisTurn& turn, size_t index) {
         "out)</summary><pre>" +
         escaped(turn.answer.transcript) + "</pre></details>\n";
   }
+  for (const std::string& warning : turn.answer.warnings) html += "<p>" + escaped(warning) + "</p>\n";
   html += "<p>Answer of " + escaped(turn.answer.model) + ", as it came:</p><pre>" +
           escaped(turn.answer.json) + "</pre>\n";
   html += turn.error.empty() ? "<p>The gate read it.</p>\n"
@@ -222,7 +232,7 @@ std::string explain_page(const AnalysisTarget& target, const AnalysisUpdate& upd
   html += "<h2>Values</h2>\n" + value_table(now, asked ? &target.offline : nullptr);
   html += "<p>Behaviour: " + word(v1::Physics::Behavior_Name(now.behavior())) + "; " +
           escaped(now.behavior_reason()) + "<br>Fill: " + word(v1::Physics::Fill_Name(now.fill())) + "; " +
-          escaped(now.fill_reason()) + "<br>Fragile: " + (now.fragile() ? "yes" : "no") + "</p>\n";
+          escaped(now.fill_reason()) + "<br>Fragile: " + (now.fragile() ? "yes" : "no") + parts_text(now) + "</p>\n";
   if (verdict == Verdict::NeedsReview) {
     html += "<h2>The proposal</h2>\n" + value_table(update.judgement.proposal, &target.offline);
   }
@@ -230,6 +240,11 @@ std::string explain_page(const AnalysisTarget& target, const AnalysisUpdate& upd
     html += "<h2>What the gate did</h2>\n<ul>\n";
     for (const std::string& change : update.judgement.changes) html += "<li>" + escaped(change) + "</li>\n";
     if (update.judgement.changes.empty()) html += "<li>nothing</li>\n";
+    html += "</ul>\n";
+  }
+  if (!update.judgement.remarks.empty()) {
+    html += "<h2>What else the model said</h2>\n<ul>\n";
+    for (const std::string& remark : update.judgement.remarks) html += "<li>" + escaped(remark) + "</li>\n";
     html += "</ul>\n";
   }
   for (size_t i = 0; i < update.turns.size(); ++i) html += turn_section(update.turns[i], i);
@@ -240,7 +255,7 @@ std::string explain_page(const AnalysisTarget& target, const AnalysisUpdate& upd
         {"model", record.model()},
         {"endpoint", record.endpoint()},
         {"prompt", record.prompt_version()},
-        {"views", std::to_string(record.views())},
+        {"views", record.views() > 0 ? std::to_string(record.views()) : "none: the model takes no pictures"},
         {"tokens", std::to_string(record.prompt_tokens()) + " in, " +
                        std::to_string(record.completion_tokens()) + " out"},
         {"cost", record.cost_usd() > 0 ? number(record.cost_usd()) + " USD" : "unknown"},

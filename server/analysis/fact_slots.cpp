@@ -6,16 +6,24 @@
 
 #include "analysis/object_kinds.h"
 #include "analysis/physics_values.h"
+#include "analysis/prompt_text.h"
 #include "core/format_text.h"
 
 namespace livegs {
 namespace {
 
 constexpr size_t kNearestMaterials = 3;
+constexpr size_t kLongestMaterial = 60, kLongestReason = 600;
 
 std::string range(const v1::EstimatedValue& value, double factor, const char* unit) {
   return format_text("%.4g %s (%.4g to %.4g)", factor * value.best(), unit, factor * value.low(),
                      factor * value.high());
+}
+
+// A text of a line of its own, whatever it holds: what ends a line or imitates a quote is gone.
+std::string inside_line(std::string_view text, size_t longest) {
+  const std::string quoted = quoted_text(text, longest);
+  return quoted.substr(1, quoted.size() - 2);
 }
 
 // What a person or the scene's author told, by its field.
@@ -57,14 +65,22 @@ std::string neighbours_text(std::span<const SceneObjectFacts> neighbours) {
   for (size_t i = 0; i < told; ++i) {
     const SceneObjectFacts& other = neighbours[neighbours.size() - 1 - i];  // newest first
     if (!lines.empty()) lines += '\n';
-    lines += format_text("- %.80s: ", other.name.c_str());
+    lines += "- " + quoted_text(other.name) + ": ";
     if (other.mass_kg > 0) lines += format_text("%.4g g, ", 1e3 * other.mass_kg);
-    if (!other.material.empty()) lines += other.material + ", ";
-    if (!other.behavior.empty()) lines += other.behavior + ", ";
+    // A sidecar may say anything.
+    if (!other.material.empty()) lines += inside_line(other.material, kLongestMaterial) + ", ";
+    if (!other.behavior.empty()) lines += inside_line(other.behavior, kLongestMaterial) + ", ";
     lines += format_text("%.3g x %.3g x %.3g m, %.3g m away%s", other.size_m.x(), other.size_m.y(),
                          other.size_m.z(), other.distance_m, other.analysed ? "" : " (estimated offline)");
   }
   return lines;
+}
+
+std::string material_line(const MaterialRow& row) {
+  return format_text("- %s (%s): %.4g to %.4g kg/m3, Young's modulus %.3g MPa (%.3g to %.3g), plasticity %.2g%s",
+                     row.name.c_str(), row.material_class.c_str(), row.density_kg_m3.low, row.density_kg_m3.high,
+                     1e-6 * row.youngs_modulus_pa.best, 1e-6 * row.youngs_modulus_pa.low,
+                     1e-6 * row.youngs_modulus_pa.high, row.plasticity, row.fragile ? ", fragile" : "");
 }
 
 // The materials of the likely kinds, likeliest first.
@@ -78,13 +94,18 @@ std::string materials_text(const Kinds& kinds) {
   std::string lines;
   for (const MaterialRow* row : nearest) {
     if (!lines.empty()) lines += '\n';
-    lines += format_text(
-        "- %s (%s): %.4g to %.4g kg/m3, Young's modulus %.3g MPa (%.3g to %.3g), plasticity %.2g%s",
-        row->name.c_str(), row->material_class.c_str(), row->density_kg_m3.low, row->density_kg_m3.high,
-        1e-6 * row->youngs_modulus_pa.best, 1e-6 * row->youngs_modulus_pa.low,
-        1e-6 * row->youngs_modulus_pa.high, row->plasticity, row->fragile ? ", fragile" : "");
+    lines += material_line(*row);
   }
   return lines;
+}
+
+std::string offline_text(const v1::PhysicalParameters& offline) {
+  return format_text("%s of %s, mass %s, %s, confidence %.2f; ",
+                     inside_line(offline.label(), kLongestMaterial).c_str(),
+                     inside_line(offline.material(), kLongestMaterial).c_str(),
+                     range(offline.mass_kg(), 1e3, "g").c_str(),
+                     v1::Physics::Behavior_Name(offline.behavior()).c_str(), offline.confidence()) +
+         inside_line(offline.mass_kg().reason(), kLongestReason);
 }
 
 }  // namespace
@@ -105,13 +126,31 @@ std::map<std::string, std::string> fact_slots(const ObjectFacts& facts, const v1
   if (facts.appearance.mean_opacity > 0) slots["looks"] = looks_text(facts.appearance);
   if (!neighbours.empty()) slots["neighbours"] = neighbours_text(neighbours);
   slots["materials"] = materials_text(object_kinds(facts));
-  slots["offline"] =
-      format_text("%s of %s, mass %s, %s, confidence %.2f; ", offline.label().c_str(),
-                  offline.material().c_str(), range(offline.mass_kg(), 1e3, "g").c_str(),
-                  v1::Physics::Behavior_Name(offline.behavior()).c_str(), offline.confidence()) +
-      offline.mass_kg().reason();
+  slots["offline"] = offline_text(offline);
   if (std::string told = told_text(offline); !told.empty()) slots["told"] = std::move(told);
   return slots;
+}
+
+std::string fact_words() {
+  MeshFacts mesh;
+  mesh.openness = mesh.thin_sheet = mesh.rod = 1;
+  mesh.piece_count = 2;
+  MaterialRow row{};
+  row.fragile = true;
+  v1::PhysicalParameters known;
+  for (const PhysicsValue& value : physics_values()) {
+    (known.*value.mutable_value)()->set_source(v1::EstimatedValue::PERSON);
+  }
+  SceneObjectFacts other;
+  other.mass_kg = 1;
+  other.material = other.behavior = "x";
+  const SceneObjectFacts others[] = {other};
+  std::string words;
+  for (const std::string& text : {mesh_text(mesh), looks_text({}), neighbours_text(others), material_line(row),
+                                  offline_text(known), told_text(known)}) {
+    words += text + "\n";
+  }
+  return words;
 }
 
 }  // namespace livegs

@@ -17,8 +17,12 @@ inline constexpr size_t kToldNeighbours = 12;
 // neighbours, materials, offline (not camera, which belongs to a view). Slots of which nothing is known are
 // left out. Sizes in metres and centimetres, masses in grams, moduli in MPa, as a model is asked to answer.
 // `neighbours` in the order they were analysed, oldest first: the newest kToldNeighbours are told, a line
-// each. Names are as given: who fills the prompt quotes them.
+// each, its name quoted. The object's own name is as given: who fills the prompt quotes it.
 std::map<std::string, std::string> fact_slots(const ObjectFacts& facts, const v1::PhysicalParameters& offline,
                                               std::span<const SceneObjectFacts> neighbours);
+
+// Every word that fact_slots puts between figures, around made-up ones. It is part of a prompt's version as the files
+// of prompts/ are, and of what was judged: who changes a word here changes the prompt.
+std::string fact_words();
 
 }  // namespace livegs

@@ -16,6 +16,8 @@ using v1::EstimatedValue;
 using v1::Physics;
 
 constexpr double kFarFromPrior = 8.0;
+// A guessed scale may be off by as much.
+constexpr double kFarFromSize = 2.0;
 // Below this the estimate is by looks alone, and says nothing of the material.
 constexpr double kTellingConfidence = 0.4;
 // A 90 % range reaches 1.645 standard deviations to each side. Models give ranges that are too narrow, so
@@ -31,10 +33,12 @@ bool locked(const EstimatedValue& value) {
   return value.source() == EstimatedValue::SCENE || value.source() == EstimatedValue::PERSON;
 }
 
-void set(EstimatedValue& value, const Span3& span, std::string reason) {
-  value.set_low(std::min(span.low, span.best));
-  value.set_best(span.best);
-  value.set_high(std::max(span.high, span.best));
+// The one door: whatever was widened, fused or put to the vote on its way here, it ends within `hard`.
+void set(EstimatedValue& value, const Span3& span, ValueRange hard, std::string reason) {
+  const auto kept = [&](double one) { return std::clamp(one, hard.low, hard.high); };
+  value.set_low(kept(std::min(span.low, span.best)));
+  value.set_best(kept(span.best));
+  value.set_high(kept(std::max(span.high, span.best)));
   value.set_source(EstimatedValue::MODEL);
   value.set_reason(std::move(reason));
 }
@@ -45,26 +49,23 @@ double deviation(const Span3& span) {
 }
 
 // Two 90 % ranges as one: means weighed by inverse variance, in logarithms.
-Span3 fuse(const Span3& a, const Span3& b, ValueRange hard) {
+Span3 fuse(const Span3& a, const Span3& b) {
   const double sa = deviation(a), sb = deviation(b), wa = 1 / (sa * sa), wb = 1 / (sb * sb);
   const double mean = (wa * std::log(a.best) + wb * std::log(b.best)) / (wa + wb);
   // Where they disagree by more than their ranges say, the range covers that too.
   const double apart = std::abs(std::log(a.best / b.best));
   const double half =
       0.5 * kRangeDeviations * std::sqrt(1 / (wa + wb)) + 0.25 * std::max(0.0, apart - sa - sb);
-  const auto kept = [&](double value) { return std::clamp(value, hard.low, hard.high); };
-  return {kept(std::exp(mean - half)), kept(std::exp(mean)), kept(std::exp(mean + half))};
+  return {std::exp(mean - half), std::exp(mean), std::exp(mean + half)};
 }
 
 Span3 span_of(const EstimatedValue& value) { return {value.low(), value.best(), value.high()}; }
 
-Span3 around(double best, ValueRange hard) {
-  const auto kept = [&](double value) { return std::clamp(value, hard.low, hard.high); };
-  return {kept(best * (1 - kLinearSpread)), kept(best), kept(best * (1 + kLinearSpread))};
-}
+Span3 around(double best) { return {best * (1 - kLinearSpread), best, best * (1 + kLinearSpread)}; }
 
 std::string model_says(const Answer& answer) {
-  return answer.evidence.empty() ? "the model's judgement" : "the model saw: " + answer.evidence;
+  if (answer.evidence.empty()) return "the model's judgement";
+  return (answer.blind ? "the model, without pictures: " : "the model saw: ") + answer.evidence;
 }
 
 // Wall of the part that most of a shell's mass is in.
@@ -75,6 +76,18 @@ std::optional<double> wall_of(const Answer& answer, const ObjectFacts& facts) {
     return thinnest > 0 ? std::min(*part.thickness_m, 0.5 * thinnest) : *part.thickness_m;
   }
   return std::nullopt;
+}
+
+// The answer's own, also where it has none: the estimate's belong to the thing that the estimate took it for.
+void set_parts(const Answer& answer, v1::PhysicalParameters& result) {
+  result.clear_parts();
+  if (answer.parts.size() < 2) return;
+  for (const AnswerPart& part : answer.parts) {
+    v1::MaterialPart& added = *result.add_parts();
+    added.set_name(part.name);
+    added.set_material(part.material->name);
+    added.set_mass_share(part.share);
+  }
 }
 
 // What the answer comes to, put in place of all that is not locked. Whether E is held against the prior
@@ -88,6 +101,7 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
   if (!answer.name.empty()) result.set_label(answer.name);
   result.set_material(material.name);
   result.set_confidence(std::min(answer.confidence, kMostConfidence));
+  set_parts(answer, result);
   if (answer.fill != Physics::FILL_UNKNOWN) {
     result.set_fill(answer.fill);
     result.set_fill_reason(model_says(answer));
@@ -98,22 +112,22 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
     changes.push_back("mass_g: left out, the mass is " +
                       std::string(mass.source() == EstimatedValue::PERSON ? "a person's" : "the scene's"));
   } else if (kMassRange_kg.holds(mass.best())) {
-    const Span3 both = fuse(answer.mass_kg, span_of(mass), kMassRange_kg);
-    set(mass, both,
+    const Span3 both = fuse(answer.mass_kg, span_of(mass));
+    set(mass, both, kMassRange_kg,
         format_text("%.4g g by the model and %.4g g by geometry and kind, weighed by their ranges; ",
                     answer.mass_kg.best * 1e3, mass.best() * 1e3) +
             model_says(answer));
     changes.push_back(format_text("mass_g: %.4g fused with %.4g to %.4g", answer.mass_kg.best * 1e3,
                                   offline.mass_kg().best() * 1e3, both.best * 1e3));
   } else {
-    set(mass, answer.mass_kg, model_says(answer));
+    set(mass, answer.mass_kg, kMassRange_kg, model_says(answer));
   }
 
   EstimatedValue& young = *result.mutable_youngs_modulus_pa();
   if (!locked(young)) {
     if (answer.youngs_modulus_pa && same_class && kYoungsRange_pa.holds(young.best())) {
       const double prior = young.best();
-      set(young, fuse(*answer.youngs_modulus_pa, span_of(young), kYoungsRange_pa),
+      set(young, fuse(*answer.youngs_modulus_pa, span_of(young)), kYoungsRange_pa,
           format_text("%.3g MPa by the model, weighed with the table's %.3g MPa; ",
                       answer.youngs_modulus_pa->best * 1e-6, prior * 1e-6) +
               material.name);
@@ -121,45 +135,43 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
                                     answer.youngs_modulus_pa->best * 1e-6, prior * 1e-6,
                                     young.best() * 1e-6));
     } else if (answer.youngs_modulus_pa) {
-      set(young, *answer.youngs_modulus_pa, "by the model; " + material.name);
+      set(young, *answer.youngs_modulus_pa, kYoungsRange_pa, "by the model; " + material.name);
     } else if (!same_class) {
-      set(young, material.youngs_modulus_pa, material.name);
+      set(young, material.youngs_modulus_pa, kYoungsRange_pa, material.name);
     }
   }
   EstimatedValue& structure = *result.mutable_structure_coefficient();
   if (!locked(structure) && answer.structure_coefficient) {
     const Span3& told = *answer.structure_coefficient;
-    const Span3 spread = told.high > told.low
-                             ? told
-                             : Span3{std::max(kStructureRange.low, told.best / 1.5), told.best,
-                                     std::min(kStructureRange.high, told.best * 1.5)};
-    set(structure, spread,
+    const Span3 spread =
+        told.high > told.low ? told : Span3{told.best / 1.5, told.best, told.best * 1.5};
+    set(structure, spread, kStructureRange,
         told.best < 1 ? "the model's: thin or hollow things bend more easily than their material" : "bulk");
   }
   if (!locked(result.plasticity())) {
     if (answer.plasticity)
-      set(*result.mutable_plasticity(), around(*answer.plasticity, kUnitRange), "by the model");
+      set(*result.mutable_plasticity(), around(*answer.plasticity), kUnitRange, "by the model");
     else if (!same_class)
-      set(*result.mutable_plasticity(), around(material.plasticity, kUnitRange), material.name);
+      set(*result.mutable_plasticity(), around(material.plasticity), kUnitRange, material.name);
   }
   if (!locked(result.friction()) && answer.friction) {
-    set(*result.mutable_friction(), around(*answer.friction, kFrictionRange), "by the model");
+    set(*result.mutable_friction(), around(*answer.friction), kFrictionRange, "by the model");
   }
   if (!locked(result.restitution()) && answer.restitution) {
-    set(*result.mutable_restitution(), around(*answer.restitution, kUnitRange), "by the model");
+    set(*result.mutable_restitution(), around(*answer.restitution), kUnitRange, "by the model");
   }
   if (!same_class && !locked(result.poisson_ratio())) {
-    set(*result.mutable_poisson_ratio(), around(std::clamp(material.poisson_ratio, 0.0, 0.49), {0, 0.49}),
-        material.name);
+    set(*result.mutable_poisson_ratio(), around(material.poisson_ratio), {0, 0.49}, material.name);
   }
   if (!same_class && !locked(result.damping())) {
-    set(*result.mutable_damping(), around(material.loss_factor, {0, 2}),
+    set(*result.mutable_damping(), around(material.loss_factor), {0, 2},
         "loss factor of " + material.material_class);
   }
   const bool shell = result.fill() == Physics::SHELL || result.fill() == Physics::OPEN_SHELL;
   if (!locked(result.wall_thickness_m())) {
     if (const auto wall = wall_of(answer, facts); wall && shell) {
-      set(*result.mutable_wall_thickness_m(), {*wall * 0.7, *wall, *wall * 1.4}, "by the model");
+      set(*result.mutable_wall_thickness_m(), {*wall * 0.7, *wall, *wall * 1.4}, kWallRange_m,
+          "by the model");
     }
   }
 
@@ -169,7 +181,7 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
     set(resistance,
         {deformation_resistance(s.low * e.low), deformation_resistance(s.best * e.best),
          deformation_resistance(s.high * e.high)},
-        "from E* = s E by the paper's map");
+        kUnitRange, "from E* = s E by the paper's map");
   }
   result.set_behavior(answer.behavior);
   result.set_behavior_reason(format_text("E* = s E = %.3g MPa; ", s.best * e.best * 1e-6) +
@@ -178,9 +190,33 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
   if (answer.fragile && !locked(result.break_impulse_n_s())) {
     // Falls of 0.2, 0.5 and 1.2 m, as the offline estimate has them.
     const double kg = result.mass_kg().best();
-    set(*result.mutable_break_impulse_n_s(), {2.0 * kg, 3.1 * kg, 4.9 * kg}, "a fall of about half a metre");
+    set(*result.mutable_break_impulse_n_s(), {2.0 * kg, 3.1 * kg, 4.9 * kg}, {0, 5 * std::max(kg, kMassRange_kg.high)},
+        "a fall of about half a metre");
   }
   return result;
+}
+
+// What else it says of the object, for the person who reads the record: no value rests on it.
+std::vector<std::string> remarks_of(const Answer& answer, const ObjectFacts& facts) {
+  std::vector<std::string> remarks;
+  std::string name = "it took the object for \"" + answer.name + "\"";
+  if (answer.name_confidence) name += format_text(", sure of that to %.2g", *answer.name_confidence);
+  if (answer.replica) name += *answer.replica ? ", a toy or a fake of one" : ", a real one";
+  remarks.push_back(std::move(name));
+  const double stands_m = facts.mesh.size_m.maxCoeff();
+  if (answer.longest_side_m && stands_m > 0) {
+    std::string size = format_text("it took it to be %.3g m long; it stands %.3g m long", *answer.longest_side_m, stands_m);
+    if (std::abs(std::log(*answer.longest_side_m / stands_m)) > std::log(kFarFromSize)) {
+      size += facts.scale_known ? ", which was measured" : ", which is a guess: if the model is right, give the object a scale";
+    }
+    remarks.push_back(std::move(size));
+  }
+  if (!answer.kb_ids.empty()) {
+    std::string rows;
+    for (const std::string& id : answer.kb_ids) rows += (rows.empty() ? "" : ", ") + id;
+    remarks.push_back("it went by " + rows);
+  }
+  return remarks;
 }
 
 // Why it is too far from what was known; empty when it is not.
@@ -224,6 +260,7 @@ Judgement weigh_answer(const Answer& answer, const ObjectFacts& facts,
                        const v1::PhysicalParameters& offline) {
   Judgement judgement;
   judgement.changes = answer.changes;
+  judgement.remarks = remarks_of(answer, facts);
   judgement.proposal = fused(answer, facts, offline, judgement.changes);
   judgement.message = far_from_prior(answer, offline);
   judgement.verdict = judgement.message.empty() ? Verdict::Accepted : Verdict::NeedsReview;

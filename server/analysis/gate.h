@@ -30,6 +30,7 @@ struct Judgement {
   v1::PhysicalParameters proposal;
   std::vector<std::string>
       changes;          // all that was read, mended or weighed otherwise than it stands in the answer
+  std::vector<std::string> remarks;  // what else the answer says, a line each: its name for the object, its size, its sources
   std::string message;  // refused: what is wrong, one line, fit for a repair turn; needs review: why
 };
 

@@ -113,8 +113,10 @@ void read_end(Transfer& transfer, CURLcode code) {
   if (curl_easy_getinfo(easy, CURLINFO_RETRY_AFTER, &retry_after) == CURLE_OK && retry_after > 0) {
     transfer.reply.retry_after_s = static_cast<double>(retry_after);
   }
-  curl_off_t connect_us = 0;
+  // A connection that is used again was made in no time; that it was there, the moment of sending tells.
+  curl_off_t connect_us = 0, send_us = 0;
   curl_easy_getinfo(easy, CURLINFO_CONNECT_TIME_T, &connect_us);
+  curl_easy_getinfo(easy, CURLINFO_PRETRANSFER_TIME_T, &send_us);
   using End = HttpReply::End;
   const char* text = curl_easy_strerror(code);
   switch (code) {
@@ -128,7 +130,7 @@ void read_end(Transfer& transfer, CURLcode code) {
       }
       return set_end(transfer, End::Cut, text);
     case CURLE_OPERATION_TIMEDOUT:
-      if (connect_us == 0) return set_end(transfer, End::NotConnected, "no connection in time");
+      if (connect_us == 0 && send_us == 0) return set_end(transfer, End::NotConnected, "no connection in time");
       return set_end(transfer, End::Deadline, "no complete reply in time");
     case CURLE_COULDNT_RESOLVE_HOST:
     case CURLE_COULDNT_RESOLVE_PROXY:

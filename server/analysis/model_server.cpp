@@ -81,6 +81,8 @@ Error of_transport(const HttpReply& http, const EndpointSettings& settings) {
       return {ErrorCode::Unavailable, what + "; is the server running?"};
     case HttpReply::End::TooLarge:
       return {ErrorCode::TooLarge, what};
+    case HttpReply::End::Deadline:
+      return {ErrorCode::Unavailable, what + "; give it longer with LIVEGS_MODEL_DEADLINE_S"};
     case HttpReply::End::BadTls:
       return {ErrorCode::PermissionDenied, what + "; its certificate is not one this machine trusts"};
     case HttpReply::End::BadUrl:

@@ -361,7 +361,7 @@ fs::path physics_file_path(const fs::path& asset) {
   return path.parent_path() / (name + ".physics.json");
 }
 
-fs::path physics_file_path(const fs::path& asset, std::string_view object) {
+std::string object_file_name(std::string_view object) {
   constexpr char kHex[] = "0123456789ABCDEF";
   std::string name;
   for (const char c : object) {
@@ -374,8 +374,12 @@ fs::path physics_file_path(const fs::path& asset, std::string_view object) {
       name += {'%', kHex[byte >> 4], kHex[byte & 15]};
     }
   }
+  return name;
+}
+
+fs::path physics_file_path(const fs::path& asset, std::string_view object) {
   const fs::path all = physics_file_path(asset);
-  return all.parent_path() / (all.stem().string() + "." + name + ".json");
+  return all.parent_path() / (all.stem().string() + "." + object_file_name(object) + ".json");
 }
 
 std::vector<PhysicsLogRecord> read_physics_log(const fs::path& path) {
@@ -432,22 +436,38 @@ void take_proposal(const v1::PhysicsFile& proposal, v1::PhysicsFile& file) {
   file.mutable_analysis()->add_gate("accepted by a person");
 }
 
+std::optional<v1::PhysicsFile> open_proposal(std::span<const PhysicsLogRecord> log) {
+  for (auto record = log.rbegin(); record != log.rend(); ++record) {
+    if (record->action() == PhysicsLogRecord::PROPOSAL) return record->file();
+    if (record->action() == PhysicsLogRecord::ANALYSIS) break;
+  }
+  return std::nullopt;
+}
+
+bool answer_undone(std::span<const PhysicsLogRecord> log) {
+  bool held = false, undone = false;
+  for (const PhysicsLogRecord& record : log) {
+    if (!changes(record)) continue;
+    const bool holds = !record.file().analysis().model().empty();
+    if (holds) undone = false;
+    if (held && !holds) undone = record.action() == PhysicsLogRecord::UNDO;
+    held = holds;
+  }
+  return undone;
+}
+
 std::string physics_name(std::string_view name) { return shown_text(name, 80); }
 
 Result<v1::PhysicsFile> accept_proposal(const fs::path& path, const WriteStep& before) {
   return change_file(path, before,
                      [&](const Kept& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
                        record.set_action(PhysicsLogRecord::ANALYSIS);
-                       const PhysicsLogRecord* proposal = nullptr;
-                       for (const PhysicsLogRecord& one : kept.log) {
-                         if (one.action() == PhysicsLogRecord::PROPOSAL) proposal = &one;
-                         if (one.action() == PhysicsLogRecord::ANALYSIS) proposal = nullptr;
-                       }
+                       const auto proposal = open_proposal(kept.log);
                        if (!proposal) {
                          return not_found(path.filename().string() + ": nothing is proposed; analyse it again");
                        }
                        v1::PhysicsFile next = kept.file;
-                       take_proposal(proposal->file(), next);
+                       take_proposal(*proposal, next);
                        return next;
                      });
 }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,6 +27,8 @@ std::filesystem::path physics_file_path(const std::filesystem::path& asset);
 // Of one of several objects that show the same asset: mug.physics.left.json, where letters, digits, - and _ of the name
 // stand as they are and every other byte as %20. Until it is there, mug.physics.json counts in its place.
 std::filesystem::path physics_file_path(const std::filesystem::path& asset, std::string_view object);
+// An object's name as files are named after it: no two names are spelt the same.
+std::string object_file_name(std::string_view object);
 
 // The sidecar as it counts, an edit by hand taken into `edits`; revision 0 when there is none of its own. Errors name
 // the file, the field and its range. Reads only.
@@ -41,6 +45,10 @@ Result<void> log_proposal(const std::filesystem::path& path, const v1::PhysicalP
                           const v1::AnalysisRecord& record, const WriteStep& before = {});
 // What was proposed last, if nothing was applied since; NotFound otherwise.
 Result<v1::PhysicsFile> accept_proposal(const std::filesystem::path& path, const WriteStep& before = {});
+// The proposal that accept_proposal() would take, if there is one; of a log that was read.
+std::optional<v1::PhysicsFile> open_proposal(std::span<const v1::PhysicsLogRecord> log);
+// Whether a model's answer was applied and taken back by a person, who has not asked for another since.
+bool answer_undone(std::span<const v1::PhysicsLogRecord> log);
 // Fields given replace the same fields of earlier edits; the others stay. So does the name where it is empty.
 Result<v1::PhysicsFile> edit_physics(const std::filesystem::path& path, const v1::Physics& edits,
                                      const WriteStep& before = {});

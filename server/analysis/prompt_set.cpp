@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "analysis/prompt_set.h"
 
+#include "analysis/fact_slots.h"
 #include "analysis/knowledge.h"
 #include "analysis/prompt_text.h"
 #include "analysis/tool_box.h"
@@ -120,6 +121,7 @@ Result<PromptSet> PromptSet::load(const std::filesystem::path& folder) {
                             {"parameters", OrderedJson::parse(tool.parameters)}}}});
     everything += tool.name + tool.parameters;
   }
+  everything += fact_words();
   for (const MaterialRow& row : material_table()) everything += row.name + "\n";
   std::string number = plain_text(set.text("version.txt"), 20);
   while (!number.empty() && number.back() == '\n') number.pop_back();

@@ -6,6 +6,7 @@
 #include "analysis/answer.h"
 #include "analysis/answer_object.h"
 #include "analysis/knowledge.h"
+#include "analysis/knowledge_search.h"
 #include "analysis/name_match.h"
 
 // Steps 1 to 4 of the gate: parse, schema, order, hard ranges. The first thing that is wrong ends the
@@ -223,6 +224,33 @@ class Reader {
     }
     answer.longest_side_m = longest;
   }
+  // No value rests on these two: what will not do of them is left out and the answer stands.
+  void name_confidence() {
+    const json* value = find("name_confidence");
+    if (!value || failed()) return;
+    const double number = value->is_number() ? value->get<double>() : -1;
+    if (kUnitRange.holds(number)) {
+      answer.name_confidence = number;
+    } else {
+      answer.changes.push_back("name_confidence: is no number from 0 to 1, left out");
+    }
+  }
+  void sources() {
+    const json* value = find("kb_ids");
+    if (!value || failed() || !value->is_array()) return;
+    size_t unknown = 0;
+    for (size_t i = 0; i < std::min(value->size(), kMaxAnswerSources); ++i) {
+      const json& one = (*value)[i];
+      const std::string id = one.is_string() ? shown_text(one.get_ref<const std::string&>(), 64) : "";
+      const KnowledgeHit row = find_knowledge(id);
+      if (row.material || row.object) {
+        answer.kb_ids.push_back(row.id);
+      } else {
+        ++unknown;
+      }
+    }
+    if (unknown > 0) answer.changes.push_back("kb_ids: " + std::to_string(unknown) + " of no row, left out");
+  }
   void ignored_fields() {
     size_t ignored = 0;
     for (const auto& item : object_.items()) {
@@ -303,11 +331,13 @@ Result<Answer> read_answer(std::string_view text) {
   read.plasticity();
   if (read.require("fragile", "true or false") && !read.failed())
     answer.fragile = read.boolean("fragile").value_or(false);
+  read.name_confidence();
   answer.replica = read.boolean("is_replica");
   answer.friction = read.optional_number("friction", kFrictionRange);
   answer.restitution = read.optional_number("restitution", kUnitRange);
   answer.confidence = read.optional_number("confidence", kUnitRange).value_or(answer.confidence);
   read.size();
+  read.sources();
   read.ignored_fields();
   if (read.failed()) return read.error();
   return std::move(answer);

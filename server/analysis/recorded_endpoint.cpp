@@ -42,6 +42,10 @@ class RecordedEndpoint final : public ModelEndpoint {
     return state;
   }
 
+  void get_ready(std::stop_token stop) override {
+    if (live_) live_->get_ready(stop);
+  }
+
   std::filesystem::path file_of(const std::string& key) const { return folder_ / (key + ".json"); }
   // What recordings are filed under: the name that was configured, since a server may call itself by another.
   std::string model() const { return live_ ? live_->state().model : recorded_model_; }
@@ -141,6 +145,7 @@ class RecordedExchange final : public Exchange {
     answer.cost_usd = number_member(*kept, "cost_usd").value_or(0);
     answer.wall_s = number_member(*kept, "wall_s").value_or(0);
     answer.transcript = text_member(*kept, "transcript");
+    if (const Json* blind = member(*kept, "blind")) answer.blind = *blind == true;
     if (const Json* warnings = member(*kept, "warnings"); warnings && warnings->is_array()) {
       for (const Json& warning : *warnings) {
         if (warning.is_string()) answer.warnings.push_back(warning.get<std::string>());
@@ -151,7 +156,7 @@ class RecordedExchange final : public Exchange {
 
   Result<void> write(const std::filesystem::path& file, const OrderedJson& asked,
                      const RawAnswer& answer) const {
-    const OrderedJson recording = {{"format", kFormat},
+    OrderedJson recording = {{"format", kFormat},
                                    {"asked", asked},
                                    {"answer",
                                     {{"json", answer.json},
@@ -163,6 +168,7 @@ class RecordedExchange final : public Exchange {
                                      {"wall_s", answer.wall_s},
                                      {"transcript", answer.transcript},
                                      {"warnings", answer.warnings}}}};
+    if (answer.blind) recording["answer"]["blind"] = true;
     if (auto written = write_file_atomically(file, dump_json(recording) + "\n"); !written) return written;
     const OrderedJson head = {{"format", kFormat}, {"model", endpoint_.model()}};
     return write_file_atomically(endpoint_.folder() / "endpoint.json", dump_json(head) + "\n");

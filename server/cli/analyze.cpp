@@ -11,6 +11,7 @@
 #include <optional>
 #include <thread>
 
+#include "analysis/answer.h"
 #include "analysis/endpoint_choice.h"
 #include "analysis/explain_page.h"
 #include "analysis/physics_file.h"
@@ -54,11 +55,15 @@ Result<SceneText> scene_of(const AnalyzeCommand& options) {
   return alone;
 }
 
+// A name may hold what moves a terminal's cursor or rewrites its title.
+std::string shown(const std::string& name) { return shown_text(name, 80); }
+std::string shown_message(const std::string& message) { return shown_text(message, 1000); }
+
 // While the rest of the scene is loaded and a model is asked.
 void tell_first(const SceneObject& object) {
   const v1::EstimatedValue& mass = object.physics.mass_kg();
-  std::fprintf(stderr, "%s: at first %.4g g (%.4g to %.4g) of %s, %s\n", object.name.c_str(), 1e3 * mass.best(),
-               1e3 * mass.low(), 1e3 * mass.high(), object.physics.material().c_str(),
+  std::fprintf(stderr, "%s: at first %.4g g (%.4g to %.4g) of %s, %s\n", shown(object.name).c_str(), 1e3 * mass.best(),
+               1e3 * mass.low(), 1e3 * mass.high(), shown(object.physics.material()).c_str(),
                v1::Physics::Behavior_Name(object.physics.behavior()).c_str());
 }
 
@@ -81,17 +86,6 @@ Result<nlohmann::ordered_json> to_json(const v1::PhysicalParameters& parameters)
   return nlohmann::ordered_json::parse(text);
 }
 
-// A name as a file's: letters, digits, dots, dashes; the rest is underscores.
-std::string file_name(const std::string& name) {
-  std::string result;
-  for (const char c : name) {
-    const bool plain =
-        (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-' || c == '.';
-    result += plain ? c : '_';
-  }
-  return result.empty() || result.front() == '.' ? "_" + result : result;
-}
-
 const char* verdict_text(const AnalysisUpdate& update) {
   if (update.turns.empty()) return "offline";
   return update.judgement.verdict == Verdict::Accepted      ? "accepted"
@@ -99,7 +93,8 @@ const char* verdict_text(const AnalysisUpdate& update) {
                                                             : "refused";
 }
 
-void tell_progress(const std::string& name, const AnalysisUpdate& update) {
+void tell_progress(const std::string& object, const AnalysisUpdate& update) {
+  const std::string name = shown(object);
   switch (update.stage) {
     case AnalysisStage::Offline:
       break;  // told when it was loaded
@@ -108,12 +103,12 @@ void tell_progress(const std::string& name, const AnalysisUpdate& update) {
       break;
     case AnalysisStage::Repaired:
       std::fprintf(stderr, "%s: would not do, asked again: %s\n", name.c_str(),
-                   update.turns.back().error.c_str());
+                   shown_message(update.turns.back().error).c_str());
       break;
     case AnalysisStage::Finished:
       std::fprintf(stderr, "%s: %s%s%s%s\n", name.c_str(), verdict_text(update),
                    update.cached ? ", kept from before" : "", update.judgement.message.empty() ? "" : ": ",
-                   update.judgement.message.c_str());
+                   shown_message(update.judgement.message).c_str());
   }
 }
 
@@ -135,19 +130,20 @@ Result<v1::PhysicalParameters> outcome(const SceneAnalysis::Object& object, cons
   if (update.judgement.verdict == Verdict::Accepted) *file.mutable_physics() = update.parameters;
   std::string note;
   auto layered = layered_physics(file, object.written, *object.target.facts, note);
-  if (!note.empty()) log_warn("%s: %s", object.name.c_str(), note.c_str());
+  if (!note.empty()) log_warn("%s: %s", shown(object.name).c_str(), note.c_str());
   if (layered) *layered->mutable_longest_side_m() = object.target.offline.longest_side_m();
   return layered;
 }
 
 // What a model found is never overwritten by an estimate.
 Result<void> keep(const SceneAnalysis::Object& object, const AnalysisUpdate& update, bool asked) {
+  const std::string name = shown(object.name);
   if (object.physics_file.empty()) {
-    std::fprintf(stderr, "%s: there is no file to keep it in; write it into the scene file\n", object.name.c_str());
+    std::fprintf(stderr, "%s: there is no file to keep it in; write it into the scene file\n", name.c_str());
     return {};
   }
   if (update.judgement.verdict == Verdict::NeedsReview) {
-    std::fprintf(stderr, "%s: kept as a proposal; take it with --accept \"%s\"\n", object.name.c_str(), object.name.c_str());
+    std::fprintf(stderr, "%s: kept as a proposal; take it with --accept \"%s\"\n", name.c_str(), name.c_str());
     return log_proposal(object.physics_file, update.judgement.proposal, update.record);
   }
   if (update.judgement.verdict != Verdict::Accepted) {
@@ -158,7 +154,7 @@ Result<void> keep(const SceneAnalysis::Object& object, const AnalysisUpdate& upd
   auto kept = apply_analysis(object.physics_file, update.parameters, update.record);
   if (!kept) return kept.error();
   std::fprintf(stderr, "%s: kept in %s; a server that runs takes it up when it loads the scene anew\n",
-               object.name.c_str(), object.physics_file.c_str());
+               name.c_str(), shown_message(object.physics_file.string()).c_str());
   return {};
 }
 
@@ -189,8 +185,8 @@ Result<void> explain(const fs::path& folder, const SceneAnalysis::Object& object
                      const AnalysisUpdate& update, const Result<std::vector<TargetView>>& views) {
   std::error_code made;
   fs::create_directories(folder, made);
-  if (!views) log_warn("%s: no views: %s", object.name.c_str(), views.error().message.c_str());
-  const fs::path page = folder / (file_name(object.name) + ".html");
+  if (!views) log_warn("%s: no views: %s", shown(object.name).c_str(), shown_message(views.error().message).c_str());
+  const fs::path page = folder / (object_file_name(object.name) + ".html");
   return write_file_atomically(
       page, explain_page(object.target, update, views ? *views : std::vector<TargetView>{}));
 }
@@ -215,7 +211,7 @@ int print(const AnalyzeCommand& options, const std::vector<Analysed>& all) {
     std::printf("%s\n", nlohmann::ordered_json{{"objects", std::move(objects)}}.dump(1).c_str());
   } else if (scene) {
     print_table_head();
-    for (const Analysed& one : all) print_table_row(one.object->name, one.parameters);
+    for (const Analysed& one : all) print_table_row(shown(one.object->name), one.parameters);
   } else {
     for (const Analysed& one : all) print_parameters(one.parameters);
   }
@@ -258,7 +254,7 @@ int run(const AnalyzeCommand& options) {
   // With an endpoint they are made while others wait for their answers.
   for (size_t i = 0; explained && !*endpoint && i < targets->size(); ++i) {
     std::fprintf(stderr, "%s: drawing its views, %zu of %zu\n",
-                 object_of((*targets)[i].object_id)->name.c_str(), i + 1, targets->size());
+                 shown(object_of((*targets)[i].object_id)->name).c_str(), i + 1, targets->size());
     (void)views.of((*targets)[i].object_id, options.views);
   }
   std::vector<Analysed> all(targets->size());
@@ -339,6 +335,11 @@ void add_analyze(CLI::App& app, int& exit_code) {
       "--price", options->endpoint.price,
       "IN,OUT: US dollars a million tokens sent and received, to tell what answers cost; default: "
       "LIVEGS_PRICE");
+  command
+      ->add_option("--model-deadline", options->endpoint.deadline_s,
+                   "SECONDS: the longest that one question may take with all its repeats; default: "
+                   "LIVEGS_MODEL_DEADLINE_S, else 60, or 300 where the server is Ollama or llama.cpp")
+      ->type_name("SECONDS");
   command->add_flag("--web-search", options->endpoint.web_search,
                     "Let the endpoint search the web once an object, where it can; off otherwise");
   command->add_option("--views", options->views, "Looks at each object; 3 are put to the vote")
@@ -346,7 +347,8 @@ void add_analyze(CLI::App& app, int& exit_code) {
   command->add_flag("--offline", options->endpoint.offline, "Ask nobody, whatever is set");
   command->add_flag("--no-cache", options->no_cache, "Ask also what was answered before");
   command->add_option("--explain", options->explain,
-                      "Write one HTML page an object: views, prompt, raw answer, what the gate did, values");
+                      "Write one HTML page an object, NAME.html with other bytes than letters, digits, - and _ as %20: "
+                      "views, prompt, raw answer, what the gate did, values");
   command->add_flag("--write", options->write, "Keep the values beside the assets, as NAME.physics.json");
   CLI::Option* accept = command->add_option(
       "--accept", options->decision.accept, "Apply what the last --write found for this OBJECT and kept for review; asks nobody");

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 
+#include "analysis/answer.h"
 #include "analysis/hand_edits.h"
 #include "analysis/physics_file.h"
+#include "core/format_text.h"
 #include "core/log.h"
 
 namespace livegs {
@@ -37,6 +39,30 @@ v1::AnalysisProgress::Verdict verdict_of(const AnalysisUpdate& update) {
   }
 }
 
+// What a person who looks at the object reads before anything else of it.
+std::string waiting_text(const v1::PhysicalParameters& proposal) {
+  return format_text("a model's answer waits for a person (%.4g g of %s): Analyse shows it, Accept takes it",
+                     1e3 * proposal.mass_kg().best(), proposal.material().c_str());
+}
+
+// One line an object: what became of its question, and what a person can do.
+void log_finished(const std::string& name, const v1::AnalysisProgress& progress) {
+  const std::string shown = shown_text(name, 80);
+  const std::string why = progress.message().empty() ? "" : ": " + progress.message();
+  switch (progress.verdict()) {
+    case v1::AnalysisProgress::ACCEPTED:
+      return log_info("analysis: %s: accepted%s", shown.c_str(), why.c_str());
+    case v1::AnalysisProgress::NEEDS_REVIEW:
+      return log_info("analysis: %s: needs review%s; kept as a proposal: Accept in the window or livegs analyze --accept "
+                      "takes it",
+                      shown.c_str(), why.c_str());
+    case v1::AnalysisProgress::REFUSED:
+      return log_info("analysis: %s: refused%s", shown.c_str(), why.c_str());
+    default:
+      return;  // nobody answered: that is told once for all
+  }
+}
+
 }  // namespace
 
 LiveAnalysis::LiveAnalysis(SceneAnalysis scene, std::unique_ptr<ModelEndpoint> endpoint, SimulationLoop& loop,
@@ -49,6 +75,7 @@ LiveAnalysis::LiveAnalysis(SceneAnalysis scene, std::unique_ptr<ModelEndpoint> e
   for (const SceneAnalysis::Object& object : scene_.objects()) {
     known_[object.target.object_id] = {&object, std::make_unique<DecidedPhysics>(object.physics_file)};
   }
+  find_proposals();
   thread_ = std::jthread([this](std::stop_token stop) { run(stop); });
 }
 
@@ -59,7 +86,18 @@ void LiveAnalysis::begin() {
   for (const auto& [id, known] : known_) {
     if (known.object->written.behavior() != v1::Physics::AUTO) continue;
     const auto kept = known.decided->present();
-    if (kept && kept->analysis().model().empty()) names.push_back(known.object->name);
+    if (!kept || !kept->analysis().model().empty()) continue;
+    const std::string name = shown_text(known.object->name, 80);
+    if (waits(id)) {
+      log_info("analysis: %s: a proposal waits from before; Accept in the window or livegs analyze --accept takes it",
+               name.c_str());
+      (void)apply(known, *kept, "");
+    } else if (answer_undone(decisions_of(known))) {
+      log_info("analysis: %s: its answer was taken back and it is not asked about again until somebody does",
+               name.c_str());
+    } else {
+      names.push_back(known.object->name);
+    }
   }
   if (!endpoint_ || names.empty()) return;
   log_info("analysis: %s is asked about %zu objects", endpoint_->state().name.c_str(), names.size());
@@ -70,7 +108,42 @@ void LiveAnalysis::begin() {
   }
 }
 
+void LiveAnalysis::find_proposals() {
+  for (const auto& [id, known] : known_) {
+    if (known.object->physics_file.empty()) continue;
+    const auto log = decisions_of(known);
+    if (const auto proposal = open_proposal(log)) {
+      wait_for_person(id, proposal->physics());
+    } else if (!log.empty()) {
+      wait_for_nobody(id);  // another program has accepted it
+    }
+  }
+}
+
+void LiveAnalysis::wait_for_person(uint32_t object_id, const v1::PhysicalParameters& proposal) {
+  std::lock_guard lock(mutex_);
+  waiting_[object_id] = waiting_text(proposal);
+}
+
+void LiveAnalysis::wait_for_nobody(uint32_t object_id) {
+  std::lock_guard lock(mutex_);
+  waiting_.erase(object_id);
+}
+
+bool LiveAnalysis::waits(uint32_t object_id) {
+  std::lock_guard lock(mutex_);
+  return waiting_.contains(object_id);
+}
+
+std::vector<v1::PhysicsLogRecord> LiveAnalysis::decisions_of(const Known& known) {
+  const std::filesystem::path& file = known.object->physics_file;
+  std::error_code ignored;
+  // Who deletes the sidecar forgets what its log says, too.
+  return std::filesystem::exists(file, ignored) ? read_physics_log(file) : std::vector<v1::PhysicsLogRecord>();
+}
+
 void LiveAnalysis::take_reloaded(const Scene& scene) {
+  find_proposals();
   for (const auto& [id, known] : known_) {
     const SceneObject* object = scene.find(known.object->name);
     if (!object) continue;
@@ -79,7 +152,7 @@ void LiveAnalysis::take_reloaded(const Scene& scene) {
       rebuilt_[id] = scene.built_as(*object);
     }
     const auto kept = known.decided->present();
-    if (kept && (kept->has_physics() || kept->has_edits())) (void)apply(known, *kept, "");
+    if (kept && (kept->has_physics() || kept->has_edits() || waits(id))) (void)apply(known, *kept, "");
   }
 }
 
@@ -165,10 +238,13 @@ void LiveAnalysis::work(Request& request, std::stop_token stop) {
           if (progress.verdict() == v1::AnalysisProgress::NEEDS_REVIEW) {
             *progress.mutable_proposal() = update.judgement.proposal;
             known.decided->propose(update.judgement.proposal, update.record);
+            wait_for_person(update.object_id, update.judgement.proposal);
+            if (const auto kept = known.decided->present()) (void)apply(known, *kept, "");
           }
           if (progress.verdict() == v1::AnalysisProgress::ACCEPTED) {
             if (const std::string note = land(update); !note.empty()) progress.set_message(note);
           }
+          if (!update.cancelled) log_finished(known.object->name, progress);
         }
         progress.set_finished(finished);
         std::string ignored;
@@ -195,6 +271,7 @@ std::string LiveAnalysis::land(const AnalysisUpdate& update) {
   std::string note;
   auto file = known.decided->apply(update.parameters, update.record, note);
   if (!file) return file.error().message;
+  wait_for_nobody(update.object_id);
   auto applied = apply(known, *file, note);
   if (!applied) return applied.error().message;
   std::string told;
@@ -213,11 +290,14 @@ Result<v1::PhysicsReply> LiveAnalysis::apply(const Known& known, const v1::Physi
   *layered->mutable_longest_side_m() = known.object->target.offline.longest_side_m();
   reply.set_object(known.object->name);
   BuiltAs built = known.object->built;
+  std::string waiting;
   {
     std::lock_guard lock(mutex_);
+    if (const auto one = waiting_.find(known.object->target.object_id); one != waiting_.end()) waiting = one->second;
     if (const auto anew = rebuilt_.find(known.object->target.object_id); anew != rebuilt_.end()) built = anew->second;
   }
   for (const std::string& later : hold_as_built(built, *layered)) reply.add_warnings(later);
+  if (!waiting.empty()) layered->set_behavior_reason(waiting + "; " + layered->behavior_reason());
   *reply.mutable_parameters() = *layered;
   v1::SceneChange change;
   change.mutable_set_physics()->set_object(known.object->name);
@@ -259,6 +339,7 @@ Result<v1::PhysicsReply> LiveAnalysis::accept_proposal(const std::string& object
   std::string note;
   auto file = (*known)->decided->accept(note);
   if (!file) return file.error();
+  wait_for_nobody((*known)->object->target.object_id);
   return apply(**known, *file, note);
 }
 

@@ -31,7 +31,8 @@ class LiveAnalysis final : public AnalysisControl {
                const LiveAnalysisOptions& options = {});
   ~LiveAnalysis() override;  // cancels, within milliseconds
 
-  // Asks about every AUTO object that no model's values are kept for yet. Returns at once.
+  // Asks about every AUTO object that no model's values are kept for yet, but for those whose answer a person took back
+  // or has still to judge. Returns at once.
   void begin();
 
   // A scene that was loaded anew will take the place of the one that runs: what it was built as holds from now on, and
@@ -67,6 +68,12 @@ class LiveAnalysis final : public AnalysisControl {
   // What the object has with `file`, brought into the scene at the next tick.
   Result<v1::PhysicsReply> apply(const Known& known, const v1::PhysicsFile& file, std::string note);
   Result<Known*> find(const std::string& name);
+  // Proposals that nobody has judged yet are told of in front of the object's behavior_reason, which all clients get.
+  void find_proposals();
+  void wait_for_person(uint32_t object_id, const v1::PhysicalParameters& proposal);
+  void wait_for_nobody(uint32_t object_id);
+  bool waits(uint32_t object_id);
+  static std::vector<v1::PhysicsLogRecord> decisions_of(const Known& known);
 
   SceneAnalysis scene_;
   std::unique_ptr<ModelEndpoint> endpoint_;
@@ -75,8 +82,9 @@ class LiveAnalysis final : public AnalysisControl {
   AnswerCache cache_;
   std::map<uint32_t, Known> known_;  // not changed after construction
 
-  std::mutex mutex_;  // guards requests_ and rebuilt_
+  std::mutex mutex_;  // guards the next four
   std::map<uint32_t, BuiltAs> rebuilt_;  // by the id it had at first
+  std::map<uint32_t, std::string> waiting_;  // the text, by object
   std::condition_variable_any changed_;
   std::deque<Request> requests_;
   std::jthread thread_;

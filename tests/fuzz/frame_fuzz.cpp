@@ -73,7 +73,7 @@ std::vector<Bytes> seeds() {
     seeds.push_back(with(What::Frame, encode_frame(frame_at(tick), DriverEncoding::Raw)));
     seeds.push_back(with(What::Publication, encode_publication({"00112233445566778899aabbccddeeff", tick, 5, frame_at(tick)})));
   }
-  KernelFrame kernels{3, 5, {{7, {}}, {8, {}}}};
+  KernelFrame kernels{3, 5, {{7, 2, {}}, {8, 0, {}}}};
   kernels.objects[0].kernels.positions_m = {{1, 2, 3}, {-1, 0, 0.5f}};
   kernels.objects[0].kernels.covariances_m2 = {{1e-4f, 0, 1e-5f, 2e-4f, 0, 1e-6f}, {1e-2f, 0, 0, 1e-2f, 0, 1e-2f}};
   kernels.objects[0].kernels.world_from_asset.assign(2, Eigen::Quaternionf(0.5f, 0.5f, -0.5f, 0.5f));

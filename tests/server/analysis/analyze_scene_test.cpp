@@ -125,6 +125,7 @@ TEST(AnalyzeScene, OneRepairTurnThenTheOfflineAnswer) {
   EXPECT_EQ(good.last(0).judgement.verdict, Verdict::Accepted);
   EXPECT_EQ(good.last(0).turns.size(), 2u);
   EXPECT_EQ(good.last(0).record.prompt_tokens(), 2000);  // of the whole conversation, once
+  EXPECT_EQ(good.last(0).record.wall_s(), 4);
   ASSERT_EQ(mends.asked().size(), 2u);
   const Seen bad = run(targets, &never);
   EXPECT_EQ(bad.last(0).judgement.verdict, Verdict::Refused);
@@ -254,6 +255,50 @@ TEST(AnalyzeScene, TheSameQuestionIsAskedOnce) {
   EXPECT_EQ(endpoint.asked().size(), 6u);
 }
 
+// Where no model is named, the one that answers is learned first: another one is asked, not told for.
+TEST(AnalyzeScene, AnotherModelIsNotAnsweredForByTheOneBefore) {
+  const auto targets = mugs(2);
+  AnswerCache cache;
+  AnalysisOptions options;
+  options.cache = &cache;
+  for (const char* model : {"m1", "m2", "m1"}) {
+    FakeEndpoint endpoint(weigh);
+    endpoint.model = model;
+    endpoint.names_its_model = false;
+    const Seen result = run(targets, &endpoint, options);
+    EXPECT_EQ(result.last(0).record.model(), model);
+  }
+  FakeEndpoint endpoint(weigh);
+  endpoint.model = "m2";
+  run(targets, &endpoint, options);
+  EXPECT_TRUE(endpoint.asked().empty());
+}
+
+// What was said without a look counts no views, says so, and is asked again once the server may see.
+TEST(AnalyzeScene, ABlindAnswerIsToldAsOneAndNotKept) {
+  const auto targets = mugs(1);
+  AnswerCache cache;
+  AnalysisOptions options;
+  options.cache = &cache;
+  FakeEndpoint endpoint(weigh);
+  endpoint.blind = true;
+  const Seen result = run(targets, &endpoint, options);
+  const AnalysisUpdate& last = result.last(0);
+  ASSERT_EQ(last.judgement.verdict, Verdict::Accepted) << last.judgement.message;
+  EXPECT_EQ(last.record.views(), 0u);
+  EXPECT_NE(last.parameters.fill_reason().find("without pictures"), std::string::npos) << last.parameters.fill_reason();
+  EXPECT_EQ(last.parameters.fill_reason().find("saw"), std::string::npos);
+  EXPECT_EQ(std::count(last.record.gate().begin(), last.record.gate().end(),
+                       "pictures: the model takes none and was asked without"),
+            1);
+  EXPECT_NE(explain_page(targets[0], last).find("none: the model takes no pictures"), std::string::npos);
+  endpoint.blind = false;
+  const Seen again = run(targets, &endpoint, options);
+  EXPECT_EQ(endpoint.asked().size(), 2u);
+  EXPECT_EQ(again.last(0).record.views(), 1u);
+  EXPECT_NE(again.last(0).parameters.fill_reason().find("the model saw"), std::string::npos);
+}
+
 // What cannot be read again because it is too long would be asked for, and paid for, again.
 TEST(AnalyzeScene, ALongTranscriptIsNotKeptAndTheAnswerIs) {
   ScratchFolder folder;
@@ -283,7 +328,7 @@ TEST(AnalyzeScene, TheModelIsToldOfObjectsThatAreNotAskedAbout) {
   EXPECT_NE(line.find(" mug a!1.000000"), std::string::npos) << line;
   EXPECT_NE(line.find(" mug b?"), std::string::npos) << line;
   const auto& slot = result.last(0).turns.at(0).question.slots.at("neighbours");
-  EXPECT_NE(slot.find("mug a: 1000 g"), std::string::npos) << slot;
+  EXPECT_NE(slot.find("\"mug a\": 1000 g"), std::string::npos) << slot;
 }
 
 // A mass that a person gave stands against what kind and size suggest: an answer that agrees with it is not far from what

@@ -22,14 +22,18 @@ class FakeEndpoint final : public ModelEndpoint {
 
   std::function<std::chrono::milliseconds(const std::string& name)> delay;  // none: at once
   int max_in_flight = 4;
+  bool blind = false;             // takes no pictures
+  std::string model = "fake-1";
+  bool names_its_model = true;    // before get_ready()
 
+  void get_ready(std::stop_token) override { names_its_model = true; }
   std::unique_ptr<Exchange> start(ToolBox tools) override {
     return std::make_unique<Talk>(*this, std::move(tools));
   }
   EndpointState state() const override {
     EndpointState state;
     state.name = "fake";
-    state.model = "fake-1";
+    if (names_its_model) state.model = model;
     state.max_in_flight = max_in_flight;
     return state;
   }
@@ -85,7 +89,9 @@ class FakeEndpoint final : public ModelEndpoint {
     if (!text) return text.error();
     RawAnswer answer;
     answer.json = std::move(*text);
-    answer.model = "fake-1";
+    answer.model = model;
+    answer.wall_s = 2 * (turn + 1);
+    answer.blind = blind;
     answer.prompt_version = "1-test";
     answer.prompt_tokens = 1000 * (turn + 1);
     answer.completion_tokens = 250 * (turn + 1);

@@ -76,6 +76,73 @@ TEST(Gate, EqualRangesMeetAtTheGeometricMean) {
   EXPECT_NEAR(judgement.parameters.mass_kg().best(), 0.4, 1e-12);
 }
 
+// A toy hammer of plastic is not put together of a steel head and a wooden handle.
+TEST(Gate, ThePartsAreTheAnswersOwn) {
+  ObjectFacts facts = pillow_facts();
+  facts.name = "hammer";
+  facts.mesh.size_m = facts.mesh.principal_size_m = {0.3, 0.12, 0.04};
+  facts.mesh.volume_m3 = 3.5e-4;
+  facts.mesh.hull_volume_m3 = 7e-4;
+  auto before = estimate_offline(facts);
+  ASSERT_GT(before.parts_size(), 1);
+  json answer = mug_answer();
+  answer["name"] = "toy hammer";
+  answer["fragile"] = false;
+  answer["fill"] = "shell";
+  answer["young_mpa"] = nullptr;
+  answer["parts"] = {{{"name", "handle"}, {"material_id", "ABS"}, {"share", 0.4}, {"thickness_mm", 2}},
+                     {{"name", "head"}, {"material_id", "polypropylene"}, {"share", 0.6}, {"thickness_mm", 2}}};
+  answer["mass_g"] = {{"low", 150}, {"best", 230}, {"high", 330}};
+  const Judgement two = judge_answer(answer.dump(), facts, before);
+  ASSERT_NE(two.verdict, Verdict::Refused) << two.message;
+  ASSERT_EQ(two.proposal.parts_size(), 2);
+  EXPECT_EQ(two.proposal.parts(0).name(), "head");
+  EXPECT_EQ(two.proposal.parts(0).material(), "polypropylene");
+  EXPECT_DOUBLE_EQ(two.proposal.parts(1).mass_share(), 0.4);
+  answer["parts"].erase(0);
+  answer["parts"][0]["share"] = 1;
+  const Judgement one = judge_answer(answer.dump(), facts, before);
+  ASSERT_NE(one.verdict, Verdict::Refused) << one.message;
+  EXPECT_EQ(one.proposal.parts_size(), 0);
+}
+
+TEST(Gate, WhatElseTheModelSaysIsRemarkedOn) {
+  const Judgement plain = judge(mug_answer());
+  ASSERT_EQ(plain.remarks.size(), 3u);
+  EXPECT_EQ(plain.remarks[0], "it took the object for \"coffee mug\", sure of that to 0.95, a real one");
+  EXPECT_EQ(plain.remarks[1], "it took it to be 0.095 m long; it stands 0.095 m long");
+  EXPECT_EQ(plain.remarks[2], "it went by material:stoneware");
+  ObjectFacts guessed = mug_facts();
+  guessed.scale_known = false;
+  json toy = with("/is_replica", true);
+  toy["size_m"] = {0.8, 0.9, 0.8};
+  toy["kb_ids"] = {"object:mug", "object:unicorn\x1b[2J", 7};
+  toy["name_confidence"] = 80;
+  const Judgement odd = judge(toy, guessed);
+  ASSERT_NE(odd.verdict, Verdict::Refused) << odd.message;
+  EXPECT_EQ(odd.remarks[0], "it took the object for \"coffee mug\", a toy or a fake of one");
+  EXPECT_EQ(odd.remarks[1], "it took it to be 0.9 m long; it stands 0.095 m long, which is a guess: if the model is right, "
+                            "give the object a scale");
+  EXPECT_EQ(odd.remarks[2], "it went by object:mug");
+  EXPECT_TRUE(mentions(odd.changes, "kb_ids: 2 of no row"));
+  EXPECT_TRUE(mentions(odd.changes, "name_confidence: is no number from 0 to 1"));
+}
+
+// Medians of logarithms do not come out to the last bit.
+TEST(Gate, AVoteAtTheEndOfTheRangesStaysWithin) {
+  auto answer = read_answer(mug_answer().dump());
+  ASSERT_TRUE(answer);
+  answer->mass_kg = {kMassRange_kg.low, kMassRange_kg.low, kMassRange_kg.low};
+  answer->youngs_modulus_pa = Span3{kYoungsRange_pa.high, kYoungsRange_pa.high, kYoungsRange_pa.high};
+  answer->structure_coefficient = Span3{kStructureRange.low, kStructureRange.low, 1};
+  const Answer three[] = {*answer, *answer, *answer};
+  v1::PhysicalParameters nothing;
+  const auto p = weigh_answer(vote(three), mug_facts(), nothing).proposal;
+  EXPECT_GE(p.mass_kg().low(), kMassRange_kg.low);
+  EXPECT_LE(p.youngs_modulus_pa().high(), kYoungsRange_pa.high);
+  EXPECT_GE(p.structure_coefficient().low(), kStructureRange.low);
+}
+
 TEST(Gate, DeformationResistanceIsComputedHereFromEffectiveStiffness) {
   const auto offline = estimate_offline(pillow_facts());
   json answer = pillow_answer();

@@ -13,6 +13,7 @@
 #include "core/clock.h"
 #include "core/log.h"
 #include "geometry/shape_mesh.h"
+#include "endpoint_case_groups.h"
 #include "model_endpoint_cases.h"
 #include "scratch_folder.h"
 
@@ -130,6 +131,94 @@ TEST(ModelEndpoint, QuirksAreRememberedBetweenRunsAndWasteNoRequestTwice) {
     ASSERT_TRUE((*endpoint)->start(pot_tools())->ask(pot_question(), {}));
     EXPECT_EQ(server.posts().size(), run == 0 ? 4u : 2u);
   }
+}
+
+// A model without eyes answers all the same; that is said, once, and the next run looks whether it has some now.
+TEST(ModelEndpoint, AModelThatTakesNoPicturesIsSaidToBeBlind) {
+  const ScratchFolder scratch;
+  TestModelServer server([](const SeenRequest& request, int) {
+    return request.body.find("image_url") != std::string::npos
+               ? fails(400, {{"message", "this model does not support image input"}})
+               : says(sound_answer());
+  });
+  set_log_level(LogLevel::Warn);
+  std::string log;
+  for (int run = 0; run < 2; ++run) {
+    EndpointSettings settings = test_settings(server.base_url());
+    settings.tools = false;
+    settings.quirks_file = scratch / "quirks.json";
+    auto endpoint = open_model_endpoint(std::move(settings));
+    ASSERT_TRUE(endpoint);
+    testing::internal::CaptureStderr();
+    for (int object = 0; object < 2; ++object) {
+      const auto answer = (*endpoint)->start(pot_tools())->ask(pot_question(), {});
+      ASSERT_TRUE(answer) << answer.error().message;
+      EXPECT_TRUE(answer->blind);
+      ASSERT_EQ(answer->warnings.size(), 1u);
+      EXPECT_NE(answer->warnings[0].find("takes no pictures"), std::string::npos);
+    }
+    log = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(server.posts().size(), run == 0 ? 3u : 6u);  // with pictures once a run
+    EXPECT_NE(log.find("takes no pictures"), std::string::npos) << log;
+    EXPECT_EQ(log.find("takes no pictures"), log.rfind("takes no pictures")) << log;
+  }
+  // Recorded and replayed, it stays what it was.
+  for (const bool live : {true, false}) {
+    std::unique_ptr<ModelEndpoint> asked;
+    EndpointSettings settings = test_settings(server.base_url());
+    settings.tools = false;
+    if (live) asked = std::move(*open_model_endpoint(std::move(settings)));
+    auto recorded = open_recorded_endpoint(scratch / "answers", std::move(asked));
+    ASSERT_TRUE(recorded) << recorded.error().message;
+    const auto answer = (*recorded)->start(pot_tools())->ask(pot_question(), {});
+    ASSERT_TRUE(answer);
+    EXPECT_TRUE(answer->blind);
+  }
+  // Who asks without pictures is not blind.
+  EndpointSettings settings = test_settings(server.base_url());
+  auto endpoint = open_model_endpoint(std::move(settings));
+  AnalysisQuestion words = pot_question();
+  words.images.clear();
+  const auto answer = (*endpoint)->start(pot_tools())->ask(words, {});
+  ASSERT_TRUE(answer);
+  EXPECT_FALSE(answer->blind);
+}
+
+// A server that went silent is not one that is not there, also where the connection was there before.
+TEST(ModelEndpoint, AHangOnAConnectionUsedAgainIsNoMissingServer) {
+  TestModelServer server([](const SeenRequest&, int index) {
+    Reply reply = says(sound_answer());
+    reply.keep_alive = true;
+    if (index > 0) {
+      reply.hang = true;
+      reply.cut_after = 0;
+    }
+    return reply;
+  });
+  EndpointSettings settings = test_settings(server.base_url());
+  settings.tools = false;
+  settings.deadline_s = 1;
+  auto endpoint = open_model_endpoint(std::move(settings));
+  ASSERT_TRUE(endpoint);
+  ASSERT_TRUE((*endpoint)->start(pot_tools())->ask(pot_question(), {}));
+  const int before = server.connections();
+  const auto hung = (*endpoint)->start(pot_tools())->ask(pot_question(), {});
+  ASSERT_FALSE(hung);
+  EXPECT_EQ(server.connections(), before);
+  EXPECT_NE(hung.error().message.find("no complete reply in time"), std::string::npos) << hung.error().message;
+  EXPECT_EQ(hung.error().message.find("is the server running?"), std::string::npos) << hung.error().message;
+}
+
+TEST(ModelEndpoint, TheModelIsKnownBeforeAnythingIsAsked) {
+  TestModelServer server([](const SeenRequest&, int) { return says(sound_answer()); }, models_of("vllm"));
+  EndpointSettings settings = test_settings(server.base_url());
+  settings.model = "";
+  auto endpoint = open_model_endpoint(std::move(settings));
+  ASSERT_TRUE(endpoint);
+  EXPECT_EQ((*endpoint)->state().model, "");
+  (*endpoint)->get_ready({});
+  EXPECT_EQ((*endpoint)->state().model, "qwen-vl");
+  EXPECT_TRUE(server.posts().empty());
 }
 
 TEST(ModelEndpoint, ARepairGoesOnWithTheConversation) {
@@ -342,6 +431,33 @@ TEST(ModelEndpoint, AWebSearchIsOneRequestAndItsTextIsQuoted) {
   EXPECT_EQ(text.find("\nIgnore"), std::string::npos);
 }
 
+// What was asked for and cannot be had is said, also in the run that remembers it.
+TEST(ModelEndpoint, AWebSearchThatTheServerRefusesIsSaid) {
+  const ScratchFolder scratch;
+  TestModelServer server([](const SeenRequest& request, int) {
+    return body_of(request).contains("web_search_options")
+               ? fails(400, {{"message", "unknown field web_search_options"}, {"param", "web_search_options"}})
+               : says(sound_answer());
+  });
+  set_log_level(LogLevel::Warn);
+  for (int run = 0; run < 2; ++run) {
+    EndpointSettings settings = test_settings(server.base_url());
+    settings.tools = false;
+    settings.web_search = true;
+    settings.quirks_file = scratch / "quirks.json";
+    auto endpoint = open_model_endpoint(std::move(settings));
+    ASSERT_TRUE(endpoint);
+    testing::internal::CaptureStderr();
+    const auto answer = (*endpoint)->start(pot_tools())->ask(pot_question(), {});
+    const std::string log = testing::internal::GetCapturedStderr();
+    ASSERT_TRUE(answer) << answer.error().message;
+    ASSERT_EQ(answer->warnings.size(), 1u);
+    EXPECT_NE(answer->warnings[0].find("--web-search: the server searches nothing"), std::string::npos);
+    EXPECT_NE(log.find("--web-search"), std::string::npos) << log;
+    EXPECT_EQ(server.posts().size(), run == 0 ? 2u : 3u);
+  }
+}
+
 TEST(EndpointSettings, OneOfAddressAndModelTurnsItOn) {
   for (const char* name : {"OPENAI_BASE_URL", "OPENAI_API_KEY", "LIVEGS_MODEL"}) ::unsetenv(name);
   ::setenv("OPENAI_API_KEY", " sk-something-long\n", 1);
@@ -392,6 +508,40 @@ TEST(EndpointChoice, APriceThatIsNotTwoNumbersIsSaid) {
     ASSERT_FALSE(endpoint) << bad;
     EXPECT_NE(endpoint.error().message.find("LIVEGS_PRICE"), std::string::npos) << endpoint.error().message;
   }
+}
+
+TEST(EndpointChoice, ADeadlineIsAPersonsToSet) {
+  TestModelServer server([](const SeenRequest&, int) {
+    Reply reply;
+    reply.hang = true;
+    reply.cut_after = 0;
+    return reply;
+  });
+  const ScratchFolder scratch;
+  ::setenv("XDG_CACHE_HOME", scratch.path().c_str(), 1);
+  EndpointChoice choice;
+  choice.url = server.base_url();
+  choice.model = "m";
+  for (const bool by_variable : {true, false}) {
+    by_variable ? ::setenv("LIVEGS_MODEL_DEADLINE_S", "1", 1) : ::setenv("LIVEGS_MODEL_DEADLINE_S", "3000", 1);
+    choice.deadline_s = by_variable ? 0 : 1;
+    const auto endpoint = choose_endpoint(choice);
+    ASSERT_TRUE(endpoint) << endpoint.error().message;
+    const auto hung = (*endpoint)->start(pot_tools())->ask(pot_question(), {});
+    ASSERT_FALSE(hung);
+    EXPECT_NE(hung.error().message.find("no complete reply in time; give it longer"), std::string::npos)
+        << hung.error().message;
+  }
+  choice.deadline_s = 0;
+  for (const char* bad : {"0.5", "soon", "60s", "nan", "1e9", "-5"}) {
+    ::setenv("LIVEGS_MODEL_DEADLINE_S", bad, 1);
+    const auto endpoint = choose_endpoint(choice);
+    ASSERT_FALSE(endpoint) << bad;
+    EXPECT_EQ(endpoint.error().message, "LIVEGS_MODEL_DEADLINE_S: has to be seconds, 1 to 3600");
+  }
+  ::unsetenv("LIVEGS_MODEL_DEADLINE_S");
+  choice.deadline_s = -1;
+  EXPECT_EQ(choose_endpoint(choice).error().message, "--model-deadline: has to be seconds, 1 to 3600");
 }
 
 // The key goes to the address it belongs to: OPENAI_BASE_URL, or OpenAI's where that is not set.

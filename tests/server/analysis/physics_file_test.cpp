@@ -134,6 +134,36 @@ TEST_F(PhysicsFileTest, AProposalIsKeptAndChangesNothing) {
   EXPECT_EQ(read().revision(), 0u);
 }
 
+// What a program that starts has to know of what a person did before.
+TEST_F(PhysicsFileTest, ItsLogTellsWhatWaitsAndWhatWasTakenBack) {
+  const auto undone = [&] { return answer_undone(read_physics_log(path)); };
+  const auto waits = [&] { return open_proposal(read_physics_log(path)).has_value(); };
+  ASSERT_TRUE(edit_physics(path, edit_of_mass(0.7)));
+  ASSERT_TRUE(undo_physics(path));
+  EXPECT_FALSE(undone());  // no answer, but an edit
+  ASSERT_TRUE(log_proposal(path, analysed(30), record_of("seer-1")));
+  EXPECT_TRUE(waits());
+  EXPECT_FALSE(undone());
+  ASSERT_TRUE(accept_proposal(path));
+  EXPECT_FALSE(waits());
+  ASSERT_TRUE(undo_physics(path));
+  EXPECT_TRUE(undone());
+  ASSERT_TRUE(edit_physics(path, edit_of_mass(0.8)));
+  EXPECT_TRUE(undone());
+  ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("seer-2")));
+  EXPECT_FALSE(undone());
+  ASSERT_TRUE(undo_physics(path));
+  EXPECT_TRUE(undone());
+  ASSERT_TRUE(redo_physics(path));
+  EXPECT_FALSE(undone());
+  auto json = json_of(path);  // a person's own hand, not an undo
+  json.erase("analysis");
+  json.erase("physics");
+  ASSERT_TRUE(write_file_atomically(path, json.dump(1)));
+  ASSERT_TRUE(edit_physics(path, edit_of_mass(0.9)));
+  EXPECT_FALSE(undone());
+}
+
 TEST_F(PhysicsFileTest, APersonAcceptsAProposal) {
   EXPECT_EQ(accept_proposal(path).error().code, ErrorCode::NotFound);
   ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("seer-1")));

@@ -233,6 +233,15 @@ TEST(PromptJudgement, AChangedPromptIsNoticedAndToldHowToBeJudged) {
   EXPECT_NE(refusal(changed_prompts(scratch, "number raised", "Take care.")).find("speaks of version 2"),
             std::string::npos);
 
+  // So are words that stand in code: those that are told are those that were judged.
+  const fs::path words = scratch / "other words";
+  fs::copy(kPrompts, words);
+  ASSERT_TRUE(check_judgement(words));
+  std::string judged = *read_text_file(words / "judged.json");
+  judged.replace(judged.find(fact_words_sha256()), 4, "0000");
+  std::ofstream(words / "judged.json") << judged;
+  EXPECT_NE(refusal(words).find("fact_slots.cpp"), std::string::npos);
+
   // With figures it lands, unless they say worse or were made up.
   const fs::path folder = changed_prompts(scratch, "judged", "Take care.");
   PromptTrial before;

@@ -72,7 +72,8 @@ struct TestModelServer::State {
       return;
     }
     std::string head = "HTTP/1.1 " + std::to_string(reply.status) +
-                       " Said\r\nContent-Type: " + reply.content_type + "\r\nConnection: close\r\n";
+                       " Said\r\nContent-Type: " + reply.content_type + "\r\nConnection: " +
+                       (reply.keep_alive ? "keep-alive" : "close") + "\r\n";
     if (!reply.content_type.starts_with("text/event-stream")) {
       head += "Content-Length: " + std::to_string(reply.body.size()) + "\r\n";
     }
@@ -95,7 +96,8 @@ struct TestModelServer::State {
 
   void serve(int socket) {
     SeenRequest request;
-    if (receive(socket, request)) {
+    for (bool more = true; more && receive(socket, request); request = {}) {
+      more = false;
       if (request.method == "POST") {
         int index = 0;
         {
@@ -116,8 +118,10 @@ struct TestModelServer::State {
           --at_once;
         }
         if (going) answer(socket, reply);
+        more = going && reply.keep_alive && !reply.hang;
       } else {
         answer(socket, models);
+        more = models.keep_alive;
       }
     }
     // The peer reads what was sent before it sees the end.
@@ -181,6 +185,11 @@ std::vector<SeenRequest> TestModelServer::posts() const {
 void TestModelServer::wait_for_posts(std::size_t count) const {
   std::unique_lock lock(state_->mutex);
   state_->changed.wait(lock, [&] { return state_->posts.size() >= count; });
+}
+
+int TestModelServer::connections() const {
+  std::lock_guard lock(state_->mutex);
+  return static_cast<int>(state_->connections.size());
 }
 
 int TestModelServer::most_at_once() const {

@@ -23,6 +23,7 @@ struct Reply {
   std::size_t piece_bytes = 0;                // the body in pieces of this size; 0: whole
   int piece_delay_ms = 0;                     // before each but the first
   std::size_t cut_after = std::string::npos;  // the connection ends after so many bytes of the body
+  bool keep_alive = false;                    // the next request may come on the same connection
   bool hang = false;                          // nothing more is sent after what `cut_after` lets through
   std::string raw;                            // sent as it is, in place of everything else
 };
@@ -35,7 +36,7 @@ inline Reply not_found_reply() {
 }
 
 // An HTTP server on 127.0.0.1 with a thread a connection, which does what it is told. Every reply ends its
-// connection.
+// connection unless it keeps it alive.
 class TestModelServer {
  public:
   // Called for every POST, with the number of POSTs before it; one at a time.
@@ -46,6 +47,7 @@ class TestModelServer {
   std::string base_url() const;  // with /v1
   std::vector<SeenRequest> posts() const;
   void wait_for_posts(std::size_t count) const;  // blocks until so many have come
+  int connections() const;                       // so far
   int most_at_once() const;                      // POSTs being answered
 
  private:

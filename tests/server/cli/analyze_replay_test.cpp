@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "analysis/physics_file.h"
 #include "core/file.h"
@@ -29,9 +30,14 @@ constexpr const char* kScene = R"({
     { "name": "cup", "asset": "cup.ply", "scale": 1, "pose": { "position_m": [0, 0.05, 0] } },
     { "name": "duck", "asset": "duck.ply", "scale": 1, "pose": { "position_m": [0.3, 0.05, 0] } } ] })";
 
+// The object's own name; its neighbours' stand in the request as well.
+bool asks_about(const SeenRequest& request, const std::string& name) {
+  return request.body.find("a file: \\\"" + name + "\\\"") != std::string::npos;
+}
+
 // A cup of 310 g; a duck of 95 g, whose first answer is out of order and has to be asked for again.
 Reply made_up_answer(const SeenRequest& request, int) {
-  const bool duck = request.body.find(R"(\"duck\")") != std::string::npos;
+  const bool duck = asks_about(request, "duck");
   const bool repaired = body_of(request)["messages"].size() > 2;
   const double best_g = duck ? 95 : 310;
   Json answer = Json::parse(sound_answer());
@@ -134,7 +140,7 @@ TEST(AnalyzeReplay, ObjectsThatShareAnAssetKeepTheirOwnAnswers) {
   const std::string answers = scratch / "answers";
   {
     TestModelServer server([](const SeenRequest& request, int index) {
-      const bool two = request.body.find(R"(\"cup two\")") != std::string::npos;
+      const bool two = asks_about(request, "cup two");
       Json answer = Json::parse(body_of({"", "", "", made_up_answer(request, index).body})["choices"][0]["message"]
                                     ["content"].get<std::string>());
       const double best_g = two ? 220 : 310;
@@ -181,7 +187,7 @@ TEST(AnalyzeReplay, WhatIsAnsweredIsKeptBeforeTheRestIs) {
       write_asset(scratch.path() / "duck.ply", mesh_asset(box_mesh({0.1, 0.08, 0.1}), {0.9f, 0.8f, 0.1f}, 2000)));
   TestModelServer server([](const SeenRequest& request, int index) {
     Reply reply = made_up_answer(request, index);
-    reply.hang = request.body.find(R"(\"duck\")") != std::string::npos;
+    reply.hang = asks_about(request, "duck");
     if (reply.hang) reply.cut_after = 0;
     return reply;
   });
@@ -218,9 +224,7 @@ TEST(AnalyzeReplay, OddAnswersDoNoHarmToTheScene) {
   };
   const double offline_kg = loaded().find("cup obeys")->mass_kg;
   TestModelServer server([](const SeenRequest& request, int index) {
-    const auto of = [&](const char* name) {
-      return request.body.find(std::string(R"(\"cup )") + name + R"(\")") != std::string::npos;
-    };
+    const auto of = [&](const char* name) { return asks_about(request, std::string("cup ") + name); };
     Json answer = Json::parse(body_of({"", "", "", made_up_answer(request, index).body})["choices"][0]["message"]
                                   ["content"].get<std::string>());
     const double best_g = of("units") ? 0.31 : of("obeys") ? 1 : 310;
@@ -293,6 +297,34 @@ TEST(AnalyzeReplay, AProposalIsAcceptedAndUndone) {
   const Said unknown = decide("--accept", "hat");
   EXPECT_EQ(unknown.code, 2);
   EXPECT_NE(unknown.err.find("it has: cup, duck"), std::string::npos) << unknown.err;
+}
+
+// Names that would share a file, and one that would take over the terminal.
+TEST(AnalyzeReplay, EveryNameHasItsPageAndNoneItsWayWithTheTerminal) {
+  const ScratchFolder scratch;
+  ::setenv("XDG_CACHE_HOME", (scratch / "cache").c_str(), 1);
+  std::string objects;
+  double x_m = 0;
+  const std::vector<std::string> names = {"cup one", "cup_one", "\xe7\xa2\x97", "\xe7\x9a\xbf", "box\\u001b]0;owned\\u0007"};
+  for (const std::string& name : names) {
+    objects += (objects.empty() ? "" : ",") + std::string(R"({ "name": ")") + name +
+               R"(", "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } }, "pose": { "position_m": [)" +
+               std::to_string(x_m += 0.3) + R"(, 0.05, 0] } })";
+  }
+  scratch.write("two.scene.json", R"({ "objects": [ )" + objects + " ] }");
+  TestModelServer server(made_up_answer);
+  Program program({LIVEGS_TOOL, "analyze", scratch / "two.scene.json", "--write", "--explain", scratch / "pages",
+                   "--endpoint", server.base_url(), "--model", "made-up"});
+  EXPECT_EQ(program.wait(), 0) << program.err();
+  for (const char control : {'\x1b', '\x07'}) {
+    EXPECT_EQ(program.out().find(control), std::string::npos) << program.out();
+    EXPECT_EQ(program.err().find(control), std::string::npos) << program.err();
+  }
+  EXPECT_NE(program.err().find("box ]0;owned : at first"), std::string::npos) << program.err();
+  std::set<std::string> pages;
+  for (const auto& page : fs::directory_iterator(scratch / "pages")) pages.insert(page.path().filename().string());
+  EXPECT_EQ(pages, (std::set<std::string>{"cup%20one.html", "cup_one.html", "%E7%A2%97.html", "%E7%9A%BF.html",
+                                          "box%1B%5D0%3Bowned%07.html"}));
 }
 
 // A folder in which something is missing is told by the object's name, and the estimates stand.

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/physics_file.h"
+#include "core/log.h"
 #include "scratch_folder.h"
 #include "server/analysis/fake_endpoint.h"
 #include "server/session/raw_client.h"
@@ -65,6 +66,7 @@ class LiveAnalysisTest : public ::testing::Test {
  protected:
   // `say` null: no endpoint.
   void start(FakeEndpoint::Say say, std::chrono::milliseconds delay = std::chrono::milliseconds(0)) {
+    skipped = log.ticks().size();
     Scene scene = open_scene(folder);
     for (const SceneObject& object : scene.objects()) {
       ids[object.name] = object.id;
@@ -83,13 +85,34 @@ class LiveAnalysisTest : public ::testing::Test {
   // Waits for a tick in which the object changed to what `enough` accepts.
   bool changes_to(const std::string& name, const std::function<bool(const SceneObject&)>& enough) {
     return log.wait([&](const std::vector<SteppedTick>& ticks) {
-      for (const SteppedTick& tick : ticks) {
-        for (const SceneObject& object : tick.changed) {
+      for (size_t i = skipped; i < ticks.size(); ++i) {
+        for (const SceneObject& object : ticks[i].changed) {
           if (object.id == ids.at(name) && enough(object)) return true;
         }
       }
       return false;
     });
+  }
+  // One object, asked about as a client does; what it was told last.
+  v1::AnalysisProgress analyzed(const std::string& name) {
+    std::mutex mutex;
+    std::condition_variable changed;
+    bool ended = false;
+    v1::AnalysisProgress last;
+    EXPECT_TRUE(analysis->analyze(
+        {name},
+        [&](const v1::AnalysisProgress& progress) {
+          last = progress;
+          return true;
+        },
+        [&] {
+          std::lock_guard lock(mutex);
+          ended = true;
+          changed.notify_all();
+        }));
+    std::unique_lock lock(mutex);
+    EXPECT_TRUE(changed.wait_for(lock, kPatience, [&] { return ended; }));
+    return last;
   }
   size_t changes_of(const std::string& name) {
     size_t count = 0;
@@ -101,6 +124,7 @@ class LiveAnalysisTest : public ::testing::Test {
 
   ScratchFolder folder;
   TickLog log;
+  size_t skipped = 0;  // ticks of those that were started before
   std::map<std::string, uint32_t> ids;
   std::map<std::string, double> offline_kg;
   std::unique_ptr<SimulationLoop> loop;
@@ -138,6 +162,86 @@ TEST_F(LiveAnalysisTest, WhatIsAcceptedLandsAtATickAsOneChange) {
   }
   EXPECT_TRUE(by_model(*open_scene(folder).find("sponge")));
   EXPECT_TRUE(by_model(*open_scene(folder).find("wood block")));
+}
+
+// The next start takes it that whoever undid an answer does not want it back; another question is another matter.
+TEST_F(LiveAnalysisTest, AnAnswerThatWasTakenBackDoesNotComeBackByItself) {
+  start(weigh);
+  analysis->begin();
+  ASSERT_TRUE(changes_to("wood block", by_model));
+  ASSERT_TRUE(changes_to("sponge", by_model));
+  ASSERT_TRUE(analysis->undo_physics("wood block", false));
+  v1::Physics edit;
+  edit.set_friction(0.5);
+  ASSERT_TRUE(analysis->set_physics("wood block", edit));  // what comes after it makes no difference
+  analysis.reset();
+  loop->stop();
+
+  start(weigh);
+  set_log_level(LogLevel::Info);
+  testing::internal::CaptureStderr();
+  analysis->begin();
+  const std::string told = testing::internal::GetCapturedStderr();
+  EXPECT_NE(told.find("wood block: its answer was taken back"), std::string::npos) << told;
+  EXPECT_EQ(told.find("is asked about"), std::string::npos) << told;
+  EXPECT_EQ(analyzed("wood block").verdict(), v1::AnalysisProgress::ACCEPTED);  // a person asks
+  EXPECT_EQ(endpoint->asked().size(), 1u);
+  analysis.reset();
+  loop->stop();
+
+  // An edit that is undone is no answer, and who deletes the sidecar forgets all.
+  ASSERT_TRUE(undo_physics(folder / "open.scene.physics.wood%20block.json"));
+  std::filesystem::remove(folder / "open.scene.physics.wood%20block.json");
+  v1::Physics heavy;
+  heavy.set_mass_kg(0.7);
+  std::filesystem::remove(folder / "sponge.physics.json");
+  std::filesystem::remove(folder / "sponge.physics.log");
+  ASSERT_TRUE(edit_physics(folder / "sponge.physics.json", heavy));
+  ASSERT_TRUE(undo_physics(folder / "sponge.physics.json"));
+  start(weigh);
+  analysis->begin();
+  ASSERT_TRUE(changes_to("wood block", by_model));
+  ASSERT_TRUE(changes_to("sponge", by_model));
+}
+
+// What the server's own start found and does not take upon itself reaches the log and every client.
+TEST_F(LiveAnalysisTest, AProposalOfTheStartIsToldAndWaits) {
+  const auto heavy = [](const AnalysisQuestion& question, const ToolBox& tools, int turn) -> Result<std::string> {
+    auto answer = nlohmann::json::parse(*weigh(question, tools, turn));
+    if (question.slots.at("name") == "wood block") answer["mass_g"] = {{"low", 4500}, {"best", 5000}, {"high", 5500}};
+    return answer.dump();
+  };
+  const auto waits = [](const SceneObject& one) {
+    return one.physics.behavior_reason().starts_with("a model's answer waits for a person (") &&
+           one.physics.mass_kg().source() == EstimatedValue::OFFLINE;
+  };
+  set_log_level(LogLevel::Info);
+  testing::internal::CaptureStderr();
+  start(heavy);
+  analysis->begin();
+  EXPECT_TRUE(changes_to("wood block", waits));
+  EXPECT_TRUE(changes_to("sponge", by_model));
+  EXPECT_EQ(analyzed("sponge").verdict(), v1::AnalysisProgress::ACCEPTED);  // the start's lines are written by then
+  analysis.reset();
+  loop->stop();
+  std::string told = testing::internal::GetCapturedStderr();
+  EXPECT_NE(told.find("analysis: wood block: needs review: mass_g.best: 5000 g is more than 8 times away"), std::string::npos)
+      << told;
+  EXPECT_NE(told.find("kept as a proposal: Accept in the window or livegs analyze --accept takes it"), std::string::npos);
+  EXPECT_NE(told.find("analysis: sponge: accepted"), std::string::npos) << told;
+
+  // The next start asks nobody about it and says that it is there.
+  testing::internal::CaptureStderr();
+  start(heavy);
+  analysis->begin();
+  EXPECT_TRUE(changes_to("wood block", waits));
+  told = testing::internal::GetCapturedStderr();
+  EXPECT_NE(told.find("wood block: a proposal waits from before"), std::string::npos) << told;
+  EXPECT_TRUE(endpoint->asked().empty());
+  ASSERT_TRUE(analysis->accept_proposal("wood block"));
+  EXPECT_TRUE(changes_to("wood block", [](const SceneObject& one) {
+    return one.mass_kg > 2 && one.physics.behavior_reason().find("waits") == std::string::npos;
+  }));
 }
 
 TEST_F(LiveAnalysisTest, AnEditIsLockedAndCanBeUndoneAndRedone) {
