@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <string>
 
 #include "core/log.h"
@@ -22,6 +23,12 @@ namespace {
 
 std::atomic<bool> interrupted{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "it is set by a signal handler");
+
+const std::map<std::string, livegs::v1::JoinRequest::Encoding> kEncodings{
+    {"drivers", livegs::v1::JoinRequest::DRIVERS},
+    {"drivers-raw", livegs::v1::JoinRequest::DRIVERS_RAW},
+    {"kernels", livegs::v1::JoinRequest::KERNELS},
+    {"kernels-exact", livegs::v1::JoinRequest::KERNELS_EXACT}};
 
 int report(const livegs::Error& error) {
   using livegs::ErrorCode;
@@ -55,7 +62,7 @@ int run_replayed(const livegs::ReplayOptions& options, bool window) {
 
 int main(int argc, char** argv) {
   livegs::OffscreenRunOptions options;
-  std::string display = "auto", renderer = "auto", size, select;
+  std::string display = "auto", renderer = "auto", encoding = "drivers", size, select;
   std::vector<std::string> forces;
   std::string replay_file, subscribe;
   double from_s = 0;
@@ -125,6 +132,12 @@ int main(int argc, char** argv) {
                  "Of elastic objects' positions along their longest side: 18 or 20 for finer steps and more bytes")
       ->check(CLI::IsMember({16, 18, 20}))
       ->capture_default_str();
+  app.add_option("--encoding", encoding,
+                 "What frames hold: what drives the kernels, each frame against those before (drivers) or as floats (drivers-raw); "
+                 "or, a hundred to a thousand times as many bytes, kernels that the server has moved, packed (kernels) or as "
+                 "floats (kernels-exact)")
+      ->check(CLI::IsMember({"drivers", "drivers-raw", "kernels", "kernels-exact"}))
+      ->capture_default_str();
   app.add_option("--pair", access.pairing_code,
                  "The pairing code that the server shows: its certificate is remembered from then on");
   app.add_option("--token-file", access.token_file,
@@ -154,6 +167,7 @@ int main(int argc, char** argv) {
   options.video = !no_video;
   if (renderer != "auto")
     options.renderer = renderer == "cpu" ? livegs::RendererChoice::Cpu : livegs::RendererChoice::Vulkan;
+  options.encoding = kEncodings.at(encoding);
   livegs::set_log_level(verbose ? livegs::LogLevel::Debug : livegs::LogLevel::Info);
   livegs::set_thread_count(threads);
   for (int signal_number : {SIGINT, SIGTERM}) signal(signal_number, [](int) { interrupted = true; });
@@ -168,6 +182,8 @@ int main(int argc, char** argv) {
   }
   if (!forces.empty() && display == "offscreen")
     return report(livegs::invalid_argument("--force: is recorded in a window; give --display window, where there is one"));
+  if (!replay_file.empty() && display == "openxr")
+    return report(livegs::invalid_argument("--replay: plays in a window or into files, not in a headset; leave --display openxr out"));
   if (!replay_file.empty()) {
     livegs::ReplayOptions replayed;
     replayed.file = replay_file;

@@ -19,10 +19,18 @@ bool same_drivers(const ObjectDrivers& a, const ObjectDrivers& b) {
   const auto same_turn = [](const Eigen::Quaternionf& p, const Eigen::Quaternionf& q) {
     return p.coeffs() == q.coeffs();
   };
+  if (a.kernels || b.kernels) return a.kernels == b.kernels;
   return a.kind == b.kind && a.positions_m == b.positions_m &&
          std::equal(a.poses.begin(), a.poses.end(), b.poses.begin(), b.poses.end(), same_pose) &&
          std::equal(a.rotations.begin(), a.rotations.end(), b.rotations.begin(), b.rotations.end(),
                     same_turn);
+}
+
+Result<void> fits(size_t kernels, const RestBody& rest, const ObjectDrivers& drivers) {
+  if (!drivers.kernels) return check_drivers(rest, drivers);
+  if (const size_t told = drivers.kernels->positions_m.size(); told != kernels)
+    return invalid_data(std::to_string(told) + " kernels are sent of " + std::to_string(kernels));
+  return {};
 }
 
 // Whether a ray enters a box: the stretches of it between each pair of faces have something in common.
@@ -137,7 +145,7 @@ Result<void> SceneView::pose(const DriverFrame& frame) {
     const bool yet_to_come = drivers.revision > revisions.rbegin()->first;
     if (yet_to_come && !object.posed_by) continue;
     if (!yet_to_come && (!object.posed_by || !same_drivers(*object.posed_by, drivers))) {
-      if (auto checked = check_drivers(object.rest, drivers); !checked) {
+      if (auto checked = fits(object.asset->size(), object.rest, drivers); !checked) {
         return Error{checked.error().code,
                      "object " + std::to_string(drivers.object_id) + ": " + checked.error().message};
       }
@@ -157,6 +165,7 @@ Result<void> SceneView::prepare(const DriverFrame& frame) {
 }
 
 const PosedKernels& SceneView::kernels_of(const Object& object) const {
+  if (object.posed_by && object.posed_by->kernels) return *object.posed_by->kernels;
   if (!object.posed_by || object.skinned_version == object.posed_version) return object.kernels;
   const int64_t begun_ns = now_ns();
   skin_kernels(*object.asset, object.rest, object.bindings, *object.posed_by, object.kernels);
@@ -183,11 +192,12 @@ std::vector<RenderedObject> SceneView::rendered(const SplatRenderer& renderer) c
   std::vector<RenderedObject> objects;
   for (uint32_t id : visible_) {
     const Object& object = *shown(id);
-    const PosedKernels* kernels = renderer.skins(object.rest.kind) ? nullptr : &kernels_of(object);
+    const bool driven = !object.posed_by->kernels;
+    const PosedKernels* kernels = driven && renderer.skins(object.rest.kind) ? nullptr : &kernels_of(object);
     objects.push_back({{object.asset.get(), kernels, id},
                        object.posed_version,
                        object.asset_version,
-                       {&object.rest, &object.bindings, &*object.posed_by}});
+                       driven ? SkinnedBy{&object.rest, &object.bindings, &*object.posed_by} : SkinnedBy{}});
   }
   return objects;
 }

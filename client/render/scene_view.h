@@ -20,7 +20,7 @@ namespace livegs {
 // Behind a scene without walls, as `livegs render` has it.
 inline const Eigen::Vector3f kBackground{0.08f, 0.08f, 0.1f};
 
-// The objects of a scene as a client holds them, and how they look for a given frame of drivers. A renderer that skins
+// The objects of a scene as a client holds them, and how they look for a given frame of drivers, or of kernels. A renderer that skins
 // (Vulkan's) is given drivers; kernels are skinned here only for who asks where they are, object by object, and only if
 // its drivers are not bit for bit those they were last skinned for. Not locked, const or not.
 class SceneView {

@@ -14,7 +14,7 @@ Quaternion nlerp(const Quaternion& a, const Quaternion& b, typename Quaternion::
 }
 
 bool same_drivers(const ObjectDrivers& a, const ObjectDrivers& b) {
-  return a.kind == b.kind && a.revision == b.revision && a.poses.size() == b.poses.size() &&
+  return !a.kernels && !b.kernels && a.kind == b.kind && a.revision == b.revision && a.poses.size() == b.poses.size() &&
          a.positions_m.size() == b.positions_m.size() && a.rotations.size() == b.rotations.size();
 }
 

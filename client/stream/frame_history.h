@@ -42,10 +42,10 @@ class FrameHistory {
   std::deque<DriverFrame> frames_;
 };
 
-// `share` of the way from a to b, 0..1. Objects whose kind, revision or count differ are taken from a.
+// `share` of the way from a to b, 0..1. Objects whose kind, revision or count differ, and kernels, are taken from a.
 DriverFrame interpolate(const DriverFrame& a, const DriverFrame& b, double share);
 // Beyond b, `share` of the way from a, 1 or more. Objects that sleep in b, or whose kind, revision or count differ, or
-// that a has not, stand as in b.
+// that a has not, and kernels, stand as in b.
 DriverFrame extrapolate(const DriverFrame& a, const DriverFrame& b, double share);
 
 }  // namespace livegs

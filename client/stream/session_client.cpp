@@ -65,10 +65,11 @@ struct SessionClient::Connection {
   std::string address;
   ConnectOptions options;
   JoinedScene scene;
-  KnownObjects objects;        // the session's thread only, once it runs, like the next three
+  KnownObjects objects;        // the session's thread only, once it runs, like the next four
   ClockOffset clock;
   std::string session_id, server_instance;
   double rate_hz = 0;
+  v1::JoinRequest::Encoding encoding = v1::JoinRequest::DRIVERS;
   StreamSink* sink = nullptr;
   std::thread thread;
   std::atomic<bool> ended{false};
@@ -145,6 +146,7 @@ Result<v1::JoinReply> SessionClient::Connection::join(int64_t give_up_ns) {
   request.set_most_mbit_s(options.most_mbit_s);
   request.set_rate_hz(options.rate_hz);
   request.set_position_bits(options.position_bits);
+  request.set_encoding(options.encoding);
   grpc::Status status;
   std::chrono::seconds deadline = session_id.empty() ? kCallDeadline : kRejoinDeadline;
   for (;;) {
@@ -203,6 +205,7 @@ Result<std::unique_ptr<SessionClient>> SessionClient::join(const std::string& ad
   connection->session_id = connection->scene.session_id = reply->session_id();
   connection->server_instance = reply->server_instance();
   connection->scene.rate_hz = connection->rate_hz = reply->rate_hz();
+  connection->encoding = reply->encoding();
   connection->scene.stream_rate_hz = reply->stream_rate_hz();
   connection->scene.tick = reply->tick();
   connection->scene.ball_speed_m_s = reply->ball_speed_m_s();
@@ -301,7 +304,7 @@ void SessionClient::look(const ViewCone& view) {
 SessionStream::Outcome SessionClient::Connection::stream_once() {
   const auto used = stub_now();
   const auto opened =
-      std::make_shared<SessionStream>(*used, session_id, rate_hz, SessionStream::Ends{*sink, clock, objects});
+      std::make_shared<SessionStream>(*used, session_id, rate_hz, encoding, SessionStream::Ends{*sink, clock, objects});
   {
     std::lock_guard lock(mutex);
     if (stopping) opened->stop();
@@ -347,6 +350,7 @@ Result<void> SessionClient::Connection::resume(const SessionStream::Outcome& los
   session_id = reply->session_id();
   server_instance = reply->server_instance();
   rate_hz = reply->rate_hz();
+  encoding = reply->encoding();
   if (!resumed.same_server) clock = ClockOffset();
   std::vector<const v1::ObjectDescription*> descriptions;
   for (const v1::ObjectDescription& description : reply->objects()) descriptions.push_back(&description);

@@ -22,6 +22,7 @@ struct ConnectOptions {
   double most_mbit_s = 0;  // what the link can take; 0: whatever the server gives
   double rate_hz = 0;      // frames a second that it has a use for, 5 or more; 0: one each tick
   uint32_t position_bits = 16;  // of elastic objects' positions along their longest side: 16, 18 or 20
+  v1::JoinRequest::Encoding encoding = v1::JoinRequest::DRIVERS;  // of frames
   // How long a server that went away is looked for before the session is over; infinity: until stop().
   double reconnect_s = 10.0;
   // Whether a server that said goodbye is looked for, too.

@@ -25,8 +25,9 @@ Eigen::Vector3f vector_of(const google::protobuf::RepeatedField<float>& numbers)
 
 }  // namespace
 
-SessionStream::SessionStream(v1::LiveGs::Stub& stub, std::string session_id, double rate_hz, Ends ends)
-    : stub_(stub), session_id_(std::move(session_id)), ends_(ends), aim_(rate_hz) {}
+SessionStream::SessionStream(v1::LiveGs::Stub& stub, std::string session_id, double rate_hz, v1::JoinRequest::Encoding encoding,
+                             Ends ends)
+    : stub_(stub), session_id_(std::move(session_id)), ends_(ends), frames_(encoding), aim_(rate_hz) {}
 
 SessionStream::Outcome SessionStream::run() {
   heard_ns_ = now_ns();

@@ -16,10 +16,10 @@
 #include "core/view_cone.h"
 #include "livegs/v1/session.grpc.pb.h"
 #include "stream/clock_offset.h"
+#include "stream/frame_reader.h"
 #include "stream/known_objects.h"
 #include "stream/received.h"
 #include "stream/tick_aim.h"
-#include "wire/frame_stream.h"
 
 namespace livegs {
 
@@ -37,7 +37,8 @@ class SessionStream {
     ClockOffset& clock;
     KnownObjects& objects;
   };
-  SessionStream(v1::LiveGs::Stub& stub, std::string session_id, double rate_hz, Ends ends);
+  // `encoding`: of its frames, as Join said.
+  SessionStream(v1::LiveGs::Stub& stub, std::string session_id, double rate_hz, v1::JoinRequest::Encoding encoding, Ends ends);
 
   struct Outcome {
     grpc::Status status;
@@ -70,7 +71,7 @@ class SessionStream {
   std::unique_ptr<grpc::ClientReaderWriter<v1::ClientMessage, v1::ServerMessage>> stream_;
   std::atomic<int64_t> heard_ns_{0};
 
-  StreamReader frames_;  // the reader's thread only, like the next
+  FrameReader frames_;  // the reader's thread only, like the next
   int64_t echoed_ns_ = 0;
 
   std::mutex mutex_;  // guards everything below

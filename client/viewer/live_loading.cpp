@@ -61,7 +61,8 @@ Result<std::unique_ptr<LiveView>> LiveLoading::take() {
 }
 
 Result<void> LiveLoading::show_scene(LiveView& live) const {
-  if (options_.coarse_first) live.assets.show_parts();
+  const bool kernels = options_.encoding == v1::JoinRequest::KERNELS || options_.encoding == v1::JoinRequest::KERNELS_EXACT;
+  if (options_.coarse_first && !kernels) live.assets.show_parts();
   const std::vector<StreamedObject>& objects = live.client->scene().objects;
   for (const StreamedObject& object : objects) live.objects.ask_for(object);
   for (const StreamedObject& object : objects) {
@@ -77,6 +78,7 @@ Result<std::unique_ptr<LiveView>> LiveLoading::load() {
   connect.most_mbit_s = options_.most_mbit_s;
   connect.rate_hz = options_.rate_hz;
   connect.position_bits = options_.position_bits;
+  connect.encoding = options_.encoding;
   connect.timeout_s = options_.connect_timeout_s;
   connect.reconnect_s = options_.reconnect_s;
   connect.outlive_draining = options_.outlive_draining;

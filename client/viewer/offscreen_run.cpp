@@ -42,9 +42,24 @@ Result<Prepared> prepare(const OffscreenRunOptions& options) {
   return prepared;
 }
 
+// The object that the action names; a ball that is shot at a point names none.
+std::string named_by(const v1::InputScript::Action& action) {
+  switch (action.kind_case()) {
+    case v1::InputScript::Action::kPoke:
+      return action.poke().object();
+    case v1::InputScript::Action::kGrab:
+      return action.grab().object();
+    case v1::InputScript::Action::kBall:
+      return action.ball().object();
+    case v1::InputScript::Action::KIND_NOT_SET:
+      break;
+  }
+  return {};
+}
+
 Result<void> check_names(const v1::InputScript& script, const JoinedScene& scene) {
   for (const v1::InputScript::Action& action : script.actions()) {
-    const std::string& name = action.has_poke() ? action.poke().object() : action.ball().object();
+    const std::string name = named_by(action);
     if (action.has_ball() && action.ball().aim_case() != v1::InputScript::Ball::kObject) continue;
     std::string known;
     bool found = false;

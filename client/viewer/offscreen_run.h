@@ -52,7 +52,7 @@ inline constexpr size_t kMostBacklogBytes = 512u << 20;
 // Joins, fetches, records the stream for its time and draws it, into `output`:
 //   out.mp4, frame_NNNNN.png    the video, and some of its pictures
 //   first.png, last.png         the first picture, and one of the very last frame
-//   last_frame.bin, camera.json that frame's bytes and the camera: `livegs render SCENE --frame --camera`
+//   last_frame.bin, camera.json that frame's bytes (not of kernels) and the camera: `livegs render SCENE --frame --camera`
 //   draws it again frames.csv, timings.csv     a row a received frame; a row a drawn picture
 // The stream is taken at its full rate while drawing follows as fast as it can, from a bounded backlog of
 // encoded frames; after the time is up the session ends and the rest is drawn. Fails when it could not start, or was

@@ -18,7 +18,11 @@ std::optional<Eigen::Vector3d> middle_of(const DriverFrame& frame, uint32_t obje
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Pose& pose : object->poses) sum += pose.position_m;
   for (const Eigen::Vector3f& position : object->positions_m) sum += position.cast<double>();
-  const size_t count = object->poses.size() + object->positions_m.size();
+  size_t count = object->poses.size() + object->positions_m.size();
+  if (object->kernels) {
+    for (const Eigen::Vector3f& position : object->kernels->positions_m) sum += position.cast<double>();
+    count += object->kernels->positions_m.size();
+  }
   if (count == 0) return std::nullopt;
   return sum / static_cast<double>(count);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "viewer/write_pictures.h"
 
+#include <algorithm>
+
 #include "core/file.h"
 #include "splat/image.h"
 #include "wire/frame_codec.h"
@@ -13,6 +15,8 @@ Result<void> write_pictures(const Player& player, const std::filesystem::path& f
   }
   if (player.last_picture()) {
     if (auto written = write_png(folder / "last.png", *player.last_picture()); !written) return written;
+    const std::vector<ObjectDrivers>& objects = player.last_frame()->objects;
+    if (std::any_of(objects.begin(), objects.end(), [](const ObjectDrivers& one) { return one.kernels != nullptr; })) return {};
     return write_file_atomically(folder / "last_frame.bin", encode_frame(*player.last_frame()));
   }
   return {};

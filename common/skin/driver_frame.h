@@ -4,9 +4,11 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/pose.h"
+#include "gaussian/posed_kernels.h"
 #include "skin/node_neighbours.h"
 
 namespace livegs {
@@ -30,6 +32,9 @@ struct ObjectDrivers {
   std::vector<Eigen::Quaternionf> rotations;   // Particles: world_from_object turn since rest
   // Lattice: who stands beside whom at rest, from which a stream predicts. Null: not told.
   NodeNeighboursPtr neighbours{};
+  // The kernels of the asset themselves, of a stream of kernels: then no array above is filled, and `kind` says nothing. Null
+  // else. What skins, binds or encodes drivers takes none of these.
+  std::shared_ptr<const PosedKernels> kernels{};
 };
 
 // Everything the server simulated at one tick; the only thing that crosses the wire every frame.

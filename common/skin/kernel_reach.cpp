@@ -55,6 +55,13 @@ KernelReach kernel_reach(const RestBody& rest, const KernelBindings& bindings) {
 
 Eigen::AlignedBox3f box_of_kernels(const KernelReach& reach, const ObjectDrivers& drivers) {
   Eigen::AlignedBox3f box;
+  if (drivers.kernels) {
+    float extent = 0;
+    for (const Eigen::Vector3f& position : drivers.kernels->positions_m) box.extend(position);
+    for (const Symmetric3f& covariance : drivers.kernels->covariances_m2) extent = std::max(extent, extent_m(covariance));
+    const Eigen::Vector3f wide = Eigen::Vector3f::Constant(extent);
+    return box.isEmpty() ? box : Eigen::AlignedBox3f(box.min() - wide, box.max() + wide);
+  }
   if (drivers.kind == DriverKind::Rigid) {
     for (size_t b = 0; b < reach.bodies_m.size(); ++b) {
       if (reach.bodies_m[b] < 0) continue;

@@ -16,7 +16,7 @@ struct KernelReach {
 };
 KernelReach kernel_reach(const RestBody& rest, const KernelBindings& bindings);
 
-// A box that all kernels are in. `drivers` fit the rest body.
+// A box that all kernels are in. `drivers` fit the rest body, or are kernels.
 Eigen::AlignedBox3f box_of_kernels(const KernelReach& reach, const ObjectDrivers& drivers);
 
 }  // namespace livegs

@@ -14,12 +14,13 @@
 #include "wire/little_endian.h"
 #include "wire/packed_quaternion.h"
 #include "wire/quantised_box.h"
+#include "wire/rest_body_codec.h"
 
 namespace livegs {
 namespace {
 
-constexpr uint8_t kMagic = 0xD8, kVersion = 1;
-constexpr size_t kFrameHeaderBytes = 24, kObjectHeaderBytes = 8, kBoxBytes = 24;
+constexpr uint8_t kMagic = 0xD8, kVersion = 2;
+constexpr size_t kObjectHeaderBytes = 9, kBoxBytes = 24;
 constexpr size_t kExactBytes = 52, kQuantisedBytes = 20;
 constexpr int kPositionBits = 16, kComponentBits = 12, kDeviationBits = 10;
 constexpr size_t kDeviationBytes = 4, kRotationBytes = 5;
@@ -125,11 +126,14 @@ Result<void> read_quantised(ByteReader& in, PosedKernels& kernels) {
 
 }  // namespace
 
+size_t kernel_bytes(size_t kernels, KernelEncoding encoding) {
+  return kObjectHeaderBytes + kBoxBytes + kernels * (encoding == KernelEncoding::Exact ? kExactBytes : kQuantisedBytes);
+}
+
 std::vector<std::byte> encode_kernels(const KernelFrame& frame, KernelEncoding encoding) {
   const bool exact = encoding == KernelEncoding::Exact;
-  size_t size = kFrameHeaderBytes;
-  for (const ObjectKernels& object : frame.objects)
-    size += kObjectHeaderBytes + kBoxBytes + object.kernels.positions_m.size() * (exact ? kExactBytes : kQuantisedBytes);
+  size_t size = kKernelFrameHeaderBytes;
+  for (const ObjectKernels& object : frame.objects) size += kernel_bytes(object.kernels.positions_m.size(), encoding);
   ByteWriter out;
   out.reserve(size);
   out.write(kMagic);
@@ -143,7 +147,9 @@ std::vector<std::byte> encode_kernels(const KernelFrame& frame, KernelEncoding e
     const PosedKernels& kernels = object.kernels;
     LIVEGS_ASSERT(kernels.covariances_m2.size() == kernels.positions_m.size() &&
                   kernels.world_from_asset.size() == kernels.positions_m.size());
+    LIVEGS_ASSERT(object.revision <= kMaxRevision);
     out.write(object.object_id);
+    out.write(static_cast<uint8_t>(object.revision));
     out.write(static_cast<uint32_t>(kernels.positions_m.size()));
     if (kernels.positions_m.empty()) continue;
     exact ? write_exact(out, kernels) : write_quantised(out, kernels);
@@ -174,6 +180,7 @@ Result<KernelFrame> decode_kernels(std::span<const std::byte> bytes) {
   for (size_t i = 0; i < object_count; ++i) {
     ObjectKernels& object = frame.objects.emplace_back();
     object.object_id = in.read<uint32_t>();
+    object.revision = in.read<uint8_t>();
     const size_t count = in.read<uint32_t>();
     if (in.failed()) return bad("is cut short");
     if (count == 0) continue;

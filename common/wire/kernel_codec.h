@@ -16,6 +16,7 @@ namespace livegs {
 
 struct ObjectKernels {
   uint32_t object_id = 0;
+  uint32_t revision = 0;  // of the asset they are of, to 255: as ObjectDrivers has it
   PosedKernels kernels;  // arrays of one length
 };
 struct KernelFrame {
@@ -30,8 +31,12 @@ enum class KernelEncoding : uint8_t {
 };
 
 // Preconditions: finite values; covariances are symmetric and not negative, rotations are not zero; quantised, standard
-// deviations lie in 1 µm ... 16 m (others become the nearer of the two); no more than 64 MiB come of it.
+// deviations lie in 1 µm ... 16 m (others become the nearer of the two); no more than kMaxFrameBytes come of it.
 std::vector<std::byte> encode_kernels(const KernelFrame& frame, KernelEncoding encoding);
+
+// What an object of so many kernels takes of a frame, at most; and a frame without any.
+size_t kernel_bytes(size_t kernels, KernelEncoding encoding);
+inline constexpr size_t kKernelFrameHeaderBytes = 24;
 
 // Accepts any bytes. What comes of quantised ones can be drawn, whatever they say; exact ones are finite and no more. Memory is
 // bounded by the input's size.

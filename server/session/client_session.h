@@ -26,6 +26,8 @@ class SessionWriter {
   virtual void close(const std::string& reason) = 0;
   // Ends the stream with the error as soon as the write that is under way is done. What waits is not written.
   virtual void end(const Error& why) = 0;
+  // Ends the stream with DEADLINE_EXCEEDED if it has no session yet.
+  virtual void end_without_session() = 0;
   // Ends the stream at once, whether or not the client still reads.
   virtual void abort() = 0;
 };
@@ -37,6 +39,19 @@ struct ClientIdentity {
   Grant grant;
   std::string name, peer;  // as it calls itself, printable; its address
 };
+
+// What a client asked for when it joined; it holds for the streams that it opens until it joins again.
+struct JoinTerms {
+  double most_bytes_s = std::numeric_limits<double>::infinity();
+  int position_bits = 16;
+  v1::JoinRequest::Encoding encoding = v1::JoinRequest::DRIVERS;
+  uint64_t every = 1;             // tick
+  int64_t tick_ns = 11'111'111;   // between ticks
+};
+
+inline bool is_of_kernels(v1::JoinRequest::Encoding encoding) {
+  return encoding == v1::JoinRequest::KERNELS || encoding == v1::JoinRequest::KERNELS_EXACT;
+}
 
 // How long things took in a session so far, milliseconds.
 struct ClientTimes {
@@ -51,9 +66,12 @@ struct ClientTimes {
 // one before still says is not heard. Any thread.
 class ClientSession {
  public:
-  ClientSession(std::string session_id, SessionNumber session_number, int64_t joined_at_ns, ClientIdentity identity = {})
+  ClientSession(std::string session_id, SessionNumber session_number, int64_t joined_at_ns, ClientIdentity identity = {},
+                const JoinTerms& terms = {})
       : id(std::move(session_id)), number(session_number), who(std::move(identity)), joined_ns(joined_at_ns),
-        heard_ns(joined_at_ns) {}
+        heard_ns(joined_at_ns), terms_(terms) {
+    window_.set_interval(terms_.tick_ns * static_cast<int64_t>(terms_.every));
+  }
 
   const std::string id;
   const SessionNumber number;
@@ -61,8 +79,6 @@ class ClientSession {
   const int64_t joined_ns;
   std::atomic<int64_t> heard_ns;  // of the last message, or of Join
   std::atomic<uint64_t> bytes_sent{0};
-  std::atomic<double> most_bytes_s{std::numeric_limits<double>::infinity()};  // as it joined last; holds from its next stream on
-  std::atomic<int> position_bits{16};  // likewise
 
   enum class State { Joined, Streaming, Parked };
   State state() const {
@@ -71,22 +87,28 @@ class ClientSession {
   }
 
   // The client joined again: as after its first Join. Returns the writer of the stream it left, to be aborted.
-  std::shared_ptr<SessionWriter> rejoin(int64_t now_ns) {
+  std::shared_ptr<SessionWriter> rejoin(int64_t now_ns, const JoinTerms& terms = {}) {
     std::lock_guard lock(mutex_);
     heard_ns = now_ns;
     state_ = State::Joined;
     ++stream_;
     offered_ = false;
+    terms_ = terms;
+    window_.set_interval(terms_.tick_ns * static_cast<int64_t>(terms_.every));
     window_.restart();
     return std::exchange(writer_, {}).lock();
   }
-  // The number of the stream that begins. Nothing if another stream has the session, or it has to join again.
-  std::optional<uint64_t> attach(std::weak_ptr<SessionWriter> writer) {
+  struct Attached {
+    uint64_t stream = 0;  // its number
+    JoinTerms terms;
+  };
+  // The stream that begins. Nothing if another stream has the session, or it has to join again.
+  std::optional<Attached> attach(std::weak_ptr<SessionWriter> writer) {
     std::lock_guard lock(mutex_);
     if (state_ != State::Joined) return std::nullopt;
     state_ = State::Streaming;
     writer_ = std::move(writer);
-    return stream_;
+    return Attached{stream_, terms_};
   }
   // That stream is over. False if the session has gone on without it.
   bool park(uint64_t stream) {
@@ -109,21 +131,22 @@ class ClientSession {
     return writer_.lock();
   }
 
-  // From now on it gets every n-th tick, which come every `tick_ns`.
-  void set_pace(int64_t tick_ns, uint64_t every) {
-    std::lock_guard lock(mutex_);
-    every_ = every;
-    window_.set_interval(tick_ns * static_cast<int64_t>(every));
-  }
   bool add_event(const v1::SessionEvent& event) {
     std::lock_guard lock(mutex_);
     return state_ == State::Parked || window_.add_event(event);
   }
-  void offer(std::shared_ptr<const PublishedTick> tick) {
+  // What its frames are, as it joined last.
+  v1::JoinRequest::Encoding encoding() const {
     std::lock_guard lock(mutex_);
-    if (state_ == State::Parked) return;
+    return terms_.encoding;
+  }
+  // `kernels`: which the tick has been given; without, it is for those who are sent drivers. Nothing for those who asked for
+  // something else.
+  void offer(std::shared_ptr<const PublishedTick> tick, std::optional<v1::JoinRequest::Encoding> kernels = {}) {
+    std::lock_guard lock(mutex_);
+    if (state_ == State::Parked || (kernels ? terms_.encoding != *kernels : is_of_kernels(terms_.encoding))) return;
     // The same ticks for all of the same pace, so that they share bytes; should the one be left out, the next in its place.
-    const uint64_t turn = tick->tick() / every_;
+    const uint64_t turn = tick->tick() / terms_.every;
     if (offered_ && turn == turn_) return;
     offered_ = true;
     turn_ = turn;
@@ -173,7 +196,8 @@ class ClientSession {
   State state_ = State::Joined;
   uint64_t stream_ = 1;
   SendWindow window_;
-  uint64_t every_ = 1, turn_ = 0;  // of the tick it was offered last
+  JoinTerms terms_;
+  uint64_t turn_ = 0;  // of the tick it was offered last
   bool offered_ = false;           // one since this stream began
   ClientTimes times_;
   std::weak_ptr<SessionWriter> writer_;

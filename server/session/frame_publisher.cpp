@@ -107,7 +107,8 @@ void FramePublisher::deliver(const SteppedTick& tick) {
     std::lock_guard lock(mutex_);
     ++frames_;
   }
-  const uint64_t event_number = table_.deliver(std::move(published), added, changed, tick.removed);
+  const uint64_t event_number = table_.deliver(published, added, changed, tick.removed);
+  kernels_.publish(std::move(published), tick.added, tick.changed, tick.removed);
   if (fan_out_ && fan_out_->heard())
     fan_out_->publish({table_.instance(), event_number, tick.stepped_ns, tick.drivers});
 }

@@ -10,6 +10,7 @@
 
 #include "session/asset_store.h"
 #include "session/frame_fan_out.h"
+#include "session/kernel_publisher.h"
 #include "session/published_tick.h"
 #include "session/session_table.h"
 
@@ -34,6 +35,9 @@ class FramePublisher final : public TickSink {
   // From now on every tick goes out there too; it outlives the publisher. Before the first tick.
   void publish_to(FrameFanOut& fan_out) { fan_out_ = &fan_out; }
 
+  // What there is before the first tick.
+  void begin_with(std::span<const SceneObject* const> objects) { kernels_.begin_with(objects); }
+
   void publish(SteppedTick tick) override;
   PublisherSummary summary() const;
 
@@ -53,6 +57,7 @@ class FramePublisher final : public TickSink {
     std::future<void> done;
   };
   std::vector<Encoding> encodings_;  // the publisher's thread only
+  KernelPublisher kernels_{table_};
   std::shared_ptr<EncodingRecord> record_ = std::make_shared<EncodingRecord>();
 
   mutable std::mutex mutex_;  // guards everything below but the thread

@@ -30,15 +30,16 @@ ObjectBall ball_around(const ObjectDrivers& drivers, double reach_m) {
   Eigen::AlignedBox3d box;
   for (const Pose& pose : drivers.poses) box.extend(pose.position_m);
   for (const Eigen::Vector3f& position : drivers.positions_m) box.extend(position.cast<double>());
-  if (box.isEmpty()) return {drivers.object_id, Eigen::Vector3d::Zero(), std::numeric_limits<double>::infinity()};
+  if (box.isEmpty()) return {drivers.object_id, Eigen::Vector3d::Zero(), std::numeric_limits<double>::infinity(), drivers.asleep};
   const double stretch = drivers.kind == DriverKind::Rigid ? 1 : kStretch;
-  return {drivers.object_id, box.center(), 0.5 * box.diagonal().norm() + stretch * reach_m};
+  return {drivers.object_id, box.center(), 0.5 * box.diagonal().norm() + stretch * reach_m, drivers.asleep};
 }
 
 std::vector<uint32_t> unseen(std::span<const ObjectBall> balls, const Onlooker& who, uint64_t tick, uint64_t tick_before) {
   std::vector<uint32_t> out;
-  if (!who.view) return out;
+  if (!who.view || who.roomy) return out;
   for (const ObjectBall& ball : balls) {
+    if (ball.asleep) continue;
     const uint64_t shift = uint64_t{4} * ball.object_id;
     const bool its_turn = (tick + shift) / kUnseenEvery != (tick_before + shift) / kUnseenEvery;
     if (!its_turn && !holds(who.held, ball.object_id) && !who.view->touches(ball.centre_m, ball.radius_m))

@@ -19,6 +19,7 @@ struct ObjectBall {
   uint32_t object_id = 0;
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
   double radius_m = 0;
+  bool asleep = false;
 };
 // `reach_m`: how far from its drivers it shows, as v1::ObjectDescription has it.
 ObjectBall ball_around(const ObjectDrivers& drivers, double reach_m);
@@ -27,12 +28,16 @@ struct Onlooker {
   std::optional<ViewCone> view;  // none: it sees everything
   std::vector<uint32_t> held;    // objects that its hands hold, ascending
   int position_bits = 16;        // of elastic objects, as it asked for when it joined
+  // Neither capped nor slow: it is sent what it does not see, too, so that all who are alike in this share their bytes,
+  // whichever way they look. Encoding for each by itself costs more than the bytes.
+  bool roomy = false;
 };
 
 // An object that is not seen is in one of so many ticks.
 inline constexpr uint64_t kUnseenEvery = 9;
 
-// Of `balls`, those that the client does not see and whose turn it is not. Ascending ids.
+// Of `balls`, those that the client does not see and whose turn it is not. Ascending ids. None that sleep, which cost nothing
+// once they are sent: whoever has them shares bytes with everybody.
 std::vector<uint32_t> unseen(std::span<const ObjectBall> balls, const Onlooker& who, uint64_t tick, uint64_t tick_before);
 
 // Of the frame's objects that may wait, those that have to if it is to take `budget_bytes` and not `whole_bytes`, which it

@@ -143,6 +143,7 @@ void LiveServer::open(const std::string& scene_name, double rate_hz,
     if (object->broken) (void)parts_->assets.add(object->broken->asset);
     described.push_back(std::make_shared<const v1::ObjectDescription>(describe_object(*object, parts_->assets)));
   }
+  parts_->publisher->begin_with(objects);
   parts_->table.open(scene_name, rate_hz, std::move(described), inputs);
   parts_->server->GetHealthCheckService()->SetServingStatus(true);
   parts_->server->GetHealthCheckService()->SetServingStatus(kServiceName, true);

@@ -16,6 +16,7 @@
 #include "session/version.h"
 #include "wire/driver_grid.h"
 #include "wire/frame_codec.h"
+#include "wire/kernel_codec.h"
 
 namespace livegs {
 namespace {
@@ -70,6 +71,29 @@ grpc::ServerUnaryReactor* LiveService::Join(grpc::CallbackServerContext* context
   return reactor;
 }
 
+namespace {
+
+// Whether frames of the scene can be sent so.
+Result<void> check_encoding(v1::JoinRequest::Encoding encoding, const SessionTable::Described& scene) {
+  if (!v1::JoinRequest::Encoding_IsValid(encoding)) {
+    return invalid_argument("encoding: " + std::to_string(encoding) +
+                            " is none; 0 to 3 are DRIVERS, DRIVERS_RAW, KERNELS and KERNELS_EXACT, livegs.v1.JoinRequest.Encoding");
+  }
+  if (!is_of_kernels(encoding)) return {};
+  size_t bytes = kKernelFrameHeaderBytes, kernels = 0;
+  for (const SessionTable::Object& object : scene.objects) {
+    kernels += object->kernel_count();
+    bytes += kernel_bytes(object->kernel_count(),
+                          encoding == v1::JoinRequest::KERNELS ? KernelEncoding::Quantised : KernelEncoding::Exact);
+  }
+  if (bytes <= kMaxFrameBytes) return {};
+  return invalid_argument("encoding: the scene's " + std::to_string(kernels) + " kernels take " + std::to_string(bytes >> 20) +
+                          " MiB, where a frame holds " + std::to_string(kMaxFrameBytes >> 20) + "; ask for DRIVERS" +
+                          (encoding == v1::JoinRequest::KERNELS ? "" : ", or KERNELS, which take less"));
+}
+
+}  // namespace
+
 grpc::Status LiveService::join(const grpc::CallbackServerContext& context, const v1::JoinRequest& request,
                                v1::JoinReply& reply) {
   if (request.protocol_version() != kProtocolVersion) {
@@ -91,24 +115,29 @@ grpc::Status LiveService::join(const grpc::CallbackServerContext& context, const
     return {grpc::StatusCode::INVALID_ARGUMENT,
             "position_bits: " + std::to_string(position_bits) + " is neither 16, 18 nor 20; leave it out, or 0, for 16"};
   }
+  const auto scene = table_.described();
+  if (!scene) return to_status(scene.error());
+  if (auto checked = check_encoding(request.encoding(), *scene); !checked) return to_status(checked.error());
   auto grant = grant_of(context, tokens_);
   if (!grant) return to_status(grant.error());  // it ended between the gate and here
   const v1::Scope scope = grant->scope;
   const std::string token = grant->token_name;
   const std::string name = printable(request.client_name()), peer = context.peer();
-  auto joined = table_.join(request.resumed_session_id(), {std::move(*grant), name, peer});
+  JoinTerms terms;
+  terms.most_bytes_s = wish_mbit_s == 0 ? cap_bytes_s_ : std::min(cap_bytes_s_, wish_mbit_s * kBytesPerMbit);
+  terms.position_bits = static_cast<int>(position_bits);
+  terms.encoding = request.encoding();
+  terms.every = static_cast<uint64_t>(std::max(1.0, wish_hz == 0 ? 1.0 : std::floor(scene->rate_hz / wish_hz + 1e-9)));
+  terms.tick_ns = static_cast<int64_t>(1e9 / scene->rate_hz);
+  auto joined = table_.join(request.resumed_session_id(), {std::move(*grant), name, peer}, terms);
   if (!joined) return to_status(joined.error());
-  joined->session->most_bytes_s = wish_mbit_s == 0 ? cap_bytes_s_ : std::min(cap_bytes_s_, wish_mbit_s * kBytesPerMbit);
-  joined->session->position_bits = static_cast<int>(position_bits);
-  const SessionTable::Status status = table_.status();
-  const auto every = static_cast<uint64_t>(std::max(1.0, wish_hz == 0 ? 1.0 : std::floor(status.rate_hz / wish_hz + 1e-9)));
-  joined->session->set_pace(static_cast<int64_t>(1e9 / status.rate_hz), every);
-  reply.set_stream_rate_hz(status.rate_hz / static_cast<double>(every));
+  reply.set_stream_rate_hz(scene->rate_hz / static_cast<double>(terms.every));
   reply.set_session_id(joined->session->id);
-  reply.set_rate_hz(status.rate_hz);
-  reply.set_tick(status.tick);
+  reply.set_rate_hz(scene->rate_hz);
+  reply.set_tick(table_.status().tick);
   reply.set_ball_speed_m_s(kBallSpeed_m_s);
   reply.set_server_instance(table_.instance());
+  reply.set_encoding(request.encoding());
   reply.set_looks_only(scope < v1::INTERACT);
   for (const SessionTable::Object& object : joined->objects) *reply.add_objects() = *object;
   log_info("session %.8s: \"%s\" joined %sfrom %s%s", joined->session->id.c_str(), name.c_str(),

@@ -4,11 +4,13 @@
 #include <grpc/slice.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
+#include "core/assert.h"
 #include "core/clock.h"
-#include "livegs/v1/session.pb.h"
 #include "session/frame_tail.h"
+#include "wire/frame_codec.h"
 
 namespace livegs {
 namespace {
@@ -27,6 +29,13 @@ FrameTail make_frame_tail(std::span<const std::byte> frame) {
   std::memcpy(GRPC_SLICE_START_PTR(slice), prefix, length);
   if (!frame.empty()) std::memcpy(GRPC_SLICE_START_PTR(slice) + length, frame.data(), frame.size());
   return {grpc::Slice(slice, grpc::Slice::STEAL_REF)};
+}
+
+// A tick that is encoded so often already makes clients seem slow by itself: who has no cap shares from then on.
+constexpr size_t kManyEncodings = 8;
+
+EncodedFrame whole_frame(std::span<const std::byte> frame) {
+  return {std::make_shared<const FrameTail>(make_frame_tail(frame)), nullptr, frame.size()};
 }
 
 }  // namespace
@@ -49,11 +58,35 @@ EncodedFrame PublishedTick::for_client(const StreamBaselinePtr& written, const O
   const StreamBaselinePtr baseline = usable(written);
   if (!baseline) return encoded(nullptr, {}, who.position_bits);
   std::vector<uint32_t> left_out;
-  if (who.view) left_out = unseen(balls(), who, frame_.tick, tick_of(*baseline));
+  const bool shares = who.roomy || (std::isinf(budget_bytes) && encodings() >= kManyEncodings);
+  if (who.view && !shares) left_out = unseen(balls(), who, frame_.tick, tick_of(*baseline));
   const EncodedFrame whole = encoded(baseline, left_out, who.position_bits);
   if (static_cast<double>(whole.bytes) <= budget_bytes) return whole;
   return encoded(baseline, over_budget(frame_, *baseline, balls(), who, left_out, static_cast<double>(whole.bytes), budget_bytes),
                  who.position_bits);
+}
+
+size_t PublishedTick::encodings() const {
+  std::lock_guard lock(mutex_);
+  return made_.size();
+}
+
+EncodedFrame PublishedTick::by_itself(v1::JoinRequest::Encoding encoding) const {
+  std::lock_guard lock(mutex_);
+  auto made = by_itself_.find(encoding);
+  if (made == by_itself_.end()) {
+    LIVEGS_ASSERT(encoding == v1::JoinRequest::DRIVERS_RAW);
+    const int64_t begun_ns = now_ns();
+    const std::vector<std::byte> frame = encode_frame(frame_, DriverEncoding::Raw);
+    if (record_) record_->add(frame.size(), milliseconds_from_ns(now_ns() - begun_ns));
+    made = by_itself_.emplace(encoding, whole_frame(frame)).first;
+  }
+  return made->second;
+}
+
+void PublishedTick::keep(v1::JoinRequest::Encoding encoding, std::vector<std::byte> frame) {
+  std::lock_guard lock(mutex_);
+  by_itself_[encoding] = whole_frame(frame);
 }
 
 std::span<const ObjectBall> PublishedTick::balls() const {

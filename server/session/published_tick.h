@@ -8,6 +8,7 @@
 #include <mutex>
 #include <vector>
 
+#include "livegs/v1/session.pb.h"
 #include "session/duration_histogram.h"
 #include "session/frame_selection.h"
 #include "session/stepped_tick.h"
@@ -55,6 +56,7 @@ class PublishedTick {
       : frame_(std::move(frame)), record_(std::move(record)) {}
 
   uint64_t tick() const { return frame_.tick; }
+  const DriverFrame& drivers() const { return frame_; }
   int64_t stepped_ns = 0;
   double step_ms = 0;
   RunStatus run;
@@ -63,12 +65,17 @@ class PublishedTick {
 
   // With all that moved, at 16 bits. `written`: the baseline of what a stream has been written so far; null for a key frame.
   EncodedFrame against(const StreamBaselinePtr& written) const;
-  // Without what this client does not see, nor what does not fit; proto/frame_format.md, "What a frame leaves out".
+  // Without what does not fit and, to a client that is not roomy, what it does not see; proto/frame_format.md, "What a frame leaves out".
   EncodedFrame for_client(const StreamBaselinePtr& written, const Onlooker& who,
                           double budget_bytes = std::numeric_limits<double>::infinity()) const;
+  // Whole, and to be read without any before, for those who asked for another encoding than DRIVERS. Precondition: kernels
+  // have been kept.
+  EncodedFrame by_itself(v1::JoinRequest::Encoding encoding) const;
+  void keep(v1::JoinRequest::Encoding encoding, std::vector<std::byte> frame);
 
  private:
   EncodedFrame encoded(const StreamBaselinePtr& baseline, const std::vector<uint32_t>& left_out, int position_bits) const;
+  size_t encodings() const;  // so far
   std::span<const ObjectBall> balls() const;
   // A stream's ticks grow; should they not, it begins anew.
   StreamBaselinePtr usable(const StreamBaselinePtr& written) const {
@@ -87,6 +94,7 @@ class PublishedTick {
   mutable std::once_flag balls_made_;
   mutable std::vector<ObjectBall> balls_;
   mutable std::vector<Made> made_;  // few: clients that keep up are alike
+  mutable std::map<v1::JoinRequest::Encoding, EncodedFrame> by_itself_;
 };
 
 }  // namespace livegs

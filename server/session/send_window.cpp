@@ -30,6 +30,7 @@ std::optional<SendWindow::Outgoing> SendWindow::take(int64_t now_ns, bool frames
     ++sent_;
   }
   if (!outgoing.tick && events_.empty()) return std::nullopt;
+  outgoing.slow = size_.slow(now_ns);
   outgoing.events = std::move(events_);
   events_.clear();
   return outgoing;

@@ -34,6 +34,7 @@ class SendWindow {
   struct Outgoing {
     std::shared_ptr<const PublishedTick> tick;  // nullptr: events only
     std::vector<v1::SessionEvent> events;
+    bool slow = false;  // WindowSize::slow()
   };
   // What to write now, if there is anything that may be; it counts as sent. Without `frames`, events only.
   std::optional<Outgoing> take(int64_t now_ns, bool frames = true);

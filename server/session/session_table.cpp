@@ -52,7 +52,7 @@ void SessionTable::close(const std::string& reason) {
   }
 }
 
-Result<SessionTable::Joined> SessionTable::join(std::string_view resumed_id, ClientIdentity who) {
+Result<SessionTable::Joined> SessionTable::join(std::string_view resumed_id, ClientIdentity who, const JoinTerms& terms) {
   std::shared_ptr<ClientSession> parked_longest;
   std::shared_ptr<SessionWriter> left;
   Joined joined;
@@ -62,7 +62,7 @@ Result<SessionTable::Joined> SessionTable::join(std::string_view resumed_id, Cli
     if (const auto found = sessions_.find(resumed_id);
         found != sessions_.end() && found->second->who.grant.token_id == who.grant.token_id) {
       joined.session = found->second;
-      left = joined.session->rejoin(now_ns());
+      left = joined.session->rejoin(now_ns(), terms);
     } else {
       if (sessions_.size() >= most_) {
         for (const auto& [id, session] : sessions_) {
@@ -76,7 +76,7 @@ Result<SessionTable::Joined> SessionTable::join(std::string_view resumed_id, Cli
                        std::to_string(most_) + " clients are here already; try again later, or start the server with a larger --clients"};
         }
       }
-      joined.session = std::make_shared<ClientSession>(random_id(), next_number_++, now_ns(), std::move(who));
+      joined.session = std::make_shared<ClientSession>(random_id(), next_number_++, now_ns(), std::move(who), terms);
       sessions_.emplace(joined.session->id, joined.session);
       ++totals_.sessions;
     }
@@ -91,6 +91,11 @@ std::shared_ptr<ClientSession> SessionTable::find(std::string_view session_id) c
   std::lock_guard lock(mutex_);
   const auto found = sessions_.find(session_id);
   return found == sessions_.end() ? nullptr : found->second;
+}
+
+void SessionTable::stream_begun(std::weak_ptr<SessionWriter> writer) {
+  std::lock_guard lock(mutex_);
+  begun_.push_back({std::move(writer), now_ns()});
 }
 
 void SessionTable::stream_ended(ClientSession& session, uint64_t stream, bool in_order) {
@@ -205,6 +210,21 @@ uint64_t SessionTable::deliver(std::shared_ptr<PublishedTick> tick, std::span<co
   return event_number;
 }
 
+bool SessionTable::wants(v1::JoinRequest::Encoding encoding) const {
+  std::lock_guard lock(mutex_);
+  return std::any_of(sessions_.begin(), sessions_.end(), [&](const auto& one) {
+    return one.second->encoding() == encoding && one.second->state() == ClientSession::State::Streaming;
+  });
+}
+
+void SessionTable::deliver_kernels(std::shared_ptr<const PublishedTick> tick, v1::JoinRequest::Encoding encoding) {
+  for (const auto& session : sessions_now()) {
+    if (session->encoding() != encoding) continue;
+    session->offer(tick, encoding);
+    if (const auto writer = session->writer()) writer->wake();
+  }
+}
+
 Result<SessionTable::Described> SessionTable::described() const {
   std::lock_guard lock(mutex_);
   if (!open_) return Error{ErrorCode::Unavailable, closed_reason_};
@@ -212,7 +232,7 @@ Result<SessionTable::Described> SessionTable::described() const {
 }
 
 void SessionTable::sweep(int64_t now) {
-  std::vector<std::shared_ptr<SessionWriter>> stuck;
+  std::vector<std::shared_ptr<SessionWriter>> stuck, overdue;
   bool check_grants = false;
   {
     std::lock_guard lock(mutex_);
@@ -223,7 +243,11 @@ void SessionTable::sweep(int64_t now) {
       if (auto writer = one.writer.lock()) stuck.push_back(std::move(writer));
       return true;
     });
+    for (; !begun_.empty() && now - begun_.front().begun_ns >= kSilentAfter_ns; begun_.pop_front()) {
+      if (auto writer = begun_.front().writer.lock()) overdue.push_back(std::move(writer));
+    }
   }
+  for (const auto& writer : overdue) writer->end_without_session();
   for (const auto& writer : stuck) writer->abort();
   if (check_grants) end_refused();
   for (const auto& session : sessions_now()) {

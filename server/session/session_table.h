@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -17,7 +18,7 @@ namespace livegs {
 
 // Unless it is told another number, up to kMostSessions: a client has three connections, and kMaxConnections are let in.
 inline constexpr size_t kUsualSessions = 64, kMostSessions = 320;
-// A stream that sends nothing for so long is over: clients send a sign of life every 50 ms.
+// A stream that sends nothing for so long is over, one that has just begun too: clients send a sign of life every 50 ms.
 inline constexpr int64_t kSilentAfter_ns = 2'000'000'000;
 // So long a stream that was told to end may take to write what it is writing.
 inline constexpr int64_t kEndPatience_ns = 500'000'000;
@@ -51,8 +52,10 @@ class SessionTable {
   // `resumed_id`: of a session to go on with, if it is still there and was opened with the same token; else, and when
   // empty, a new one. Unavailable before
   // open and after close, TooLarge when as many as may be are there; of those the one parked longest makes room.
-  Result<Joined> join(std::string_view resumed_id = {}, ClientIdentity who = {});
+  Result<Joined> join(std::string_view resumed_id = {}, ClientIdentity who = {}, const JoinTerms& terms = {});
   std::shared_ptr<ClientSession> find(std::string_view session_id) const;
+  // A stream that has no session until its first message names one; kSilentAfter_ns later sweep() ends it if there was none.
+  void stream_begun(std::weak_ptr<SessionWriter> writer);
   // The session's stream of this number is over: in order, and so is the session, or it broke, and the session waits
   // for its client. Nothing if the session has gone on without that stream.
   void stream_ended(ClientSession& session, uint64_t stream, bool in_order);
@@ -68,6 +71,10 @@ class SessionTable {
   // A new tick for everybody, with what came, changed and went in it. The event number from then on.
   uint64_t deliver(std::shared_ptr<PublishedTick> tick, std::span<const Object> added,
                    std::span<const Object> changed, std::span<const uint32_t> removed);
+  // Whether anybody who is there asked for frames of this encoding.
+  bool wants(v1::JoinRequest::Encoding encoding) const;
+  // A tick whose kernels are kept in it as `encoding`, for those who asked for that. After deliver() of it.
+  void deliver_kernels(std::shared_ptr<const PublishedTick> tick, v1::JoinRequest::Encoding encoding);
   // Ends streams that went silent and drops sessions that were parked or never opened a stream for too long; sees to it
   // that the others hear something.
   void sweep(int64_t now_ns);
@@ -121,6 +128,12 @@ class SessionTable {
   std::map<std::string, std::shared_ptr<ClientSession>, std::less<>> sessions_;
   SessionNumber next_number_ = 1;
   int64_t grants_checked_ns_ = 0;
+  // Streams of the last two seconds, oldest first. None of them is looked at again.
+  struct Begun {
+    std::weak_ptr<SessionWriter> writer;
+    int64_t begun_ns = 0;
+  };
+  std::deque<Begun> begun_;
   // Streams that were told to end, and when: one that is amid a write which its client does not read is cut off.
   struct Ending {
     std::weak_ptr<SessionWriter> writer;

@@ -70,10 +70,12 @@ v1::ServerMessage header_of(const SendWindow::Outgoing& outgoing, SessionNumber 
 StreamCall* StreamCall::start(SessionTable& table, Result<Grant> grant, grpc::CallbackServerContext& context) {
   const std::shared_ptr<StreamCall> call(new StreamCall(table, grant ? *grant : Grant{}, context));
   call->self_ = call;
-  if (grant)
+  if (grant) {
+    table.stream_begun(call);
     call->StartRead(&call->incoming_);
-  else
+  } else {
     call->request_finish(to_status(grant.error()));
+  }
   return call.get();
 }
 
@@ -122,13 +124,14 @@ std::optional<grpc::Status> StreamCall::take_message() {
                  : grpc::Status(grpc::StatusCode::NOT_FOUND,
                                 "session_id: the session lost its stream; call Join with resumed_session_id first");
     }
-    stream = *attached;
+    stream = attached->stream;
     log_info("session %.8s: streaming to %s", session->id.c_str(), context_.peer().c_str());
     std::lock_guard lock(mutex_);
     session_ = session;
     stream_ = stream;
-    budget_.set_cap(session->most_bytes_s);
-    position_bits_ = session->position_bits;
+    budget_.set_cap(attached->terms.most_bytes_s);
+    position_bits_ = attached->terms.position_bits;
+    encoding_ = attached->terms.encoding;
   }
   auto samples = check_inputs(message);
   if (!samples) return to_status(samples.error());
@@ -182,8 +185,11 @@ void StreamCall::write(const SendWindow::Outgoing& outgoing, const std::lock_gua
   std::vector<grpc::Slice> slices(1);
   if (outgoing.tick) {
     header.set_encode_begun_ns(now_ns());
-    const Onlooker who{view_, held_by(hands_of(*outgoing.tick, session_->number)), position_bits_};
-    const EncodedFrame frame = outgoing.tick->for_client(baseline_, who, budget_.available_bytes(now_ns()));
+    const PublishedTick& tick = *outgoing.tick;
+    const Onlooker who{view_, held_by(hands_of(tick, session_->number)), position_bits_, !budget_.capped() && !outgoing.slow};
+    const EncodedFrame frame = encoding_ == v1::JoinRequest::DRIVERS
+                                   ? tick.for_client(baseline_, who, budget_.available_bytes(now_ns()))
+                                   : tick.by_itself(encoding_);
     baseline_ = frame.next;
     slices.push_back(frame.tail->slice);  // counted, not copied
   }
@@ -234,6 +240,13 @@ void StreamCall::close(const std::string& reason) {
 }
 
 void StreamCall::end(const Error& why) { request_finish(to_status(why)); }
+
+void StreamCall::end_without_session() {
+  std::lock_guard lock(mutex_);
+  if (session_ || finish_status_) return;
+  finish_status_ = grpc::Status(grpc::StatusCode::DEADLINE_EXCEEDED, "no message came within 2 s; the first one names the session");
+  finish_if_idle(lock);
+}
 
 void StreamCall::abort() {
   std::lock_guard lock(mutex_);

@@ -37,6 +37,7 @@ class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
   void beat(int64_t now_ns) override;
   void close(const std::string& reason) override;
   void end(const Error& why) override;
+  void end_without_session() override;
   void abort() override;
 
  private:
@@ -74,7 +75,8 @@ class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
   std::deque<Written> unanswered_;          // frames, at most a window of them
   RateLimit messages_{kMaxMessagesPerSecond, 2 * kMaxMessagesPerSecond};
   SendBudget budget_;
-  int position_bits_ = 16;                  // as the session asked for
+  int position_bits_ = 16;                  // as the session asked for, like the next
+  v1::JoinRequest::Encoding encoding_ = v1::JoinRequest::DRIVERS;
   std::optional<ViewCone> view_;            // what the client said last
   StreamBaselinePtr baseline_;              // of what was written; null: the next frame is a key frame
   grpc::ByteBuffer outgoing_;               // of the write that is under way: it outlives OnWriteDone

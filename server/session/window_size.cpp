@@ -89,6 +89,7 @@ void WindowSize::decide(int64_t now_ns) {
     return;
   }
   if (size_ == 1) {
+    note_slow(now_ns);
     alone_ns_ = round_trip_ns_;
     alone_at_ns_ = now_ns;
   }
@@ -100,8 +101,17 @@ void WindowSize::decide(int64_t now_ns) {
   judge(now_ns);
 }
 
+void WindowSize::note_slow(int64_t now_ns) {
+  if (!slow(now_ns)) {
+    const bool again = slow_pause_ns_ > 0 && now_ns < slow_until_ns_ + slow_pause_ns_;
+    slow_pause_ns_ = again ? std::min(2 * slow_pause_ns_, kLongestPause_ns) : kFirstPause_ns;
+  }
+  slow_until_ns_ = now_ns + slow_pause_ns_;
+}
+
 void WindowSize::judge(int64_t now_ns) {
   if (size_ > 1 && ratio(round_trip_ns_, alone_ns_) > kQueued) {
+    note_slow(now_ns);
     size_ = std::min(size_ - 1, window_of(ratio(alone_ns_, pace_ns_) - kMayLack));
     queued_at_ = size_ + 1;
     pause_ns_ = pause_ns_ == 0 ? kFirstPause_ns : std::min(2 * pause_ns_, kLongestPause_ns);
@@ -112,6 +122,7 @@ void WindowSize::judge(int64_t now_ns) {
     queued_at_ = kMost + 1;
     pause_ns_ = 0;
   }
+  if (size_ == kMost) note_slow(now_ns);  // narrow and so far that no queue shows, or too far for four
   if (size_ < kMost && (size_ + 1 < queued_at_ || now_ns >= queued_until_ns_)) ++size_;
 }
 

@@ -22,6 +22,9 @@ class WindowSize {
   // Of the frames that are offered.
   void set_interval(int64_t interval_ns) { interval_ns_ = interval_ns; }
   size_t frames() const { return lone_left_ > 0 ? 1 : size_; }
+  // Whether the link or the client takes frames more slowly than they come, or did a moment ago: with less in them they may
+  // fit, and would not if they were whole again. Tried anew after a pause that doubles.
+  bool slow(int64_t now_ns) const { return now_ns < slow_until_ns_; }
 
   struct Answer {
     int64_t written_ns = 0, heard_ns = 0;  // heard_ns never falls
@@ -33,6 +36,7 @@ class WindowSize {
  private:
   void decide(int64_t now_ns);
   void judge(int64_t now_ns);
+  void note_slow(int64_t now_ns);
   void forget_answers();
 
   int64_t interval_ns_ = 11'111'111;
@@ -50,6 +54,7 @@ class WindowSize {
   int64_t alone_ns_ = 0, alone_at_ns_ = 0;   // what one takes alone, and when that was measured; 0: never
   size_t queued_at_ = kMost + 1;             // the least size at which a queue stood
   int64_t queued_until_ns_ = 0, pause_ns_ = 0;
+  int64_t slow_until_ns_ = 0, slow_pause_ns_ = 0;
 };
 
 }  // namespace livegs

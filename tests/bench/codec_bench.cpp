@@ -124,7 +124,7 @@ int main(int argc, char** argv) {
     frame = world.drivers();
     KernelFrame kernels;
     const bool looked_at = i >= kFirst && i % kEvery == 0;
-    for (size_t k = 0; looked_at && k < kBlocks; ++k) kernels.objects.push_back({frame.objects[k].object_id, bound[k].pose(frame.objects[k])});
+    for (size_t k = 0; looked_at && k < kBlocks; ++k) kernels.objects.push_back({frame.objects[k].object_id, 0, bound[k].pose(frame.objects[k])});
     for (size_t e = 0; e < all.size(); ++e) {
       const Sent sent = all[e].send(frame);
       if (i < kFirst) continue;

@@ -4,9 +4,10 @@
 // decoding costs 64 clients, 64 machines would bear; so there are whole clients and light ones (bench/stream_clients.h). CSV:
 //   stream_bench [SECONDS [SCENE...]] > results/<machine>/stream.csv       20 s when left out
 // Frames of noise (bytes as given, nothing compresses) to one client in the clear and over TLS by turns; to 1 … 64 clients, and
-// to more that only acknowledge until p99 is over 5 ms; to 63 with and without one that is stopped, by turns; through links that are
+// to more that only acknowledge until p99 is over 5 ms; of as many bytes in 64 objects, by turns, to 64 that say nothing of what they look at,
+// to 64 that look each another way, and to 64 that do and have a cap; to 63 with and without one that is stopped, by turns; through links that are
 // narrow, long or stall (system/fault_proxy.h), three times as long. With scenes, files or folders of assets, instead: each to 1 and
-// 8 clients. --links: the links alone; --clients N...: noise to so many alone. The first second never counts. The halves are those
+// 8 clients. --links: the links alone; --views: the 64 objects alone; --clients N...: noise to so many alone. The first second never counts. The halves are those
 // of a measurement's time: flat is where they are alike.
 // others_cpu_percent is what the rest of the machine did meanwhile: 100 is one core; the links' proxy is in the server's.
 #include <sys/resource.h>
@@ -135,7 +136,7 @@ struct Measured {
   void print() {
     const auto percent = [&](int64_t cpu_ns) { return 100 * seconds_from_ns(cpu_ns) / seconds; };
     std::printf("%s,%s,%d,%s,%.0f,%.0f,%.2f,%llu,%.2f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.1f,%.1f,%.1f,%s\n", what.c_str(), transport.c_str(),
-                clients, kind == ClientKind::Whole ? "whole" : "light", seconds, percentile(bytes, 0.5),
+                clients, kind_name(kind), seconds, percentile(bytes, 0.5),
                 static_cast<double>(decoded_ms.size()) / seconds / static_cast<double>(clients),
                 static_cast<unsigned long long>(missed), static_cast<double>(encoded) / static_cast<double>(frames), percentile(received_ms, 0.5), percentile(received_ms, 0.99),
                 percentile(decoded_ms, 0.5), percentile(decoded_ms, 0.95), decoded_p99_ms(), percentile(decoded_ms, 0.999),
@@ -162,9 +163,9 @@ struct Secured {
   }
 };
 
-// Noise at `nodes` a frame, to `clients`; added to `measured`.
-void noise(Measured& measured, size_t nodes, Secured* secured, double seconds) {
-  NoiseServer server(nodes, secured ? secured->security.get() : nullptr, kMostSessions);
+// Noise at `nodes` a frame, to `clients`; added to `measured`. `boxes`: in so many objects.
+void noise(Measured& measured, size_t nodes, Secured* secured, double seconds, size_t boxes = 0) {
+  NoiseServer server(nodes, secured ? secured->security.get() : nullptr, kMostSessions, boxes);
   StreamClients clients({server.port(), secured ? secured->security->fingerprint() : "", secured ? secured->token : ""},
                         measured.clients, measured.kind);
   sleep_until_ns(now_ns() + kSecond_ns);
@@ -183,6 +184,17 @@ void plain_and_tls(size_t nodes, double seconds) {
   }
   plain.print();
   tls.print();
+}
+
+// Those who look each another way beside those who do not say.
+void looking_around(size_t nodes, double seconds) {
+  constexpr int kTurns = 4;
+  std::vector<Measured> all;
+  for (const ClientKind kind : {ClientKind::Light, ClientKind::Looking, ClientKind::Capped}) all.emplace_back("noise in 64 objects", "plain", 64, kind);
+  for (int turn = 0; turn < kTurns; ++turn) {
+    for (Measured& measured : all) noise(measured, nodes, nullptr, seconds / kTurns, 64);
+  }
+  for (Measured& measured : all) measured.print();
 }
 
 // 63 clients, and for as long as it takes the server to drop it, one more that is frozen; by turns.
@@ -302,7 +314,7 @@ int main(int argc, char** argv) {
   double seconds = 20;
   std::vector<std::string> scenes;
   std::vector<int> counts;
-  bool links_only = false;
+  bool links_only = false, views_only = false;
   CLI::App app("How old frames are when clients have them, and for how many clients; CSV on standard output", "stream_bench");
   app.add_option("SECONDS", seconds, "Of each measurement")->check(between(1, 3600))->capture_default_str();
   auto* of_scenes = app.add_option("SCENE", scenes, "Scene files or folders of assets, each to 1 and 8 clients, in place of noise")
@@ -311,6 +323,9 @@ int main(int argc, char** argv) {
                          ->check(between(1, static_cast<double>(kMostSessions)))
                          ->excludes(of_scenes);
   app.add_flag("--links", links_only, "Noise through links that are narrow, long or stall, alone")
+      ->excludes(of_scenes)
+      ->excludes(of_clients);
+  app.add_flag("--views", views_only, "Noise in 64 objects to 64 clients, alone: to such as look each another way, too")
       ->excludes(of_scenes)
       ->excludes(of_clients);
   read_arguments(app, argc, argv);
@@ -323,10 +338,9 @@ int main(int argc, char** argv) {
     measured.print();
     return measured.decoded_p99_ms();
   };
-  if (links_only) {
-    links(k16kB, seconds);
-    return 0;
-  }
+  if (links_only) links(k16kB, seconds);
+  if (views_only) looking_around(k16kB, seconds);
+  if (links_only || views_only) return 0;
   for (const int clients : counts) {
     for (const ClientKind kind : {ClientKind::Light, ClientKind::Whole}) noise_to(clients, kind, nullptr);
   }
@@ -341,6 +355,7 @@ int main(int argc, char** argv) {
   for (const int clients : {96, 128, 192, 256, 320}) {  // as many as the machine carries
     if (noise_to(clients, ClientKind::Light, nullptr) > kBar_ms) break;
   }
+  looking_around(k16kB, seconds);
   Secured secured;
   noise_to(64, ClientKind::Light, &secured);
   frozen_among_63(k16kB, seconds);

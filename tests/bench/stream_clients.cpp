@@ -5,12 +5,13 @@
 #include <signal.h>
 #include <time.h>
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-
 #include <mutex>
+#include <optional>
 #include <semaphore>
 
 #include "core/clock.h"
@@ -66,10 +67,18 @@ class WholeClient final : public Client, private StreamSink {
   std::unique_ptr<SessionClient> session_;
 };
 
-// On gRPC's own few threads, shared by all of them.
+// Half of what a headset shows across, with the margin of a head that turns, and how fast this one does.
+constexpr float kHalfView_rad = 1.2f;
+constexpr double kTurns_rad_s = 0.5;
+
+// More than any of them is sent.
+constexpr double kWideCap_mbit_s = 1000;
+
+// On gRPC's own few threads, shared by all of them. `turned_rad`: where it looks at first; without, it does not say.
 class LightClient final : public Client, private grpc::ClientBidiReactor<v1::ClientMessage, v1::ServerMessage> {
  public:
-  LightClient(const std::string& address, const ConnectOptions& options, uint32_t client) : client_(client) {
+  LightClient(const std::string& address, const ConnectOptions& options, uint32_t client, std::optional<double> turned_rad, bool capped)
+      : client_(client), turned_rad_(turned_rad) {
     grpc::ChannelArguments arguments;
     arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
     arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
@@ -77,11 +86,13 @@ class LightClient final : public Client, private grpc::ClientBidiReactor<v1::Cli
         address, options.access ? options.access->credentials() : grpc::InsecureChannelCredentials(), arguments));
     v1::JoinRequest request;
     request.set_protocol_version(kProtocolVersion);
+    if (capped) request.set_most_mbit_s(kWideCap_mbit_s);
     v1::JoinReply reply;
     grpc::ClientContext context;
     if (const grpc::Status joined = stub_->Join(&context, request, &reply); !joined.ok()) give_up(joined.error_message());
     stub_->async()->Stream(&context_, this);
     outgoing_.set_session_id(reply.session_id());
+    look();
     writing_ = true;
     StartWrite(&outgoing_);
     StartRead(&incoming_);
@@ -115,11 +126,24 @@ class LightClient final : public Client, private grpc::ClientBidiReactor<v1::Cli
     if (writing_ || acknowledged_ == newest_) return;
     outgoing_.Clear();
     outgoing_.set_acknowledged_tick(acknowledged_ = newest_);
+    look();
     writing_ = true;
     StartWrite(&outgoing_);
   }
+  void look() {
+    if (!turned_rad_) return;
+    const double angle_rad = *turned_rad_ + kTurns_rad_s * seconds_from_ns(now_ns() - begun_ns_);
+    v1::View& view = *outgoing_.mutable_view();
+    for (const double x : {std::sin(angle_rad), 0.0, -std::cos(angle_rad)}) {
+      view.add_position_m(0);
+      view.add_forward(static_cast<float>(x));
+    }
+    view.set_half_angle_rad(kHalfView_rad);
+  }
 
   const uint32_t client_;
+  const std::optional<double> turned_rad_;
+  const int64_t begun_ns_ = now_ns();
   std::unique_ptr<v1::LiveGs::Stub> stub_;
   grpc::ClientContext context_;
   v1::ServerMessage incoming_;
@@ -136,7 +160,7 @@ StreamClients::StreamClients(const ServerToJoin& server, int count, ClientKind k
   if (const auto written = write_secret_file(folder_ / "token", server.token); !written) give_up(written.error().message);
   process_ = std::make_unique<Program>(std::vector<std::string>{
       "/proc/self/exe", kWord, std::to_string(server.port), std::to_string(count),
-      kind == ClientKind::Whole ? "whole" : "light", server.fingerprint, folder_.path().string()});
+      kind_name(kind), server.fingerprint, folder_.path().string()});
   if (process_->first_line() != "streaming") give_up("the clients did not join: " + process_->err());
 }
 
@@ -169,7 +193,9 @@ int run_stream_clients(char** argv) {
   set_log_level(LogLevel::Warn);
   const std::string address = std::string("127.0.0.1:") + argv[2], fingerprint = argv[5];
   const std::filesystem::path folder = argv[6];
-  const bool whole = std::strcmp(argv[4], "whole") == 0;
+  const bool whole = std::strcmp(argv[4], kind_name(ClientKind::Whole)) == 0;
+  const bool capped = std::strcmp(argv[4], kind_name(ClientKind::Capped)) == 0;
+  const bool looking = capped || std::strcmp(argv[4], kind_name(ClientKind::Looking)) == 0;
   ConnectOptions options;
   options.timeout_s = 30;
   if (!fingerprint.empty()) {
@@ -178,11 +204,14 @@ int run_stream_clients(char** argv) {
     options.access = std::make_shared<ServerAccess>(address, ServerAccess::Keys{fingerprint, "", *token});
   }
   std::vector<std::unique_ptr<Client>> clients;
-  for (uint32_t i = 0; i < static_cast<uint32_t>(std::atoi(argv[3])); ++i) {
-    if (whole)
+  const auto count = static_cast<uint32_t>(std::atoi(argv[3]));
+  for (uint32_t i = 0; i < count; ++i) {
+    if (whole) {
       clients.push_back(std::make_unique<WholeClient>(address, options, i));
-    else
-      clients.push_back(std::make_unique<LightClient>(address, options, i));
+      continue;
+    }
+    const auto turned_rad = looking ? std::optional(2 * M_PI * i / count) : std::nullopt;
+    clients.push_back(std::make_unique<LightClient>(address, options, i, turned_rad, capped));
   }
   std::printf("streaming\n");
   std::fflush(stdout);

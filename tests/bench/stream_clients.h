@@ -26,7 +26,16 @@ struct ServerToJoin {
 enum class ClientKind {
   Whole,  // as the product's: takes frames, decodes and acknowledges them. It draws nothing
   Light,  // acknowledges frames and does not decode them: what a server sees of clients on machines of their own
+  Looking,  // as Light, and says what it looks at: stands at the origin, each turned otherwise, and turns
+  Capped,   // as Looking, with a cap that it does not reach: what it does not see is left out, so that each has bytes of its own
 };
+
+constexpr const char* kind_name(ClientKind kind) {
+  return kind == ClientKind::Whole     ? "whole"
+         : kind == ClientKind::Light   ? "light"
+         : kind == ClientKind::Looking ? "looking"
+                                       : "capped";
+}
 
 // Clients of a server, in a process of their own, so that what each end costs can be told apart. From having joined to
 // destruction.

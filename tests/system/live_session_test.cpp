@@ -78,7 +78,10 @@ class LiveSession : public ::testing::Test {
     ASSERT_TRUE(bytes);
     const auto streamed = decode_frame(*bytes);
     ASSERT_TRUE(streamed) << streamed.error().message;
-    const DriverFrame drivers = simulated(streamed->tick);
+    read_last(run, streamed->tick, last, own);
+  }
+  void read_last(const OffscreenRunOptions& run, uint64_t tick, Image& last, Image& own) {
+    const DriverFrame drivers = simulated(tick);
     const auto camera = read_camera_file(run.output / "camera.json", std::nullopt);
     ASSERT_TRUE(camera) << camera.error().message;
     SceneView view;
@@ -131,6 +134,28 @@ TEST_F(LiveSession, TheLastPictureIsAnOfflineDrawOfTheServersOwnDrivers) {
   // And it shows something: the objects stand out from the background.
   const auto [darkest, brightest] = std::minmax_element(last.pixels.begin(), last.pixels.end());
   EXPECT_GT(*brightest - *darkest, 0.3f);
+}
+
+// Whatever a client asked its frames to be, it draws the same: floats of drivers, and kernels that the server has moved, of a
+// scene in which something breaks and becomes another asset.
+TEST_F(LiveSession, EveryEncodingShowsTheSameAlsoOnceSomethingHasBroken) {
+  start(breaking_scene());
+  for (const auto encoding : {v1::JoinRequest::KERNELS, v1::JoinRequest::DRIVERS_RAW, v1::JoinRequest::KERNELS_EXACT}) {
+    OffscreenRunOptions run = options(v1::JoinRequest::Encoding_Name(encoding), encoding == v1::JoinRequest::KERNELS ? 2.0 : 0.5);
+    run.encoding = encoding;
+    const auto summary = run_offscreen(run, interrupted_);
+    ASSERT_TRUE(summary) << summary.error().message;
+    ASSERT_FALSE(summary->stream_error) << summary->stream_error->message;
+    const std::vector<uint64_t> ticks = ticks_of(run.output / "frames.csv");
+    ASSERT_GE(ticks.size(), 2u);
+    ASSERT_GE(simulated(ticks.back()).objects.back().revision, 1u);
+    Image last, own;
+    ASSERT_NO_FATAL_FAILURE(read_last(run, ticks.back(), last, own));
+    // 50 dB as above; of floats no more than rounding to 8 bits.
+    EXPECT_GE(psnr_db(last, own), encoding == v1::JoinRequest::KERNELS ? 50.0 : 57.0);
+    std::printf("%s: %.1f dB, %.0f bytes a frame\n", v1::JoinRequest::Encoding_Name(encoding).c_str(), psnr_db(last, own),
+                summary->received.bytes_p50);
+  }
 }
 
 // The same through the Vulkan renderer, where a device is found: lavapipe in CI.
@@ -218,6 +243,30 @@ TEST_F(LiveSession, APokeMovesItsObjectAndABallComes) {
   EXPECT_GT(middle_of(*frame, box).y(), 0.2);  // it stood at 0.1 m; the ray holds it half a metre higher
   EXPECT_EQ(frame->objects.size(), 4u);        // floor, box, cube and the ball
   EXPECT_EQ(loop_->summary().shots, 1u);
+}
+
+// The script's name for what the left hand takes is looked for like any other.
+TEST_F(LiveSession, AScriptGrabsAndCarriesItsObject) {
+  start();
+  const uint32_t box = loop_->scene().find("box")->id;
+  OffscreenRunOptions run = options("view", 2.5);
+  run.script_file = folder_ / "script.json";
+  const auto grab = [&](const std::string& name) {
+    std::ofstream(run.script_file) << R"({ "actions": [ { "grab": { "object": ")" << name
+                                   << R"(", "start_s": 0.3, "move_m": [0, 0.5, 0], "move_s": 0.5, "hold_s": 20 } } ] })";
+    return run_offscreen(run, interrupted_);
+  };
+  const auto unknown = grab("hat");
+  ASSERT_FALSE(unknown);
+  EXPECT_EQ(unknown.error().code, ErrorCode::NotFound);
+  EXPECT_NE(unknown.error().message.find("\"hat\""), std::string::npos) << unknown.error().message;
+  const auto summary = grab("box");
+  ASSERT_TRUE(summary) << summary.error().message;
+  const auto bytes = read_file(run.output / "last_frame.bin");
+  ASSERT_TRUE(bytes);
+  const auto frame = decode_frame(*bytes);
+  ASSERT_TRUE(frame);
+  EXPECT_GT(middle_of(*frame, box).y(), 0.4);  // it stood at 0.1 m
 }
 
 TEST_F(LiveSession, TwoClientsSeeTheSameFrames) {

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
+#include <cmath>
 #include <random>
 #include <thread>
 
@@ -15,21 +17,38 @@
 namespace livegs {
 
 // Sends frames of noise, which nothing compresses: `nodes` times six bytes and a little, 90 times a second, of no simulation.
-// They are made beforehand; making one takes as long as encoding it.
+// They are made beforehand; making one takes as long as encoding it. `boxes`: of as many objects, in a ring 4 m around the
+// origin, in place of one that is everywhere: whoever stands there sees some of them.
 class NoiseServer {
  public:
-  explicit NoiseServer(size_t nodes, ServerSecurity* security = nullptr, size_t clients = kUsualSessions) : scene_(box_scene()) {
+  explicit NoiseServer(size_t nodes, ServerSecurity* security = nullptr, size_t clients = kUsualSessions, size_t boxes = 0)
+      : scene_(box_scene()), ring_(boxes, *scene_.find("box")) {
     auto listening = LiveServer::listen("127.0.0.1:0", security);
     EXPECT_TRUE(listening) << listening.error().message;
     server = std::move(*listening);
     server->admit(clients);
-    server->open(scene_, nobody_);
+    std::vector<const SceneObject*> shown;
+    for (SceneObject& box : ring_) {
+      box.id = kFirstBox + static_cast<uint32_t>(shown.size());
+      shown.push_back(&box);
+    }
+    if (shown.empty())
+      server->open(scene_, nobody_);
+    else
+      server->open("ring", 90, shown, nobody_);
     std::mt19937_64 random(1);
     std::uniform_real_distribution<float> place(-0.9f, 0.9f);
-    for (ObjectDrivers& object : objects_) {
-      object.object_id = 1;
-      object.kind = DriverKind::Lattice;
-      for (size_t i = 0; i < nodes; ++i) object.positions_m.emplace_back(place(random), place(random), place(random));
+    for (auto& objects : frames_) {
+      objects.resize(std::max<size_t>(1, boxes));
+      for (size_t k = 0; k < objects.size(); ++k) {
+        ObjectDrivers& object = objects[k];
+        object.object_id = boxes > 0 ? ring_[k].id : 1;
+        object.kind = DriverKind::Lattice;
+        const float angle_rad = 2 * static_cast<float>(M_PI * static_cast<double>(k) / static_cast<double>(objects.size()));
+        const Eigen::Vector3f middle = (boxes > 0 ? 4.0f : 0.0f) * Eigen::Vector3f(std::sin(angle_rad), 0, -std::cos(angle_rad));
+        for (size_t i = 0; i < nodes / objects.size(); ++i)
+          object.positions_m.push_back(middle + Eigen::Vector3f(place(random), place(random), place(random)) * (boxes > 0 ? 0.2f : 1.0f));
+      }
     }
     thread_ = std::thread([this] { run(); });
   }
@@ -55,7 +74,7 @@ class NoiseServer {
       SteppedTick stepped;
       stepped.drivers.tick = tick;
       stepped.drivers.simulated_ns = static_cast<int64_t>(tick) * 11'111'111;
-      stepped.drivers.objects.push_back(objects_[tick % objects_.size()]);
+      stepped.drivers.objects = frames_[tick % frames_.size()];
       stepped.stepped_ns = now_ns();
       server->ticks().publish(std::move(stepped));
       newest = tick;
@@ -63,9 +82,11 @@ class NoiseServer {
     }
   }
 
+  static constexpr uint32_t kFirstBox = 100;
   Scene scene_;
+  std::vector<SceneObject> ring_;
   Nobody nobody_;
-  std::array<ObjectDrivers, 31> objects_;  // one for each tick, in turn
+  std::array<std::vector<ObjectDrivers>, 31> frames_;  // one for each tick, in turn
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 };

@@ -129,6 +129,21 @@ TEST(Interest, WhatAHandHoldsIsSeen) {
   }
 }
 
+TEST(Interest, WhatSleepsIsNeverLeftOutNorAnythingForWhoHasRoom) {
+  Onlooker away;
+  away.view = ViewCone{{0, 0, 0}, {-1, 0, 0}, 0.6};
+  std::vector<ObjectBall> balls;
+  for (const ObjectDrivers& object : row_of_cubes(1).objects) balls.push_back(ball_around(object, 0.05));
+  for (size_t i = 0; i < balls.size(); i += 2) balls[i].asleep = true;
+  for (uint64_t tick = 1; tick < 20; ++tick) {
+    const std::vector<uint32_t> out = unseen(balls, away, tick + 1, tick);
+    EXPECT_GT(out.size(), 10u);
+    for (const uint32_t id : out) EXPECT_EQ(id % 2, 0u);  // balls[0] is object 1
+  }
+  away.roomy = true;
+  for (uint64_t tick = 1; tick < 20; ++tick) EXPECT_TRUE(unseen(balls, away, tick + 1, tick).empty());
+}
+
 // A client looks away for a second and back: then it has with the next frame what one that never looked away has, to the bit. All
 // the while its reader's hash agrees.
 TEST(Interest, WhoLooksHasItExactlyWithTheNextFrame) {

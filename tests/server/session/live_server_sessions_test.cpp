@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What becomes of sessions whose streams are silent, break or are begun again.
+#include <atomic>
 #include <thread>
 
 #include "server/session/live_server_fixture.h"
@@ -44,6 +45,33 @@ TEST_F(LiveServerTest, ASilentStreamIsDropped) {
   while (server_->streaming_count() > 0) std::this_thread::yield();
   EXPECT_EQ(server_->client_count(), 1u);
   EXPECT_EQ(inputs_.forgotten(), 0u);
+}
+
+// Who opens streams and says nothing holds no places; who has a session goes on.
+TEST_F(LiveServerTest, AStreamThatNamesNoSessionIsEnded) {
+  open();
+  RawClient there(server_->port());
+  ASSERT_TRUE(there.join().ok());
+  there.open();
+  std::vector<std::unique_ptr<RawClient>> silent;
+  for (int i = 0; i < 20; ++i) {
+    silent.push_back(std::make_unique<RawClient>(server_->port()));
+    silent.back()->open_silently();
+  }
+  std::atomic<bool> done{false};
+  std::thread signs_of_life([&] {
+    for (; !done; std::this_thread::sleep_for(std::chrono::milliseconds(100))) EXPECT_TRUE(there.acknowledge(0));
+  });
+  for (const auto& client : silent) {
+    const grpc::Status status = client->finish_reading();
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
+    EXPECT_EQ(status.error_message(), "no message came within 2 s; the first one names the session");  // not the test's own patience
+  }
+  done = true;
+  signs_of_life.join();
+  publish(1);
+  EXPECT_EQ(there.read().tick(), 1u);
+  EXPECT_TRUE(there.finish().ok());
 }
 
 // Its client comes back to the same session and is told of all there is; what happened meanwhile is no event.

@@ -39,16 +39,21 @@ class RawClient {
     request.set_client_name("a test");
     request.set_resumed_session_id(resumed_session_id);
     request.set_position_bits(position_bits);
+    request.set_encoding(encoding);
     return stub_->Join(&context, request, &joined);
   }
   // May be called again once finish() has returned.
   void open() {
-    context_ = std::make_unique<grpc::ClientContext>();
-    set_patience(*context_);
-    stream_ = stub_->Stream(context_.get());
+    open_silently();
     v1::ClientMessage message;
     message.set_session_id(joined.session_id());
     EXPECT_TRUE(stream_->Write(message));
+  }
+  // Without the message that names the session.
+  void open_silently() {
+    context_ = std::make_unique<grpc::ClientContext>();
+    set_patience(*context_);
+    stream_ = stub_->Stream(context_.get());
   }
   bool send(const v1::ClientMessage& message) { return stream_->Write(message); }
   bool acknowledge(uint64_t tick) {
@@ -81,7 +86,8 @@ class RawClient {
   }
   void cancel() { context_->TryCancel(); }
 
-  uint32_t position_bits = 0;  // to ask for
+  uint32_t position_bits = 0;  // to ask for, like the next
+  v1::JoinRequest::Encoding encoding = v1::JoinRequest::DRIVERS;
   v1::JoinReply joined;
 
  private:

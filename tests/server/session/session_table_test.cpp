@@ -24,9 +24,10 @@ class Writer final : public SessionWriter {
   void beat(int64_t) override { ++beats; }
   void close(const std::string&) override {}
   void end(const Error& why) override { ended = why.message; }
+  void end_without_session() override { ++overdue; }
   void abort() override { aborted = true; }
   std::string ended;
-  int beats = 0;
+  int beats = 0, overdue = 0;
   bool aborted = false;
 };
 
@@ -58,6 +59,25 @@ TEST_F(SessionTableTest, ASilentStreamEndsAfterTwoSecondsAndItsSessionAfterHalfA
   table.sweep(heard_ns + 30 * kSecond_ns);
   EXPECT_EQ(table.find(session->id), nullptr);
   EXPECT_EQ(inputs.sessions, std::vector<SessionNumber>{session->number});
+}
+
+// Each is told once; one that has its session by then does not take it for itself.
+TEST_F(SessionTableTest, AStreamThatBeganIsLookedAtAfterTwoSeconds) {
+  const auto first = std::make_shared<Writer>(), second = std::make_shared<Writer>();
+  const int64_t before_ns = now_ns();
+  table.stream_begun(first);
+  table.stream_begun(std::make_shared<Writer>());  // and is gone
+  table.sweep(before_ns + 2 * kSecond_ns - 1);
+  EXPECT_EQ(first->overdue, 0);
+  const int64_t after_ns = now_ns();
+  table.stream_begun(second);
+  table.sweep(after_ns + 2 * kSecond_ns - 1);
+  EXPECT_EQ(first->overdue, 1);
+  EXPECT_EQ(second->overdue, 0);
+  table.sweep(now_ns() + 2 * kSecond_ns);
+  EXPECT_EQ(first->overdue, 1);
+  EXPECT_EQ(second->overdue, 1);
+  EXPECT_FALSE(second->aborted);
 }
 
 TEST_F(SessionTableTest, OneThatLoadsAssetsMayTakeTwoMinutes) {
@@ -95,14 +115,42 @@ TEST_F(SessionTableTest, AStreamThatWasLeftSaysNothingMore) {
   const auto two = session->attach(second);
   ASSERT_TRUE(two);
   session->offer(std::make_shared<PublishedTick>(DriverFrame{}, nullptr));
-  EXPECT_FALSE(session->take(*one, 0));
-  EXPECT_FALSE(session->acknowledge(*one, 0, 0));
-  table.stream_ended(*session, *one, true);  // the end of the first is not the session's
+  EXPECT_FALSE(session->take(one->stream, 0));
+  EXPECT_FALSE(session->acknowledge(one->stream, 0, 0));
+  table.stream_ended(*session, one->stream, true);  // the end of the first is not the session's
   EXPECT_EQ(session->state(), ClientSession::State::Streaming);
-  EXPECT_TRUE(session->acknowledge(*two, 0, 0));
-  EXPECT_TRUE(session->take(*two, 0));
-  table.stream_ended(*session, *two, true);
+  EXPECT_TRUE(session->acknowledge(two->stream, 0, 0));
+  EXPECT_TRUE(session->take(two->stream, 0));
+  table.stream_ended(*session, two->stream, true);
   EXPECT_EQ(table.find(session->id), nullptr);
+}
+
+// What a client asks for is the session's in the moment in which it has joined: a stream has the terms of its own join, and no
+// tick that another encoding's would be.
+TEST_F(SessionTableTest, AStreamHasTheTermsOfItsOwnJoin) {
+  const auto tick = std::make_shared<PublishedTick>(DriverFrame{}, nullptr);
+  JoinTerms terms;
+  terms.encoding = v1::JoinRequest::KERNELS;
+  terms.position_bits = 18;
+  const auto session = table.join({}, {}, terms)->session;
+  session->offer(tick);
+  auto stream = session->attach(std::make_shared<Writer>());
+  ASSERT_TRUE(stream);
+  EXPECT_EQ(stream->terms.encoding, v1::JoinRequest::KERNELS);
+  EXPECT_EQ(stream->terms.position_bits, 18);
+  EXPECT_FALSE(session->take(stream->stream, 0));  // it was of drivers
+  session->offer(tick, v1::JoinRequest::KERNELS_EXACT);
+  EXPECT_FALSE(session->take(stream->stream, 0));
+  session->offer(tick, v1::JoinRequest::KERNELS);
+  ASSERT_EQ(table.join(session->id)->session, session);  // as drivers; the kernels that waited are nobody's
+  stream = session->attach(std::make_shared<Writer>());
+  ASSERT_TRUE(stream);
+  EXPECT_EQ(stream->terms.encoding, v1::JoinRequest::DRIVERS);
+  EXPECT_FALSE(session->take(stream->stream, 0));
+  session->offer(tick, v1::JoinRequest::KERNELS);
+  EXPECT_FALSE(session->take(stream->stream, 0));
+  session->offer(tick);
+  EXPECT_TRUE(session->take(stream->stream, 0));
 }
 
 TEST_F(SessionTableTest, AParkedSessionGathersNothing) {
@@ -116,7 +164,7 @@ TEST_F(SessionTableTest, AParkedSessionGathersNothing) {
   EXPECT_EQ(join(session->id), session);
   const auto stream = session->attach(std::make_shared<Writer>());
   ASSERT_TRUE(stream);
-  EXPECT_FALSE(session->take(*stream, 0));
+  EXPECT_FALSE(session->take(stream->stream, 0));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <deque>
 #include <functional>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -21,11 +22,22 @@ constexpr double kTick_ms = 1000.0 / 90;
 struct Way {
   double service_ms = 0, round_trip_ms = 0, jitter_ms = 0;
   double stall_every_ms = 0, stall_ms = 0;
+  std::optional<double> less_ms = {};  // in place of service_ms, of a frame that is made smaller because it is slow
 };
 
 struct Trial {
   std::vector<double> ages_ms, sent_ms;  // of each frame when the client has it; and when that was
   std::vector<size_t> windows;           // with it
+  std::vector<bool> slow;                // likewise
+  double slow_share(double begin_ms, double end_ms) const {
+    double all = 0, those = 0;
+    for (size_t i = 0; i < slow.size(); ++i) {
+      if (sent_ms[i] < begin_ms || sent_ms[i] >= end_ms) continue;
+      ++all;
+      those += slow[i] ? 1 : 0;
+    }
+    return those / all;
+  }
   double rate_hz(double begin_ms, double end_ms) const {
     const auto count = std::count_if(sent_ms.begin(), sent_ms.end(), [&](double t) { return t >= begin_ms && t < end_ms; });
     return 1e3 * static_cast<double>(count) / (end_ms - begin_ms);
@@ -69,7 +81,8 @@ Trial run(double seconds, const std::function<Way(double)>& way_at, size_t fixed
     if (!waits || under_way.size() >= (fixed > 0 ? fixed : size.frames())) continue;
     const Way way = way_at(now_ms);
     Under one{now_ms, 0, 0, newest_ms, under_way.empty()};
-    free_ms = std::max(free_ms, now_ms) + way.service_ms;
+    const bool slow = size.slow(static_cast<int64_t>(1e6 * now_ms));
+    free_ms = std::max(free_ms, now_ms) + (slow ? way.less_ms.value_or(way.service_ms) : way.service_ms);
     if (way.stall_every_ms > 0) {
       const double within = std::fmod(free_ms, way.stall_every_ms);
       if (within < way.stall_ms && free_ms > way.stall_every_ms) free_ms += way.stall_ms - within;
@@ -82,6 +95,7 @@ Trial run(double seconds, const std::function<Way(double)>& way_at, size_t fixed
     result.ages_ms.push_back(one.arrives_ms - one.tick_ms);
     result.sent_ms.push_back(one.arrives_ms);
     result.windows.push_back(fixed > 0 ? fixed : size.frames());
+    result.slow.push_back(slow);
     waits = false;
   }
   return result;
@@ -159,6 +173,32 @@ TEST(WindowSize, FollowsALinkThatNarrowsAndWidens) {
   EXPECT_LT(changing.age_ms(0.5, 32e3, 60e3), 30);
   EXPECT_NEAR(changing.rate_hz(61e3, 90e3), 90, 0.5);
   EXPECT_EQ(changing.windows.back(), 2u);
+}
+
+TEST(WindowSize, IsNotSlowWhereNothingIsShort) {
+  for (const Way& way : {Way{.service_ms = 0.3, .round_trip_ms = 1}, Way{.service_ms = 6, .round_trip_ms = 2}, Way{.service_ms = 0.3, .round_trip_ms = 40},
+                         Way{.service_ms = 0.3, .round_trip_ms = 2, .jitter_ms = 5}}) {
+    EXPECT_EQ(run(60, way).slow_share(0, 60e3), 0) << way.round_trip_ms;
+  }
+}
+
+// Whole frames do not fit, smaller ones do: it finds out within a second and keeps to it, but for tries that become rarer. Once the link
+// is wide again it finds that out too.
+TEST(WindowSize, IsSlowForAsLongAsWholeFramesDoNotFit) {
+  const Trial changing = run(400, [](double now_ms) {
+    const bool narrow = now_ms < 200e3;
+    return Way{.service_ms = narrow ? 16.0 : 0.3, .round_trip_ms = 2, .less_ms = narrow ? 6.0 : 0.3};
+  });
+  std::printf("slow in %.3f of the frames from 1 to 100 s, %.3f to 200 s; %.1f frames a second\n", changing.slow_share(1e3, 100e3),
+              changing.slow_share(100e3, 200e3), changing.rate_hz(1e3, 200e3));
+  EXPECT_GT(changing.slow_share(1e3, 100e3), 0.95);
+  EXPECT_GT(changing.slow_share(100e3, 200e3), 0.97);
+  EXPECT_GT(changing.rate_hz(1e3, 200e3), 88);
+  EXPECT_EQ(changing.slow_share(245e3, 400e3), 0);
+}
+
+TEST(WindowSize, IsSlowBehindALongNarrowPipe) {
+  EXPECT_GT(run(60, {.service_ms = 16, .round_trip_ms = 40}).slow_share(5e3, 60e3), 0.95);
 }
 
 // A stall says nothing of the network as it is otherwise.
