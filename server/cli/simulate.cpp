@@ -15,6 +15,7 @@
 #include "core/file.h"
 #include "core/log.h"
 #include "core/parallel_for.h"
+#include "scene/elastic_report.h"
 #include "splat/frame_bounds.h"
 #include "splat/rasterise.h"
 
@@ -62,7 +63,16 @@ void tell_stiffness(const MaterialAccuracy& accuracy, nlohmann::json& summary) {
   summary["clipped"] = accuracy.clipped;
 }
 
-nlohmann::json object_summary(const SceneObject& object) {
+// Of what it is after the run: an elastic body may have been lost on the way.
+std::vector<std::string> warnings_of(const Scene& scene, const SceneObject& object) {
+  const ElasticBody* body = scene.world().elastic_body(object.id);
+  if (!body) return object.all_warnings();
+  std::vector<std::string> all = object.warnings;
+  for (std::string& warning : accuracy_warnings(body->accuracy())) all.push_back(std::move(warning));
+  return all;
+}
+
+nlohmann::json object_summary(const Scene& scene, const SceneObject& object) {
   nlohmann::json summary = {{"name", object.name},
                             {"kernels", object.asset->size()},
                             {"behavior", v1::Physics::Behavior_Name(object.physics.behavior())},
@@ -70,7 +80,7 @@ nlohmann::json object_summary(const SceneObject& object) {
                             {"material", object.physics.material()},
                             {"mass_kg", object.mass_kg},
                             {"surface", object.surface_note},
-                            {"warnings", object.all_warnings()}};
+                            {"warnings", warnings_of(scene, object)}};
   if (object.fragility) {
     summary["fragile"] = {{"pieces", object.fragility->pieces},
                           {"bodies", object.fragility->bodies},
@@ -118,8 +128,8 @@ nlohmann::json run_summary(const SimulateCommand& options, const Scene& scene, c
   for (const SceneObject& object : scene.objects()) {
     kernels += object.asset->size();
     if (object.environment) continue;
-    summary["objects"].push_back(object_summary(object));
-    for (const std::string& warning : object.all_warnings()) {
+    summary["objects"].push_back(object_summary(scene, object));
+    for (const std::string& warning : warnings_of(scene, object)) {
       summary["warnings"].push_back(object.name + ": " + warning);
     }
     if (object.elastic) {

@@ -185,9 +185,15 @@ ParticleSet sample_particles(const TriangleMesh& mesh, int density, double spaci
   for (const auto& triangle : mesh.triangles) {
     for (uint32_t vertex : triangle) used[vertex] = true;
   }
+  std::vector<uint32_t> among_used(mesh.vertices_m.size(), 0);
   for (size_t v = 0; v < mesh.vertices_m.size(); ++v) {
+    among_used[v] = static_cast<uint32_t>(particles.mesh_vertices_m.size());
     if (used[v]) particles.mesh_vertices_m.push_back(mesh.vertices_m[v]);
     if (used[v] && !taken.any_nearer(mesh.vertices_m[v], least_distance_m)) take(mesh.vertices_m[v], true);
+  }
+
+  for (const auto& triangle : mesh.triangles) {
+    particles.mesh_triangles.push_back({among_used[triangle[0]], among_used[triangle[1]], among_used[triangle[2]]});
   }
 
   const std::vector<int> pieces = mesh_pieces(mesh);

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <cstdint>
 #include <vector>
 
 #include "geometry/triangle_mesh.h"
@@ -18,6 +20,7 @@ struct ParticleSet {
   std::vector<double> volumes_m3;  // sums to the volume of the body
   std::vector<bool> on_surface;    // vertices and points of a mesh; the rest are voxel centres
   std::vector<Eigen::Vector3d> mesh_vertices_m;  // all, of the mesh they were sampled from; empty for a list of points
+  std::vector<std::array<uint32_t, 3>> mesh_triangles;  // of those
   bool surface_carries = false;    // there are points on triangles, which stand for what is thinner than a voxel
   int piece_count = 0;             // of the mesh; 0: a list of points
 };

@@ -40,6 +40,8 @@ using RegionMotion = std::variant<DisplacementRamp, AffineRamp, HalfSinePulse, C
 
 // Where the material point `rest_m` of a moved region is at `time_s`; rest frame.
 Eigen::Vector3d moved_point(const RegionMotion& motion, const Eigen::Vector3d& rest_m, double time_s);
+// Whether it takes any point elsewhere from one time to the other.
+bool moves_between(const RegionMotion& motion, double from_s, double to_s);
 
 // What a region is made of instead of the body's own material. Unset values are the body's.
 struct RegionMaterial {

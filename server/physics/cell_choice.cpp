@@ -34,6 +34,10 @@ int scene_multiple(double needed, int substeps) {
   return substeps * static_cast<int>(std::ceil(std::max(1.0, std::min(needed, 1e6) / substeps) - 1e-9));
 }
 
+double limit_of(const CellDemand& demand, double width_m) {
+  return std::min(courant_limit(demand.poisson_ratio, demand.size_m.minCoeff() / width_m), demand.most_courant);
+}
+
 Candidate assess(const CellDemand& demand, double width_m) {
   const double longest = demand.size_m.maxCoeff(), thinnest = demand.size_m.minCoeff();
   const bool thin = longest >= kThinRatio * thinnest;
@@ -41,7 +45,7 @@ Candidate assess(const CellDemand& demand, double width_m) {
   candidate.detailed = longest / width_m > (thin ? kCellsAlongThin : kCellsAlongCompact) - 1e-6 &&
                        (thin || thinnest / width_m > kLayersCompact - 1e-6);
   const double wave_m_s = std::sqrt(demand.youngs_modulus_pa / demand.density_kg_m3);
-  const double limit = courant_limit(demand.poisson_ratio, thinnest / width_m);
+  const double limit = limit_of(demand, width_m);
   candidate.substeps_needed = scene_multiple(wave_m_s / (limit * demand.rate_hz * width_m), demand.substeps);
   double nodes = 1.0;
   for (int d = 0; d < 3; ++d) nodes *= std::ceil(demand.size_m[d] / width_m - 1e-6) + 1.0;
@@ -98,8 +102,7 @@ CellChoice choose_cells(const CellDemand& demand) {
   CellChoice choice;
   choice.cell_width_m = chosen->width_m;
   choice.substeps = std::min(chosen->substeps_needed, cap);
-  const double reach = courant_limit(demand.poisson_ratio, demand.size_m.minCoeff() / chosen->width_m) *
-                       demand.rate_hz * choice.substeps * chosen->width_m;
+  const double reach = limit_of(demand, chosen->width_m) * demand.rate_hz * choice.substeps * chosen->width_m;
   const double ceiling_pa = demand.density_kg_m3 * reach * reach;
   choice.clipped = chosen->substeps_needed > cap;
   choice.youngs_modulus_pa = choice.clipped ? ceiling_pa : demand.youngs_modulus_pa;

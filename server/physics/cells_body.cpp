@@ -37,6 +37,7 @@ CellsBody::CellsBody(const ElasticBodyDescription& description, double rate_hz, 
   for (const double volume : particle_volumes_m3_) volume_m3_ += volume;
   for (size_t i = 0; i < description.regions.size(); ++i) {
     const BodyRegion& region = description.regions[i];
+    boundary_moved_ = boundary_moved_ || (region.boundary && region.motion);
     if (!region.material) continue;
     region_materials_.push_back(*region.material);
     region_names_.push_back(region.name.empty() ? "region " + std::to_string(i) : region.name);
@@ -94,7 +95,12 @@ void CellsBody::choose(double cell_width_m) {
     if (speed_squared(k) > speed_squared(fastest)) fastest = k;
   }
   CellDemand demand;
+  // What voxels do not fill, and is thinner than its particles' cubes, counts as large as those show it, or cells narrow and
+  // many would be chosen for a sheet, which bends as it should in wide ones, and which gained energy in narrow ones when it
+  // fell on its edge.
   demand.size_m = extent_.max_m - extent_.min_m;
+  const bool by_voxels = extent_.box_edge_m == extent_.spacing_m;
+  if (!by_voxels && demand.size_m.minCoeff() < 0.999 * extent_.box_edge_m) demand.size_m.array() += extent_.box_edge_m;
   demand.particle_edge_m = extent_.box_edge_m;
   demand.youngs_modulus_pa = cell_materials_.materials[fastest].youngs_modulus_pa;
   demand.density_kg_m3 = densities_kg_m3_[fastest];
@@ -104,6 +110,7 @@ void CellsBody::choose(double cell_width_m) {
   demand.rate_hz = rate_hz_;
   demand.substeps = scene_substeps_;
   demand.cell_width_m = cell_width_m;
+  if (boundary_moved_) demand.most_courant = kBoundaryCourant;
   choice_ = choose_cells(demand);
   if (!options_.choose) {
     choice_.substeps = scene_substeps_;
@@ -189,6 +196,7 @@ void CellsBody::predict_accuracy() {
   const double step_s = (options_.second_order ? 2.0 / 3.0 : 1.0) / (rate_hz_ * choice_.substeps);
   const Vector3d cells = (extent_.max_m - extent_.min_m) / lattice_.cell_width_m;
   bands_.clear();
+  thin_part_ = thin_part(lattice_, extent_.loose);
   for (size_t k = 0; k < densities_kg_m3_.size(); ++k) {
     const IsotropicMaterial& one = cell_materials_.materials[k];
     const double courant = std::sqrt(one.youngs_modulus_pa / densities_kg_m3_[k]) * step_s / lattice_.cell_width_m;
@@ -199,6 +207,12 @@ void CellsBody::predict_accuracy() {
          .cells_along = cells.maxCoeff(),
          .courant = courant,
          .ceiling_ratio = modulus_ceiling_pa(lattice_, densities_kg_m3_[k], step_s) / one.youngs_modulus_pa});
+    if (thin_part_ > kMostThinPart && band.band != ElasticBand::Unknown) {
+      if (band.band == ElasticBand::Exact) band.band = ElasticBand::Band;
+      band.ratio_low *= kThinBendsFrom;
+      band.ratio_high *= kThinBendsTo;
+      band.ratio_across = std::max(band.ratio_across, band.ratio_high);
+    }
     const double kept = one.youngs_modulus_pa / asked_modulus_pa(k);
     band.ratio_low *= kept;
     band.ratio_high *= kept;
@@ -317,6 +331,7 @@ void CellsBody::start_motion(const ElasticBodyDescription& description) {
   motion_ = mass_motion(positions, velocities, masses_kg_);
   momentum_before_ = motion_.momentum;
   angular_before_ = motion_.angular_momentum;
+  whole_ = {centre_m(), orientation_};
   for (const Vector3d& position : positions) reach_m_ = std::max(reach_m_, (position - motion_.centre_m).norm());
 }
 
@@ -354,18 +369,21 @@ void CellsBody::restart_motion() {
 void CellsBody::wake() {
   become_elastic();
   rest_clock_.wake();
+  stayed_s_ = 0.0;
 }
 
 // Hysteretic damping loses 2 pi eta of a vibration's energy a cycle; a rate of eta omega does the same at one
 // frequency, and it is matched at the lowest: the axial or bending mode of a beam of the body's longest side and
 // smallest thickness, free at both ends or clamped at one.
-double CellsBody::damping_rate() const {
+double CellsBody::damping_rate() const { return material_.loss_factor * lowest_rate_rad_s(); }
+
+double CellsBody::lowest_rate_rad_s() const {
   const Vector3d size = extent_.max_m - extent_.min_m;
   const double length = size.maxCoeff(), thickness = size.minCoeff();
   const double wave_m_s = std::sqrt(cell_materials_.materials[0].youngs_modulus_pa / densities_kg_m3_[0]);
   const double axial = (free() ? M_PI : M_PI_2) / length;
   const double bending = (free() ? 22.37 : 3.516) / std::sqrt(12.0) * thickness / (length * length);
-  return material_.loss_factor * wave_m_s * std::min(axial, bending);
+  return wave_m_s * std::min(axial, bending);
 }
 
 RestBody CellsBody::rest_body() const {
@@ -478,6 +496,8 @@ ElasticAccuracy CellsBody::accuracy() const {
     accuracy.regions.push_back({{}, region_names_[k - 1]});
     tell(k, accuracy.regions.back());
   }
+  accuracy.put_back = put_back_;
+  accuracy.thin_part = thin_part_;
   accuracy.nodes = nodes_.count();
   accuracy.cells = lattice_.cells.size();
   accuracy.particles = particle_points_.size();

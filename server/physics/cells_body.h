@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -102,7 +103,7 @@ class CellsBody final : public ElasticBody {
     std::vector<Vector3d> node_rest_m, particle_rest_m;  // object frame
     bool released = false;
   };
-  void hold_face(HeldRegion& held);
+  void hold_face(const ParticleSet& particles, HeldRegion& held);
   struct Load {
     NodeSample sample;
     Vector3d force_n;  // world
@@ -167,6 +168,7 @@ class CellsBody final : public ElasticBody {
   bool in_region(const LatticeCell& cell, const BodyRegion& region) const;
   void load_regions(const ElasticBodyDescription& description);
   Vector3d region_target_m(const HeldRegion& held, const Vector3d& rest_m, double time_s) const;
+  bool driven(double from_s, double to_s) const;  // whether a motion moves anything in that time
   void move_regions(double time_s, double h);
   void hold_particles(double time_s);
 
@@ -229,6 +231,9 @@ class CellsBody final : public ElasticBody {
   void become_elastic();
   void place_rigid();
   void rest(double frame_s);
+  bool stays(double frame_s);
+  bool moves_finitely() const;
+  void put_back();
   double fastest_m_s() const;
 
   NodeSample sample_at(const EmbeddedPoint& point) const;
@@ -237,6 +242,7 @@ class CellsBody final : public ElasticBody {
   double mobility(const NodeSample& sample) const;
   bool free() const { return !held_; }
   double damping_rate() const;
+  double lowest_rate_rad_s() const;  // of its vibrations
   void feel_load(const SubstepPart& part);
 
   Material material_;
@@ -258,6 +264,7 @@ class CellsBody final : public ElasticBody {
   int scene_substeps_;
   CellChoice choice_;
   std::vector<ModulusBand> bands_;  // by material, of what is simulated
+  double thin_part_ = 0.0;          // ElasticAccuracy
 
   CellNodes nodes_;
   std::vector<double> masses_kg_, inverse_masses_;  // inverse 0: held
@@ -282,6 +289,7 @@ class CellsBody final : public ElasticBody {
   std::vector<Load> region_loads_, point_loads_;
   bool held_ = false;   // some of it does not move, or moves as it is told
   bool moved_ = false;  // as it is told
+  bool boundary_moved_ = false;  // all of its outside is, at first
 
   // The body as a whole, and what acted on it in this substep. Moments are about the origin.
   MassMotion motion_;
@@ -314,6 +322,7 @@ class CellsBody final : public ElasticBody {
   std::vector<Impaler> impalers_;  // ascending id
 
   double reach_m_ = 0.0;        // radius about the centre that holds every node
+  double kinetic_j_ = 0.0;      // of the last step
   double deviation_m_s_ = 0.0;  // root mean square of velocities relative to the body as a whole
   double spin_rad_s_ = 0.0;     // of the body as a whole
   double strain_squared_ = 0.0, bent_squared_ = 0.0;  // of the worst cell
@@ -326,11 +335,15 @@ class CellsBody final : public ElasticBody {
   bool first_step_ = true, strained_ = false, tangled_ = false, untangling_ = false, touching_ = false, backward_ = false;
   double gravity_m_s2_ = 0.0;  // of the last substep
   double struck_until_s_ = -1.0;
-  bool supported_ = false, forced_ = false;  // for the sleep test: held up or in no gravity; pushed
+  bool supported_ = false, forced_ = false, driven_ = false;  // for the sleep test: held up or in no gravity; pushed; moved
   Quaterniond orientation_;  // world from object, of the body as a whole
+  Pose whole_;               // of it, after the last frame that it moved finitely in
+  int put_back_ = 0;         // times
   std::optional<RigidMotion> rigid_;
   double unstrained_s_ = 0.0, tangled_s_ = 0.0;
   int untangled_ = 0;  // times
+  Vector3d stayed_at_m_ = Vector3d::Constant(INFINITY);  // its centre of mass has been, for so long
+  double stayed_s_ = 0.0;
   bool may_rest_;
   RestClock rest_clock_;
 };

@@ -14,6 +14,9 @@ using Eigen::Vector3d;
 
 // Candidates are found with room for the body to move this part of a cell at least.
 constexpr double kCandidateRoom = 0.5;
+// A point of a held body has this part of its mobility at least, or none: what is left of it on free nodes would send
+// those ten times as far as the point goes, or, where it is rounding, anywhere.
+constexpr double kLeastMobile = 1e-2;
 
 }  // namespace
 
@@ -101,9 +104,11 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
 }
 
 double CellsBody::mobility(const NodeSample& sample) const {
-  double sum = 0.0;
+  double sum = 0.0, unheld = 0.0;
   for (int c = 0; c < 8; ++c) sum += sample.weights[c] * sample.weights[c] * inverse_masses_[sample.nodes[c]];
-  return sum;
+  if (free()) return sum;
+  for (int c = 0; c < 8; ++c) unheld += sample.weights[c] * sample.weights[c] / masses_kg_[sample.nodes[c]];
+  return sum > kLeastMobile * unheld ? sum : 0.0;
 }
 
 void CellsBody::take_contact(uint32_t sample, const Vector3d& point_m, const Vector3d& pull_kg_m, double step_s) {

@@ -3,6 +3,7 @@
 // a region ends inside a cell, its particles are held one by one after the sweep, which is softer
 // (elastic-study.md 5): hence lattice planes are snapped to regions where that can be.
 #include <algorithm>
+#include <cmath>
 
 #include "core/log.h"
 #include "physics/cells_body.h"
@@ -12,6 +13,10 @@ namespace livegs {
 namespace {
 
 using Eigen::Vector3d;
+
+// A particle with less than this of its weight on free nodes is held well enough by the others: holding it by itself
+// would hold those free nodes, a whole cell away from where the region ends.
+constexpr double kFreeShare = 0.5;
 
 bool holds(const BodyRegion& region) { return region.fixed || region.motion.has_value(); }
 
@@ -65,19 +70,24 @@ void CellsBody::hold_regions(const ElasticBodyDescription& description) {
       for (size_t p = 0; p < particle_rest_m_.size(); ++p) {
         if (!region.contains(particle_rest_m_[p], 1e-6 * lattice_.cell_width_m)) continue;
         const NodeSample sample = sample_at(particle_points_[p]);
-        bool nodes_hold_it = true;
-        for (int c = 0; c < 8; ++c) nodes_hold_it = nodes_hold_it && taken[sample.nodes[c]];
-        if (nodes_hold_it) continue;
+        double free_share = 0.0;
+        for (int c = 0; c < 8; ++c) free_share += taken[sample.nodes[c]] ? 0.0 : std::abs(sample.weights[c]);
+        if (free_share < kFreeShare) continue;
         held.particles.push_back(sample);
         held.particle_rest_m.push_back(particle_rest_m_[p]);
       }
-      if (held.nodes.empty()) hold_face(held);
+      if (held.nodes.empty()) hold_face(description.particles, held);
     }
     if (held.nodes.empty() && held.particles.empty()) {
       log_warn("object %u: region \"%s\" from (%.3g, %.3g, %.3g) to (%.3g, %.3g, %.3g) m holds no material", object_id_,
                region.name.c_str(), region.min_m.x(), region.min_m.y(), region.min_m.z(), region.max_m.x(),
                region.max_m.y(), region.max_m.z());
       continue;
+    }
+    if (held.nodes.empty() && held.particles.size() < 3) {
+      log_warn("object %u: region \"%s\" holds %zu of its particles and no cell: it turns about them; a wider region or a "
+               "smaller spacing_m than %.3g m holds it as a clamp",
+               object_id_, region.name.c_str(), held.particles.size(), extent_.spacing_m);
     }
     held_ = true;
     moved_ = moved_ || region.motion.has_value();
@@ -88,13 +98,13 @@ void CellsBody::hold_regions(const ElasticBodyDescription& description) {
 // A grip thinner than a voxel has the corners of the body's surface in it and little else: it is held by its face, as a
 // traction is spread. By that alone: both together are more than the nodes of one layer of cells can follow.
 // Only what goes right across the body is a grip: a line of it is a hinge.
-void CellsBody::hold_face(HeldRegion& held) {
+void CellsBody::hold_face(const ParticleSet& particles, HeldRegion& held) {
   Eigen::AlignedBox3d body;
   for (const Vector3d& particle : particle_rest_m_) body.extend(particle);
   const Vector3d slack = Vector3d::Constant(1e-6 * lattice_.cell_width_m);
   const auto over = (held.region.min_m - slack).array() <= body.min().array() && (held.region.max_m + slack).array() >= body.max().array();
   if (over.count() < 2) return;
-  const std::vector<LoadPoint> points = load_points(extent_, lattice_, held.region);
+  const std::vector<LoadPoint> points = load_points(particles, extent_, lattice_, held.region);
   if (points.size() <= held.particles.size()) return;
   held.particles.clear();
   held.particle_rest_m.clear();
@@ -110,7 +120,7 @@ void CellsBody::hold_face(HeldRegion& held) {
 void CellsBody::load_regions(const ElasticBodyDescription& description) {
   for (const BodyRegion& region : description.regions) {
     if (region.traction_pa.isZero()) continue;
-    const std::vector<LoadPoint> points = load_points(extent_, lattice_, region);
+    const std::vector<LoadPoint> points = load_points(description.particles, extent_, lattice_, region);
     if (points.empty()) {
       log_warn("object %u: region \"%s\" has a traction and holds no material", object_id_, region.name.c_str());
     }
@@ -123,6 +133,12 @@ void CellsBody::load_regions(const ElasticBodyDescription& description) {
 Vector3d CellsBody::region_target_m(const HeldRegion& held, const Vector3d& rest_m, double time_s) const {
   const Vector3d point = held.region.motion ? moved_point(*held.region.motion, rest_m, time_s) : rest_m;
   return world_from_object_ * point - origin_m_;
+}
+
+bool CellsBody::driven(double from_s, double to_s) const {
+  return moved_ && std::any_of(held_regions_.begin(), held_regions_.end(), [&](const HeldRegion& held) {
+           return !held.released && held.region.motion && moves_between(*held.region.motion, from_s, to_s);
+         });
 }
 
 void CellsBody::move_regions(double time_s, double h) {

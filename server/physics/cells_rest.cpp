@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/log.h"
 #include "physics/cells_body.h"
 #include "physics/moving_body.h"
 #include "physics/rigid_motion.h"
@@ -18,6 +19,12 @@ using Eigen::Vector3d;
 constexpr double kVisibleStrain = 1e-3;
 constexpr double kUnstrainedTime_s = 0.25;
 constexpr double kMeasuredCalm = 100.0;  // 0.2 mm/s in place of 20
+// Its centre of mass goes no farther than this part of its length in half a period of its slowest vibration: what bends by
+// a thousandth of it is within 1 % of where it will be.
+constexpr double kMeasuredPart = 3e-6;
+// As of a rigid body (rigid_step.cpp).
+constexpr double kMost_m_s = 1e6, kFarthest_m = 1e9;
+constexpr int kMostTold = 3;  // of one body
 
 }  // namespace
 
@@ -25,8 +32,10 @@ void CellsBody::end_frame(double frame_s) {
   if (asleep()) return;
   if (rigid_) {
     place_rigid();
+    whole_ = {centre_m(), orientation_};
     return;
   }
+  if (!moves_finitely()) put_back();
   // A held body's origin stays where it is, so that rounding does not move what is held.
   Vector3d shift = Vector3d::Zero();
   if (!held_ || motion_.centre_m.norm() > 4.0 * reach_m_) shift = motion_.centre_m.cast<float>().cast<double>();
@@ -34,6 +43,7 @@ void CellsBody::end_frame(double frame_s) {
   motion_.centre_m -= shift;
   reach_m_ = nodes_.move_all(-shift, motion_.centre_m);
   orientation_ = (rotation_exp(frame_s * motion_.angular_velocity_rad_s()) * orientation_).normalized();
+  whole_ = {centre_m(), orientation_};
   candidate_margin_m_ -= 1e-6 * reach_m_;  // rounding of the shift
   touch_margin_m_ -= 1e-6 * reach_m_;
 
@@ -53,8 +63,56 @@ void CellsBody::rest(double frame_s) {
   }
   // What is held or loaded is measured: it sleeps in equilibrium, not while it still creeps there. What lies on
   // something trembles more.
-  const double calm = held_ || !region_loads_.empty() ? kMeasuredCalm : 1.0;
-  if (rest_clock_.tick(frame_s, calm * fastest_m_s(), supported_, forced_ || comes_off())) sleep();
+  const bool measured = held_ || !region_loads_.empty();
+  const bool moves = forced_ || driven_ || comes_off() || (measured && !stays(frame_s));
+  if (rest_clock_.tick(frame_s, (measured ? kMeasuredCalm : 1.0) * fastest_m_s(), supported_, moves)) sleep();
+}
+
+// A slow vibration is slow at its farthest, twice a period, for longer than any clock: so it is the way in half a period
+// that tells. Of the centre of mass, which no rounding moves.
+bool CellsBody::stays(double frame_s) {
+  const Vector3d centre = centre_m();
+  stayed_s_ += frame_s;
+  if ((centre - stayed_at_m_).norm() > kMeasuredPart * (extent_.max_m - extent_.min_m).maxCoeff()) {
+    stayed_at_m_ = centre;
+    stayed_s_ = 0.0;
+  }
+  return stayed_s_ >= M_PI / lowest_rate_rad_s();
+}
+
+// By the sums of the last step, which are of all nodes: one that is not finite makes its centre so.
+bool CellsBody::moves_finitely() const {
+  const Vector3d centre = centre_m();
+  return centre.allFinite() && centre.cwiseAbs().maxCoeff() < kFarthest_m && std::isfinite(reach_m_) &&
+         std::isfinite(kinetic_j_) && kinetic_j_ < 0.5 * mass_kg_ * kMost_m_s * kMost_m_s &&
+         motion_.momentum.allFinite() && motion_.angular_momentum.allFinite();
+}
+
+// At rest and in its rest shape where the last frame left it whole; a held one where it is held.
+void CellsBody::put_back() {
+  if (++put_back_ <= kMostTold) {
+    log_warn("object %u: its motion ran out of bounds; it is put back at rest, in its rest shape. Look for what presses or "
+             "moves it by more than its size in a frame, or raise substeps",
+             object_id_);
+  }
+  Vector3d rest_centre = Vector3d::Zero();
+  for (size_t i = 0; i < masses_kg_.size(); ++i) rest_centre += masses_kg_[i] / mass_kg_ * lattice_.node_position_m(i);
+  orientation_ = held_ ? world_from_object_.orientation : whole_.orientation;
+  origin_m_ = held_ ? world_from_object_ * rest_centre : whole_.position_m;
+  const Vector3d still = Vector3d::Zero();
+  for (size_t i = 0; i < nodes_.count(); ++i) {
+    nodes_.set_motion(i, orientation_ * (lattice_.node_position_m(i) - rest_centre), still);
+  }
+  for (Follower& follower : followers_) follower.leader_m_s = still;
+  if (!plastic_parts_.empty()) forget_flow();
+  batches_.set_rotations(orientation_ * extent_.object_from_lattice);
+  restart_motion();
+  carried_n_ = strain_squared_ = bent_squared_ = deviation_m_s_ = spin_rad_s_ = tangled_s_ = 0.0;
+  strained_ = tangled_ = untangling_ = false;
+  contact_tally_ = {};
+  impalers_.clear();
+  sides_.clear();
+  boxes_known_ = false;
 }
 
 void CellsBody::sleep() {

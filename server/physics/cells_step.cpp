@@ -51,9 +51,10 @@ Vector3d vector_of(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
 int CellsBody::begin_substep(const SubstepContext& context) {
   boxes_known_ = false;
   forced_ = false;
+  driven_ = driven(context.start_s, context.start_s + context.duration_s);
   for (const PointForce& force : context.forces) forced_ = forced_ || force.spring || force.force_n.squaredNorm() > 0.0;
   if (asleep()) {
-    const bool touched = forced_ || meets_awake(context);
+    const bool touched = forced_ || driven_ || meets_awake(context);
     if (!touched) return 0;
     wake();
   }
@@ -97,6 +98,7 @@ void CellsBody::draw_springs(const SubstepPart& part) {
   for (Load& load : point_loads_) {
     if (!load.spring) continue;
     PointSpring& spring = *load.spring;
+    if (!spring.force_n.allFinite()) spring.force_n.setZero();  // of a body that was put back since
     const double w = mobility(load.sample), k = spring.stiffness_n_m;
     // What the point bears: more would only make it tremble.
     const double c = w > 0.0 ? std::min(spring.damping_n_s_m, 1.0 / (w * h)) : spring.damping_n_s_m;
@@ -306,6 +308,7 @@ void CellsBody::measure(const NodeSums& sums, double h) {
   spin_rad_s_ = spin.norm();
   const double rigid_j =
       0.5 * motion_.momentum.squaredNorm() / mass_kg_ + 0.5 * motion_.angular_momentum.dot(spin);
+  kinetic_j_ = sums.kinetic;
   deviation_m_s_ = std::sqrt(std::max(0.0, 2.0 * (sums.kinetic - rigid_j) / mass_kg_));
 }
 

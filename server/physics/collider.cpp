@@ -9,6 +9,10 @@ namespace {
 
 using Eigen::Vector3d;
 
+// Nearer to a sheet than this, in cells, its triangles are asked: a grid rounds off where it bends, and where it ends. Nodes
+// of the cells it goes through are up to 1.73 away from it, so that none of these is passed over.
+constexpr double kSheetCells = 2.0;
+
 // Each works in the collider's own frame.
 
 SurfaceSample sample(const PlaneShape&, const Vector3d& point) { return {point.y(), Vector3d::UnitY()}; }
@@ -35,9 +39,15 @@ SurfaceSample sample(const BoxShape& box, const Vector3d& point) {
 
 SurfaceSample sample(const FieldShape& shape, const Vector3d& point) {
   const DistanceField::Sample found = shape.field->sample(point);
+  if (shape.sheet && found.distance_m < kSheetCells * shape.field->cell_m()) {
+    const TriangleTree::Nearest nearest = shape.sheet->nearest(point);
+    const Vector3d away = point - nearest.foot_m;
+    const bool beside = nearest.distance_m > 1e-6 * shape.field->cell_m();
+    return {nearest.distance_m - shape.half_wall_m, beside ? Vector3d(away / nearest.distance_m) : nearest.normal};
+  }
   const double length = found.gradient.norm();
   // The gradient of an interpolated field vanishes on the medial axis.
-  return {found.distance_m, length > 1e-9 ? Vector3d(found.gradient / length) : Vector3d::UnitY()};
+  return {found.distance_m - shape.half_wall_m, length > 1e-9 ? Vector3d(found.gradient / length) : Vector3d::UnitY()};
 }
 
 }  // namespace
@@ -57,6 +67,10 @@ SurfaceSample ColliderProbe::sample_shape(const Vector3d& point_m) const {
 
 SurfaceSample sample_surface(const Collider& collider, const Vector3d& point_m) {
   return ColliderProbe(collider).sample(point_m);
+}
+
+double thinnest_m(const FieldShape& shape) {
+  return shape.sheet ? 2.0 * shape.half_wall_m : shape.field->thinnest_m();
 }
 
 double mixed_friction(double a, double b) { return std::sqrt(std::max(0.0, a) * std::max(0.0, b)); }

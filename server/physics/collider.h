@@ -7,6 +7,7 @@
 
 #include "core/pose.h"
 #include "geometry/distance_field.h"
+#include "geometry/triangle_tree.h"
 
 // What never moves and everything can touch.
 
@@ -26,7 +27,13 @@ struct SphereShape {
 struct FieldShape {
   std::shared_ptr<const DistanceField> field;  // a mesh or the captured background; immutable, shared by threads
   std::shared_ptr<const RidgePoints> ridges = nullptr;  // what of it sticks out; none are felt without
+  // Of a surface that has no inside: the field is the distance to it on either side, the triangles give it near by, and
+  // what is nearer than this is solid.
+  std::shared_ptr<const TriangleTree> sheet = nullptr;
+  double half_wall_m = 0.0;
 };
+// What a point can jump over without being seen inside.
+double thinnest_m(const FieldShape& shape);
 
 struct Collider {
   std::variant<PlaneShape, BoxShape, SphereShape, FieldShape> shape;

@@ -75,6 +75,7 @@ struct BodyExtent {
   double box_edge_m = 0.0;       // of a typical box
   double spacing_m = 0.0;        // of the particles
   bool of_points = false;        // of a list of points: no mesh says where it is full
+  bool loose = false;            // boxes stand about points on the surface of what is thinner than a voxel, near where it is
 };
 // Preconditions: at least one particle, finite positions, positive volumes.
 BodyExtent measure_extent(const ParticleSet& particles);

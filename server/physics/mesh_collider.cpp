@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Van Oosterom and Strackee 1983, The solid angle of a plane triangle: what a mesh winds around sees all of it, 4 pi.
 #include "physics/mesh_collider.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <utility>
 
 #include "geometry/mesh_topology.h"
@@ -16,6 +18,7 @@ namespace {
 constexpr double kFieldCells = 64.0;
 constexpr double kRidgeCells = 0.5;
 constexpr size_t kMostRidgePoints = 32768;
+constexpr double kWall_m = 0.004;
 constexpr double kSmooth = 0.866;  // cosine of 30 degrees
 
 struct Corner {
@@ -23,9 +26,67 @@ struct Corner {
   uint32_t opposite;
 };
 
+struct Part {
+  std::vector<uint32_t> triangles;
+  double volume_m3 = 0.0;
+};
+
+double solid_angle(const TriangleMesh& mesh, const Part& part, const Eigen::Vector3d& from_m) {
+  double sum = 0.0;
+  for (const uint32_t t : part.triangles) {
+    const auto& [i, j, k] = mesh.triangles[t];
+    const Eigen::Vector3d a = mesh.vertices_m[i] - from_m, b = mesh.vertices_m[j] - from_m, c = mesh.vertices_m[k] - from_m;
+    const double p = a.norm(), q = b.norm(), r = c.norm();
+    sum += 2.0 * std::atan2(a.dot(b.cross(c)), p * q * r + a.dot(b) * r + b.dot(c) * p + c.dot(a) * q);
+  }
+  return sum;
+}
+
+// Every closed part faces outwards, but for those that face inwards within another: hollows.
+TriangleMesh turned_out(TriangleMesh mesh) {
+  const std::vector<int> part_of = mesh_pieces(mesh);
+  std::vector<Part> parts;
+  for (uint32_t t = 0; t < part_of.size(); ++t) {
+    const auto number = static_cast<size_t>(part_of[t]);
+    if (number >= parts.size()) parts.resize(number + 1);
+    const auto& [a, b, c] = mesh.triangles[t];
+    const Eigen::Vector3d& origin = mesh.vertices_m[mesh.triangles[0][0]];
+    parts[number].triangles.push_back(t);
+    parts[number].volume_m3 +=
+        (mesh.vertices_m[a] - origin).dot((mesh.vertices_m[b] - origin).cross(mesh.vertices_m[c] - origin)) / 6.0;
+  }
+  for (const Part& part : parts) {
+    if (part.volume_m3 >= 0.0) continue;
+    const Eigen::Vector3d& place = mesh.vertices_m[mesh.triangles[part.triangles[0]][0]];
+    const bool hollow = std::any_of(parts.begin(), parts.end(), [&](const Part& other) {
+      return other.volume_m3 > 0.0 && solid_angle(mesh, other, place) > 2.0 * std::numbers::pi;
+    });
+    if (hollow) continue;
+    for (const uint32_t t : part.triangles) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+  }
+  return mesh;
+}
+
+// Each triangle both ways round, so that there is no inside.
+TriangleMesh both_ways(const TriangleMesh& mesh) {
+  TriangleMesh both = mesh;
+  for (const auto& [a, b, c] : mesh.triangles) both.triangles.push_back({a, c, b});
+  return both;
+}
+
+RidgePoints affordable_ridges(const TriangleMesh& mesh, double cell_m, Grooves grooves) {
+  RidgePoints ridges;
+  double spacing_m = kRidgeCells * cell_m;
+  do {
+    ridges = ridge_points(mesh, spacing_m, grooves);
+    spacing_m *= 2.0;
+  } while (ridges.points_m.size() > kMostRidgePoints && spacing_m < kFieldCells * cell_m);
+  return ridges;
+}
+
 }  // namespace
 
-RidgePoints ridge_points(const TriangleMesh& mesh, double spacing_m) {
+RidgePoints ridge_points(const TriangleMesh& mesh, double spacing_m, Grooves grooves) {
   const TriangleMesh welded = weld_vertices(mesh);
   const auto& at = welded.vertices_m;
   std::map<std::pair<uint32_t, uint32_t>, Corner> sides;  // by directed edge
@@ -43,7 +104,8 @@ RidgePoints ridge_points(const TriangleMesh& mesh, double spacing_m) {
       if (a > b) continue;
       const Eigen::Vector3d& normal = other->second.normal;
       if (one.normal.dot(normal) > kSmooth * one.normal.norm() * normal.norm()) continue;
-      if (one.normal.dot(at[other->second.opposite] - at[a]) >= 0.0) continue;  // it is a groove
+      const bool groove = one.normal.dot(at[other->second.opposite] - at[a]) >= 0.0;
+      if (groove && grooves == Grooves::AreNot) continue;
     }
     is_corner[a] = is_corner[b] = 1;
     const int parts = static_cast<int>(std::ceil((at[b] - at[a]).norm() / spacing_m));
@@ -57,17 +119,25 @@ RidgePoints ridge_points(const TriangleMesh& mesh, double spacing_m) {
 }
 
 FieldShape mesh_collider(const TriangleMesh& mesh) {
-  const double cell_m = mesh_bounds_m(mesh).sizes().maxCoeff() / kFieldCells;
+  const TriangleMesh solid = turned_out(weld_vertices(mesh));
+  const double cell_m = mesh_bounds_m(solid).sizes().maxCoeff() / kFieldCells;
   FieldShape shape;
-  shape.field = std::make_shared<const DistanceField>(mesh, cell_m, 2.0 * cell_m, DistanceField::Thin::Exact);
-  RidgePoints ridges;
-  double spacing_m = kRidgeCells * cell_m;
-  do {
-    ridges = ridge_points(mesh, spacing_m);
-    spacing_m *= 2.0;
-  } while (ridges.points_m.size() > kMostRidgePoints && spacing_m < kFieldCells * cell_m);
-  shape.ridges = std::make_shared<const RidgePoints>(std::move(ridges));
+  shape.field = std::make_shared<const DistanceField>(solid, cell_m, 2.0 * cell_m, DistanceField::Thin::Exact);
+  shape.ridges = std::make_shared<const RidgePoints>(affordable_ridges(solid, cell_m, Grooves::AreNot));
   return shape;
 }
+
+FieldShape wall_collider(const TriangleMesh& mesh) {
+  const TriangleMesh surface = weld_vertices(mesh);
+  const double cell_m = mesh_bounds_m(surface).sizes().maxCoeff() / kFieldCells;
+  FieldShape shape;
+  shape.field = std::make_shared<const DistanceField>(both_ways(surface), cell_m, 2.0 * cell_m);
+  shape.ridges = std::make_shared<const RidgePoints>(affordable_ridges(surface, cell_m, Grooves::AreRidges));
+  shape.sheet = std::make_shared<const TriangleTree>(surface);
+  shape.half_wall_m = 0.5 * wall_thickness_m(kFieldCells * cell_m);
+  return shape;
+}
+
+double wall_thickness_m(double longest_m) { return std::min(kWall_m, longest_m / kFieldCells); }
 
 }  // namespace livegs

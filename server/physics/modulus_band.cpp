@@ -74,6 +74,20 @@ double mean_sweep_compliance(const Lattice& lattice, std::span<const double> inv
   return volume > 0.0 ? sum / volume : std::numeric_limits<double>::infinity();
 }
 
+double thin_part(const Lattice& lattice, bool loose) {
+  constexpr double kAlong = 0.98;  // cos of 11 degrees
+  double thin_m3 = 0.0, all_m3 = 0.0;
+  for (const LatticeCell& cell : lattice.cells) {
+    all_m3 += cell.volume_m3;
+    if (!cell.thin) continue;
+    const Eigen::Vector3d& variance = cell.thin->variance_m2;
+    const bool sheet = variance[1] * variance[1] > variance[0] * variance[2];
+    const double along = cell.thin->axes.col(sheet ? 0 : 2).cwiseAbs().maxCoeff();
+    if (loose || along < kAlong) thin_m3 += cell.volume_m3;
+  }
+  return all_m3 > 0.0 ? thin_m3 / all_m3 : 0.0;
+}
+
 double modulus_ceiling_pa(const Lattice& lattice, double density_kg_m3, double step_s) {
   const double fullness = static_cast<double>(lattice.cells.size()) / static_cast<double>(lattice.node_coordinates.size());
   const double speed_m_s = lattice.cell_width_m / step_s;

@@ -16,9 +16,10 @@ struct LoadPoint {
 };
 
 // The face lies across the shortest edge of the region's box cut to the body's bounds (object axes; of equal edges the
-// first); it is the one of the two nearer to the body's bound. Each box of material in the region gives its volume
-// over the region's thickness as area, so the areas sum to the face's where the region is full; exact where the
-// lattice lies along the object's axes. Empty when the region holds no material.
-std::vector<LoadPoint> load_points(const BodyExtent& extent, const Lattice& lattice, const BodyRegion& region);
+// first); it is the one of the two nearer to the body's bound. The areas are the volume that the region holds of the
+// mesh, over its thickness: so they sum to the face's where the region is full. Of a list of points it is that of the
+// boxes, exact where the lattice lies along the object's axes. Empty when the region holds no material.
+std::vector<LoadPoint> load_points(const ParticleSet& particles, const BodyExtent& extent, const Lattice& lattice,
+                                   const BodyRegion& region);
 
 }  // namespace livegs

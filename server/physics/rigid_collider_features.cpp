@@ -46,14 +46,17 @@ void box_features(const BoxShape& box, const Collider& collider, const Eigen::Ve
   }
 }
 
-void ridge_features(const RidgePoints& ridges, const Collider& collider, const Eigen::Vector3d& centre, double reach,
+void ridge_features(const FieldShape& shape, const Collider& collider, const Eigen::Vector3d& centre, double reach,
                     std::vector<ColliderFeature>& features) {
+  const RidgePoints& ridges = *shape.ridges;
   const Eigen::Vector3d local = collider.world_from_collider.inverse() * centre;
   std::vector<uint32_t> near;
+  reach += shape.half_wall_m;
   ridges.tree.near([&](const Eigen::Vector3d& point) { return (point - local).norm(); }, reach, near);
   for (const uint32_t i : near) {
     const Eigen::Vector3d& point = ridges.points_m[i];
-    if ((point - local).norm() <= reach) features.push_back({kRidgeFeature + i, collider.world_from_collider * point, 0.0});
+    if ((point - local).norm() > reach) continue;
+    features.push_back({kRidgeFeature + i, collider.world_from_collider * point, shape.half_wall_m});
   }
 }
 
@@ -67,7 +70,7 @@ std::vector<ColliderFeature> collider_features(const Collider& collider, const E
   } else if (const auto* sphere = std::get_if<SphereShape>(&collider.shape)) {
     features.push_back({kSphereFeature, collider.world_from_collider.position_m, sphere->radius_m});
   } else if (const auto* field = std::get_if<FieldShape>(&collider.shape); field && field->ridges) {
-    ridge_features(*field->ridges, collider, centre_m, reach_m, features);
+    ridge_features(*field, collider, centre_m, reach_m, features);
   }
   return features;
 }

@@ -10,7 +10,8 @@
 namespace livegs {
 
 // What sticks out of a collider and may press into a body's face between the body's own contact points: points of a
-// box's edges and corners or a mesh's ridges (radius 0), a sphere's centre (its radius).
+// box's edges and corners or a mesh's ridges (radius 0; half its thickness on a wall about a surface), a sphere's centre (its
+// radius).
 struct ColliderFeature {
   uint64_t id;
   Eigen::Vector3d point_m;  // world

@@ -15,6 +15,9 @@ namespace {
 
 constexpr double kMaxPushSpeed_m_s = 1.0;  // several in a row add up: ten boxes, three metres a second
 constexpr double kPushSizesPerSecond = 5.0;       // bounding diameters a second
+// Two of one form are in one place when their centres are nearer to each other than this part of their thinnest side and of
+// how thick they are: bowls that stand in each other are not.
+constexpr double kOnePlace = 0.25, kOneWall = 0.75;
 constexpr double kDeepPart = 0.005;  // of the smaller bounding radius; what rests is a tenth of that deep
 constexpr double kOpposite = 0.5;    // less cosine of two normals than minus this
 constexpr double kOneWay = 0.3;      // depths whose sum is a smaller part of their sizes point nowhere
@@ -166,14 +169,15 @@ void ball_body_candidates(const RigidBody& ball, const RigidBody& other, const C
       1.0, search, candidates);
 }
 
-// Two meshes of one form in one place have all points of each on the other's surface and no way out. Along the thinnest
-// side they are parted until points are inside.
+// Two meshes of one form in one place have all points of each on the other's surface, and where they are less than half
+// their thickness apart the nearest way out is the one back. Along the thinnest side they are parted until points are inside.
 bool part_coincident(const RigidBody& body, const RigidBody& other, std::vector<ContactCandidate>& candidates) {
   const Eigen::Vector3d size = body.shape.max_m - body.shape.min_m;
   Eigen::Index thinnest;
   const double width = size.minCoeff(&thinnest);
   const Eigen::Vector3d between = body.world_from_body.position_m - other.world_from_body.position_m;
-  if (between.norm() > 0.25 * width || (size - other.shape.max_m + other.shape.min_m).norm() > 0.01 * width ||
+  if (between.norm() > std::min(kOnePlace * width, kOneWall * body.shape.wall_m) ||
+      (size - other.shape.max_m + other.shape.min_m).norm() > 0.01 * width ||
       body.world_from_body.orientation.angularDistance(other.world_from_body.orientation) > 0.25) {
     return false;
   }

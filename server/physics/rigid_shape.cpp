@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "physics/rigid_shape.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <unordered_map>
 #include <utility>
 
+#include "geometry/mesh_topology.h"
 #include "geometry/triangle_distance.h"
 
 namespace livegs {
@@ -52,6 +54,16 @@ void keep_extremes(const std::vector<Eigen::Vector3d>& vertices, std::vector<Eig
   std::sort(extremes.begin(), extremes.end());
   extremes.erase(std::unique(extremes.begin(), extremes.end()), extremes.end());
   for (const size_t index : extremes) kept.push_back(vertices[index]);
+}
+
+// Twice the volume over the area: of a sheet, from face to face.
+double mean_thickness_m(const TriangleMesh& mesh) {
+  double area_m2 = 0.0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const auto& at = mesh.vertices_m;
+    area_m2 += 0.5 * (at[b] - at[a]).cross(at[c] - at[a]).norm();
+  }
+  return 2.0 * std::abs(signed_volume_m3(mesh)) / area_m2;
 }
 
 }  // namespace
@@ -141,6 +153,7 @@ RigidShape mesh_shape(const TriangleMesh& object_mesh, const Eigen::Vector3d& ce
   } else {
     const double cell = longest / detail.field_cells;
     shape.field = std::make_shared<const DistanceField>(shape.mesh, cell, 3.0 * cell, detail.thin);
+    shape.wall_m = mean_thickness_m(shape.mesh);
   }
 
   shape.contact_spacing_m = detail.point_spacing * longest;

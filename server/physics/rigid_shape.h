@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -39,6 +40,7 @@ struct RigidShape {
   std::vector<Part> parts;
   Eigen::Vector3d min_m, max_m;
   double bounding_radius_m = 0.0;  // about the centre of mass
+  double wall_m = INFINITY;        // how thick its material is on average, of one that is not convex
   double inner_radius_m = 0.0;     // of a ball about the centre of mass that lies within; 0: that centre is outside
 
   bool is_ball() const { return sphere_radius_m > 0.0; }

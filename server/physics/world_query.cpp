@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <cmath>
 
 #include "core/assert.h"
@@ -9,6 +10,30 @@ namespace livegs {
 namespace {
 
 constexpr double kWithinFragment = 1e-5;  // in bounding radii
+// What lies on a collider or stands against it, and gives a little, is met all the same.
+constexpr double kSunkIn_m = 0.005;
+constexpr double kLeastMarch_m = 0.001;
+constexpr int kMostMarches = 4096;
+constexpr double kMarching = 0.7;  // a field's distance beyond its grid may be the square root of 2 too large
+
+// The way to a collider, or `most_m` where it is not met before. One that holds the ray's start does not stop it: a camera
+// stands behind a wall to look into a room.
+double way_to(const Collider& collider, const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction, double most_m) {
+  const ColliderProbe probe(collider);
+  const SurfaceSample start = probe.sample(origin_m);
+  if (!(start.distance_m > 0.0)) return most_m;
+  if (std::holds_alternative<PlaneShape>(collider.shape)) {
+    const double nearing = -start.normal.dot(direction);
+    return nearing > 0.0 ? std::min(most_m, start.distance_m / nearing) : most_m;
+  }
+  double way = 0.0;
+  for (int march = 0; march < kMostMarches && way < most_m; ++march) {
+    const double free = probe.sample(origin_m + way * direction).distance_m;
+    if (!(free > 0.0)) return way;
+    way += std::max(kMarching * free, kLeastMarch_m);
+  }
+  return most_m;
+}
 
 }  // namespace
 
@@ -40,6 +65,11 @@ std::optional<RayHit> World::ray_cast(const Eigen::Vector3d& origin_m, const Eig
         offer(id, hit->distance_m, hit->rest_point_m);
       }
     }
+  }
+  if (!nearest) return nearest;
+  const double before_m = nearest->distance_m - kSunkIn_m;
+  for (const Collider& collider : state_->colliders) {
+    if (way_to(collider, origin_m, direction, before_m) < before_m) return std::nullopt;
   }
   if (met) nearest->piece = met->piece_beside(met_index, nearest->rest_point_m);
   return nearest;

@@ -2,6 +2,7 @@
 #include "scene/elastic_report.h"
 
 #include "core/format_text.h"
+#include "physics/cell_choice.h"
 
 namespace livegs {
 namespace {
@@ -78,6 +79,15 @@ std::vector<std::string> accuracy_warnings(const ElasticAccuracy& accuracy) {
                                            1e3 * accuracy.cell_width_m, accuracy.substeps));
   };
   warn(accuracy, "");
+  if (accuracy.thin_part > kMostThinPart) {
+    warnings.push_back(format_text("%.0f %% of it is sheets or cords thinner than half a cell of %.3g mm that do not lie along the "
+                                   "cells: such things measured %.2g to %.2g of the stiffness they should have in bending",
+                                   100.0 * accuracy.thin_part, 1e3 * accuracy.cell_width_m, kThinBendsFrom, kThinBendsTo));
+  }
+  if (accuracy.put_back > 0) {
+    warnings.push_back(format_text("its motion ran out of bounds: it was put back at rest, in its rest shape, %d time%s",
+                                   accuracy.put_back, accuracy.put_back == 1 ? "" : "s"));
+  }
   for (const RegionAccuracy& region : accuracy.regions) warn(region, region.name + ": ");
   return warnings;
 }

@@ -139,7 +139,7 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
   }
 
   scene.bounds_m_ = built_bounds(built);
-  auto scenery = make_scenery(file.environment(), folder, scene.bounds_m_);
+  auto scenery = make_scenery(file.environment(), folder, built);
   if (!scenery) return scenery.error();
   for (const Collider& collider : scenery->colliders) scene.world_->add_collider(collider);
   if (scenery->asset) {

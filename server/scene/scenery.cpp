@@ -4,12 +4,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/format_text.h"
 #include "core/log.h"
 #include "gaussian/asset_file.h"
 #include "geometry/mesh_io.h"
+#include "geometry/mesh_topology.h"
 #include "geometry/reconstruct_surface.h"
 #include "geometry/shape_mesh.h"
+#include "geometry/weld_vertices.h"
 #include "physics/mesh_collider.h"
+#include "scene/room_surface.h"
 #include "scene/scene_values.h"
 #include "scene/shape_asset.h"
 
@@ -18,9 +22,92 @@ namespace {
 
 const Eigen::Vector3f kSceneryRgb(0.62f, 0.6f, 0.57f);
 constexpr double kFloorMargin_m = 0.8;  // how far a drawn floor reaches beyond the objects
+// An object is in a thing if this part of its points is: one on a rough floor has some below.
+constexpr double kMostlyInside = 0.75;
+constexpr size_t kAskedPoints = 400;
+// A mesh of less volume than this part of its length cubed is a surface, as one that has each face both ways round.
+constexpr double kNoVolume = 1e-6;
+
+struct Standing {
+  SceneObject* drawn;
+  std::vector<Eigen::Vector3d> points_m;  // world, as it starts
+
+  Eigen::Vector3d centre_m() const {
+    Eigen::AlignedBox3d bounds;
+    for (const Eigen::Vector3d& point : points_m) bounds.extend(point);
+    return bounds.center();
+  }
+  bool is_in(const Collider& collider) const {
+    const auto inside = std::count_if(points_m.begin(), points_m.end(), [&](const Eigen::Vector3d& point) {
+      return sample_surface(collider, point).distance_m < 0.0;
+    });
+    return static_cast<double>(inside) >= kMostlyInside * static_cast<double>(points_m.size());
+  }
+};
+
+const Pose& pose_of(const BuiltObject& built) {
+  return std::visit([](const auto& body) -> const Pose& { return body.world_from_object; }, built.body);
+}
+
+std::vector<Standing> standing_objects(std::span<std::optional<Result<BuiltObject>>> built) {
+  std::vector<Standing> all;
+  for (auto& object : built) {
+    BuiltObject& one = **object;
+    Standing standing{&one.drawn, {}};
+    const size_t step = one.body_points_m.size() / kAskedPoints + 1;
+    for (size_t i = 0; i < one.body_points_m.size(); i += step) {
+      standing.points_m.push_back(pose_of(one) * one.body_points_m[i]);
+    }
+    if (!standing.points_m.empty()) all.push_back(std::move(standing));
+  }
+  return all;
+}
+
+const Standing* first_in(const Collider& collider, std::span<const Standing> standing) {
+  const auto found = std::find_if(standing.begin(), standing.end(), [&](const Standing& one) { return one.is_in(collider); });
+  return found == standing.end() ? nullptr : &*found;
+}
+
+void warn_of_stuck(const Collider& collider, std::span<const Standing> standing, const std::string& field) {
+  for (const Standing& one : standing) {
+    if (!one.is_in(collider)) continue;
+    one.drawn->warnings.push_back("pose: it starts inside " + field +
+                                  ", which pushes it out; move it, or take that out of its way");
+  }
+}
+
+// Gives the collider its shape. `collider` is placed already.
+Result<void> shape_mesh(const TriangleMesh& file, std::span<const Standing> standing, const std::string& field,
+                        Collider& collider) {
+  const TriangleMesh mesh = weld_vertices(file);
+  const double longest_m = mesh_bounds_m(mesh).sizes().maxCoeff();
+  double area_m2 = 0.0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    area_m2 += 0.5 * (mesh.vertices_m[b] - mesh.vertices_m[a]).cross(mesh.vertices_m[c] - mesh.vertices_m[a]).norm();
+  }
+  if (!(area_m2 > 0.0)) return invalid_data(field + ": none of its triangles has an area; export it with its faces");
+  const std::string wall = format_text("a wall of %.2g mm about its surface", 1e3 * wall_thickness_m(longest_m));
+  if (const size_t open = open_edge_count(mesh); open > 0) {
+    log_info("%s: %zu of its edges are open, or have faces that look opposite ways: %s; close it to make it solid",
+             field.c_str(), open, wall.c_str());
+    collider.shape = wall_collider(mesh);
+    return {};
+  }
+  if (std::abs(signed_volume_m3(mesh)) < kNoVolume * longest_m * longest_m * longest_m) {
+    log_info("%s: encloses nothing: %s", field.c_str(), wall.c_str());
+    collider.shape = wall_collider(mesh);
+    return {};
+  }
+  collider.shape = mesh_collider(mesh);
+  if (const Standing* one = first_in(collider, standing)) {
+    log_info("%s: %s stands in it, so it is a room: %s", field.c_str(), one->drawn->name.c_str(), wall.c_str());
+    collider.shape = wall_collider(mesh);
+  }
+  return {};
+}
 
 Result<Collider> make_collider(const v1::Collider& file, const std::filesystem::path& folder,
-                               const std::string& field) {
+                               std::span<const Standing> standing, const std::string& field) {
   Collider collider;
   auto pose = pose_value(file.pose(), field + ".pose");
   if (!pose) return pose.error();
@@ -43,7 +130,8 @@ Result<Collider> make_collider(const v1::Collider& file, const std::filesystem::
   } else {
     auto mesh = read_obj(folder / file.mesh());
     if (!mesh) return Error{mesh.error().code, field + ".mesh: " + mesh.error().message};
-    collider.shape = mesh_collider(*mesh);
+    if (auto shaped = shape_mesh(*mesh, standing, field + ".mesh", collider); !shaped) return shaped.error();
+    warn_of_stuck(collider, standing, field);
   }
   return collider;
 }
@@ -112,28 +200,27 @@ GaussianAsset drawn_colliders(const std::vector<Collider>& colliders, const Eige
 
 }  // namespace
 
-Eigen::AlignedBox3d built_bounds(const std::vector<std::optional<Result<BuiltObject>>>& built) {
+Eigen::AlignedBox3d built_bounds(std::span<const std::optional<Result<BuiltObject>>> built) {
   Eigen::AlignedBox3d bounds;
   for (const auto& object : built) {
     const BuiltObject& one = **object;
-    const Pose& pose =
-        std::visit([](const auto& body) -> const Pose& { return body.world_from_object; }, one.body);
-    for (const Eigen::Vector3d& point : one.body_points_m) bounds.extend(pose * point);
+    for (const Eigen::Vector3d& point : one.body_points_m) bounds.extend(pose_of(one) * point);
   }
   return bounds;
 }
 
 Result<Scenery> make_scenery(const v1::Environment& environment, const std::filesystem::path& folder,
-                             const Eigen::AlignedBox3d& objects_m) {
+                             std::span<std::optional<Result<BuiltObject>>> built) {
   Scenery scenery;
+  const std::vector<Standing> standing = standing_objects(built);
   for (int i = 0; i < environment.colliders_size(); ++i) {
     auto collider =
-        make_collider(environment.colliders(i), folder, "environment.colliders[" + std::to_string(i) + "]");
+        make_collider(environment.colliders(i), folder, standing, "environment.colliders[" + std::to_string(i) + "]");
     if (!collider) return collider.error();
     scenery.colliders.push_back(std::move(*collider));
   }
   if (environment.asset().empty()) {
-    GaussianAsset drawn = drawn_colliders(scenery.colliders, objects_m);
+    GaussianAsset drawn = drawn_colliders(scenery.colliders, built_bounds(built));
     if (drawn.size() > 0) scenery.asset = std::make_shared<GaussianAsset>(std::move(drawn));
     return scenery;
   }
@@ -148,10 +235,18 @@ Result<Scenery> make_scenery(const v1::Environment& environment, const std::file
   if (environment.has_scale()) scenery.object_from_asset.scale = environment.scale();
   auto asset = std::make_shared<GaussianAsset>(std::move(file->asset));
   if (environment.collide()) {
-    auto surface =
-        reconstruct_surface(body_points(*asset, scenery.object_from_asset), elastic_surface_options());
-    if (!surface) return Error{surface.error().code, "environment.asset: " + surface.error().message};
-    scenery.colliders.push_back({mesh_collider(surface->mesh), *pose});
+    const auto stuck = [&](const FieldShape& shape) {
+      std::vector<Eigen::Vector3d> places;
+      for (const Standing& one : standing) {
+        if (one.is_in({shape, *pose})) places.push_back(pose->inverse() * one.centre_m());
+      }
+      return places;
+    };
+    auto shape = room_surface(body_points(*asset, scenery.object_from_asset),
+                              pose->orientation.conjugate() * Eigen::Vector3d::UnitY(), stuck);
+    if (!shape) return Error{shape.error().code, "environment.asset: " + shape.error().message};
+    scenery.colliders.push_back({std::move(*shape), *pose});
+    warn_of_stuck(scenery.colliders.back(), standing, "environment.asset");
   }
   log_info("environment: %zu kernels%s", asset->size(), environment.collide() ? ", collides" : "");
   scenery.asset = std::move(asset);

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/result.h"
@@ -23,10 +24,13 @@ struct Scenery {
   Similarity object_from_asset;
   Pose world_from_object;
 };
+// A mesh that is not closed, and one that something stands in, is a wall about its surface; a captured room is open for what
+// stands in it (room_surface.h). An object that starts within what is solid all the same gets a warning. Precondition: all
+// objects could be built.
 Result<Scenery> make_scenery(const v1::Environment& environment, const std::filesystem::path& folder,
-                             const Eigen::AlignedBox3d& objects_m);
+                             std::span<std::optional<Result<BuiltObject>>> built);
 
 // World bounds of all objects as they start.
-Eigen::AlignedBox3d built_bounds(const std::vector<std::optional<Result<BuiltObject>>>& built);
+Eigen::AlignedBox3d built_bounds(std::span<const std::optional<Result<BuiltObject>>> built);
 
 }  // namespace livegs

@@ -110,8 +110,9 @@ std::string pulse_remark(const std::vector<ChartRow>& rows) {
   return "## A pulse in a thin bar\n\nA bump of velocity, 0.4 m wide at its foot, in the middle of a free bar of 2.4 x 0.1 x "
          "0.1 m at 60 Hz parts into two halves, which should travel at sqrt(E / rho) and keep their height. A sweep "
          "carries a stress little more than one cell a substep: at a step that resolves the wave (Courant number well "
-         "under 1) the pulse is right; at the scene's 4 substeps a stiff bar's pulse comes early or late and "
-         "flat, or not at all before its echo would. A body that hangs, stands or is pressed does not care; one that is struck shows it." +
+         "under 1), in cells much narrower than the bump, the pulse is right; at the scene's 4 substeps a stiff bar's pulse "
+         "comes early or late and flat, or not at all before its echo would. The cells that this bar chooses are for its "
+         "stiffness and nearly as wide as the bump: no step makes its pulse right there, it comes late and flat. A body that hangs, stands or is pressed does not care; one that is struck shows it." +
          overshoot + "\n\n"
          "| E | cells | substeps | Courant | band | speed over sqrt(E / rho) | height kept |\n|---|---|---|---|---|---|---|\n" +
          lines + "\n";

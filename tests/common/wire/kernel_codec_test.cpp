@@ -9,6 +9,7 @@
 #include "common/wire/mutations.h"
 #include "skin/driver_skinning.h"
 #include "wire/frame_codec.h"
+#include "wire/rest_body_codec.h"
 
 namespace livegs::testing {
 namespace {
@@ -31,7 +32,7 @@ PosedKernels random_kernels(std::mt19937_64& random, size_t count) {
 
 KernelFrame frame_of(uint64_t seed, size_t count) {
   std::mt19937_64 random(seed);
-  return {17, -3, {{4, random_kernels(random, count)}, {5, {}}, {9, random_kernels(random, 3)}}};
+  return {17, -3, {{4, 1, random_kernels(random, count)}, {5, 0, {}}, {9, kMaxRevision, random_kernels(random, 3)}}};
 }
 
 Eigen::Matrix3d matrix_of(const Symmetric3f& s) {
@@ -43,7 +44,7 @@ Eigen::Matrix3d matrix_of(const Symmetric3f& s) {
 TEST(KernelCodec, ExactKernelsComeWithTheirBits) {
   const KernelFrame frame = frame_of(1, 200);
   const std::vector<std::byte> bytes = encode_kernels(frame, KernelEncoding::Exact);
-  EXPECT_EQ(bytes.size(), 24 + 3 * 8 + 52 * 203u);
+  EXPECT_EQ(bytes.size(), 24 + 3 * 9 + 52 * 203u);
   const auto read = decode_kernels(bytes);
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->tick, 17u);
@@ -52,6 +53,7 @@ TEST(KernelCodec, ExactKernelsComeWithTheirBits) {
   for (size_t i = 0; i < 3; ++i) {
     const PosedKernels &was = frame.objects[i].kernels, &is = read->objects[i].kernels;
     EXPECT_EQ(read->objects[i].object_id, frame.objects[i].object_id);
+    EXPECT_EQ(read->objects[i].revision, frame.objects[i].revision);
     EXPECT_EQ(is.positions_m, was.positions_m);
     EXPECT_EQ(is.covariances_m2, was.covariances_m2);
     ASSERT_EQ(is.world_from_asset.size(), was.world_from_asset.size());
@@ -65,7 +67,7 @@ TEST(KernelCodec, ExactKernelsComeWithTheirBits) {
 TEST(KernelCodec, QuantisedKernelsStayWithinTheirSteps) {
   const KernelFrame frame = frame_of(2, 2000);
   const std::vector<std::byte> bytes = encode_kernels(frame, KernelEncoding::Quantised);
-  EXPECT_EQ(bytes.size(), 24 + 3 * 8 + 2 * 24 + 20 * 2003u);
+  EXPECT_EQ(bytes.size(), 24 + 3 * 9 + 2 * 24 + 20 * 2003u);
   const auto read = decode_kernels(bytes);
   ASSERT_TRUE(read) << read.error().message;
   const PosedKernels &was = frame.objects[0].kernels, &is = read->objects[0].kernels;
@@ -84,12 +86,13 @@ TEST(KernelCodec, WritesTheWorkedExample) {
   KernelFrame frame{1, 11111111, {}};
   ObjectKernels& object = frame.objects.emplace_back();
   object.object_id = 7;
+  object.revision = 2;
   object.kernels.positions_m = {{1, 2, 3}};
   object.kernels.covariances_m2 = {{1 / 256.0f, 0, 0, 1 / 256.0f, 0, 1 / 256.0f}};
   object.kernels.world_from_asset = {Eigen::Quaternionf::Identity()};
   const std::vector<int> expected = {
-      0xD8, 1, 1, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0xC7, 0x8A, 0xA9, 0, 0, 0, 0, 0, 1, 0, 0, 0,         // head
-      7, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0x80, 0x3F, 0, 0, 0, 0x40, 0, 0, 0x40, 0x40,                  // object, box
+      0xD8, 2, 1, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0xC7, 0x8A, 0xA9, 0, 0, 0, 0, 0, 1, 0, 0, 0,         // head
+      7, 0, 0, 0, 2, 1, 0, 0, 0, 0, 0, 0x80, 0x3F, 0, 0, 0, 0x40, 0, 0, 0x40, 0x40,               // object, box
       0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xAA, 0xAA, 0xAA, 0x2A,               // edge; position, deviations
       0x00, 0x08, 0x80, 0x00, 0x38, 0x00, 0x08, 0x80, 0x00, 0x38};                                 // axes, rotation
   std::vector<int> bytes;

@@ -78,7 +78,7 @@ TEST_P(ElasticDrop, HasLessAfterEveryLandingAndSleeps) {
 
 // How fast they meet the floor, as part of the speed of their waves, sqrt(E/rho).
 TEST_P(ElasticDrop, AtItsSpeedOfSoundItGainsNothing) {
-  constexpr double kInTouch = 1.05, kGoal = 1.0005;  // found: 1.03
+  constexpr double kInTouch = 1.03, kGoal = 1.0005;
   for (const Dropped& thing : dropped()) {
     for (const double stiffness : {1e4, 1e5}) {
       for (const double nu : {0.3, 0.45, 0.49}) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include "geometry/shape_mesh.h"
 #include "physics/cell_choice.h"
 #include "server/physics/elastic_bodies.h"
+#include "server/physics/quarter_shell.h"
 
 namespace livegs {
 namespace {
@@ -107,6 +109,22 @@ TEST(ModulusBand, HoldsWhatThisSolverShows) {
                                       .ceiling_ratio = 2.0});
     EXPECT_LE(band.ratio_low, row.ratio) << row.across << " across, Co " << row.courant;
     EXPECT_GE(band.ratio_high, row.ratio) << row.across << " across, Co " << row.courant;
+  }
+}
+
+// A curved shell thinner than half its cells bends more or less than it should; a flat plate along them does as it should.
+TEST(ModulusBand, CurvedThinShellsAreNotCalledExact) {
+  ElasticBodyDescription plate = test::describe(sample_particles(box_mesh({0.5, 0.01, 0.5})), 1e6, 0.3);
+  for (const auto& [body, thin] : {std::pair{test::describe_quarter(10, 0.3, true), true}, {plate, false}}) {
+    const auto made = make_elastic_body(body, ElasticSolver::Cells, 60, 4, false);
+    ASSERT_TRUE(made) << made.error().message;
+    const ElasticAccuracy accuracy = (*made)->accuracy();
+    EXPECT_EQ(accuracy.thin_part > kMostThinPart, thin) << accuracy.thin_part;
+    EXPECT_EQ(accuracy.band == ElasticBand::Exact, !thin) << name_of(accuracy.band);
+    if (thin) {
+      EXPECT_LE(accuracy.modulus_ratio_low, kThinBendsFrom);
+      EXPECT_GE(accuracy.modulus_ratio_high, kThinBendsTo);
+    }
   }
 }
 

@@ -22,7 +22,7 @@ Face face_of(const ParticleSet& particles, double width_m, const BodyRegion& reg
   const BodyExtent extent = measure_extent(particles);
   const Lattice lattice = build_lattice(extent, width_m, {});
   Face face;
-  for (const LoadPoint& load : load_points(extent, lattice, region)) {
+  for (const LoadPoint& load : load_points(particles, extent, lattice, region)) {
     const auto weights = trilinear_weights(load.point.local);
     Vector3d point = Vector3d::Zero();
     for (int c = 0; c < 8; ++c) point += weights[c] * lattice.node_position_m(lattice.cells[load.point.cell].nodes[c]);
@@ -66,6 +66,32 @@ TEST(RegionLoad, AnEndOfASampledBoxIsItsWholeFace) {
   }
 }
 
+// Nothing of these is a voxel thick, and their particles lie on their faces. Cells are as wide as they are chosen, 71 mm here.
+TEST(RegionLoad, AFaceOfWhatIsThinnerThanAVoxelIsItsWholeFace) {
+  for (const double thick_m : {0.0005, 0.003, 0.01, 0.02}) {
+    const ParticleSet plate = sample_particles(box_mesh({0.5, 0.5, thick_m}));
+    const Face face = face_of(plate, 0.071, box({-1, -1, 0.4 * thick_m}, {1, 1, 1}));
+    EXPECT_NEAR(face.area_m2 / 0.25, 1.0, 0.005) << thick_m;
+    EXPECT_NEAR((face.centre_m - Vector3d(0, 0, 0.5 * thick_m)).norm(), 0.0, 1e-6) << thick_m;
+    const Face end = face_of(plate, 0.071, box({0.25 - 0.2 * thick_m, -1, -1}, {1, 1, 1}));
+    EXPECT_NEAR(end.area_m2 / (0.5 * thick_m), 1.0, 0.005) << thick_m;
+  }
+  const Face rod = face_of(sample_particles(box_mesh({0.4, 0.01, 0.01})), 0.05, box({0.195, -1, -1}, {1, 1, 1}));
+  EXPECT_NEAR(rod.area_m2 / 1e-4, 1.0, 0.005);
+  const Face bar = face_of(sample_particles(box_mesh({2.4, 0.1, 0.1})), 0.3, box({1.15, -1, -1}, {9, 1, 1}));
+  EXPECT_NEAR(bar.area_m2 / 1e-2, 1.0, 0.005);
+}
+
+TEST(RegionLoad, ARoundFaceIsTheMeshsOwn) {
+  // A prism of 32 sides, which the mesh is; its section is 0.9936 of the circle's.
+  const double section_m2 = 16.0 * std::sin(2.0 * M_PI / 32.0) * 0.05 * 0.05;
+  for (const double height_m : {0.4, 2.0}) {
+    const ParticleSet cylinder = sample_particles(cylinder_mesh(0.05, height_m, 32));
+    const Face end = face_of(cylinder, 0.1, box({-1, 0.5 * height_m - 0.05, -1}, {1, 9, 1}));
+    EXPECT_NEAR(end.area_m2 / section_m2, 1.0, 0.005) << height_m;
+  }
+}
+
 TEST(RegionLoad, APartOfAFaceIsCutExactly) {
   // Edges inside particles and cells; thinner than a particle.
   const Face face = face_of(particle_grid({0.4, 0.1, 0.1}, 0.0125), 0.025, box({0.195, -1, -1}, {1, 0.013, 1}));
@@ -90,9 +116,11 @@ TEST(RegionLoad, ARotatedLatticeLoadsTheSameFaceWithinAnEighthOfABox) {
 }
 
 TEST(RegionLoad, ARegionBesideTheBodyHasNone) {
-  const BodyExtent extent = measure_extent(particle_grid({0.4, 0.1, 0.1}, 0.0125));
-  const Lattice lattice = build_lattice(extent, 0.025, {});
-  EXPECT_TRUE(load_points(extent, lattice, box({0.3, -1, -1}, {1, 1, 1})).empty());
+  for (const ParticleSet& particles : {particle_grid({0.4, 0.1, 0.1}, 0.0125), sample_particles(box_mesh({0.4, 0.1, 0.1}))}) {
+    const BodyExtent extent = measure_extent(particles);
+    const Lattice lattice = build_lattice(extent, 0.025, {});
+    EXPECT_TRUE(load_points(particles, extent, lattice, box({0.3, -1, -1}, {1, 1, 1})).empty());
+  }
 }
 
 }  // namespace

@@ -128,7 +128,7 @@ TEST(RigidContact, BoxLandingFlatBouncesToTheSquareOfRestitution) {
     ASSERT_TRUE(world.add_rigid(box));
     const std::vector<double> peaks = bounce_peaks(world, 1, 0.05, 1.5);
     ASSERT_GE(peaks.size(), 1u);
-    EXPECT_NEAR(peaks[0] / 0.125, 1.0, 0.02);  // e² h; four corners share the impact in four sweeps
+    EXPECT_NEAR(peaks[0] / 0.125, 1.0, 0.01);  // e² h; four corners share the impact in four sweeps
   }
 }
 

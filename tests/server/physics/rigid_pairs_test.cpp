@@ -262,6 +262,63 @@ TEST(RigidPairs, WhateverLiesInOnePlacePartsSlowly) {
   }
 }
 
+// A bowl as a paraboloid 0.18 m wide and 60 mm high, its wall 6 mm thick along the vertical, its foot at the origin.
+TriangleMesh bowl_mesh() {
+  constexpr double kRim_m = 0.09, kHigh_m = 0.054, kWall_m = 0.006;
+  constexpr int kRings = 6;
+  constexpr uint32_t kAround = 24;
+  TriangleMesh mesh;
+  std::vector<std::pair<double, double>> profile;  // from the foot up the outside and down the inside
+  for (int i = 1; i <= kRings; ++i) profile.emplace_back(kRim_m * i / kRings, kHigh_m * i * i / (kRings * kRings));
+  for (int i = kRings; i >= 1; --i) profile.emplace_back(kRim_m * i / kRings, kWall_m + kHigh_m * i * i / (kRings * kRings));
+  mesh.vertices_m = {{0, 0, 0}, {0, kWall_m, 0}};
+  for (const auto& [r, y] : profile) {
+    for (uint32_t k = 0; k < kAround; ++k) {
+      const double angle = 2.0 * std::numbers::pi * k / kAround;
+      mesh.vertices_m.push_back({r * std::cos(angle), y, r * std::sin(angle)});
+    }
+  }
+  const auto at = [](size_t ring, uint32_t k) { return static_cast<uint32_t>(2 + ring * kAround + k % kAround); };
+  for (uint32_t k = 0; k < kAround; ++k) {
+    mesh.triangles.push_back({0, at(0, k), at(0, k + 1)});
+    for (size_t ring = 0; ring + 1 < profile.size(); ++ring) {
+      mesh.triangles.push_back({at(ring, k), at(ring + 1, k), at(ring + 1, k + 1)});
+      mesh.triangles.push_back({at(ring, k), at(ring + 1, k + 1), at(ring, k + 1)});
+    }
+    mesh.triangles.push_back({1, at(profile.size() - 1, k + 1), at(profile.size() - 1, k)});
+  }
+  return mesh;
+}
+
+// Centres of alike things 9 mm apart, a seventh of their height, are not in one place where the things are 6 mm thick.
+TEST(RigidPairs, NestedBowlsRestInEachOther) {
+  const TriangleMesh bowl = bowl_mesh();
+  ASSERT_GT(solid_mass_properties(bowl).volume_m3, 0.0);
+  for (const double rate : kRates_hz) {
+    SCOPED_TRACE(rate);
+    World world = world_at(rate, 4);
+    world.add_collider(floor_plane(0.6));
+    for (uint32_t id = 1; id <= 4; ++id) {
+      auto body = body_of(id, bowl, 0.3);
+      body.world_from_object.position_m.y() = 0.001 + 0.009 * (id - 1);
+      ASSERT_TRUE(world.add_rigid(body));
+    }
+    double fastest = 0.0;
+    for (int tick = 0; tick < 6 * rate; ++tick) {
+      world.step();
+      for (const BodyState& body : world.bodies()) fastest = std::max(fastest, body.velocity_m_s.norm());
+    }
+    // They fall by up to 10 mm.
+    EXPECT_LT(fastest, 0.6);
+    const double first_m = body_state(world, 1).world_from_body.position_m.y();
+    for (uint32_t id = 1; id <= 4; ++id) {
+      EXPECT_TRUE(body_state(world, id).asleep) << id;
+      const double over_m = body_state(world, id).world_from_body.position_m.y() - first_m;
+      EXPECT_NEAR(over_m, 0.006 * (id - 1), 0.002 * (id - 1) + 1e-9) << id;
+    }
+  }
+}
+
 // Bits of all poses after a busy scene. `hulls` are made once: the order of a hull's triangles may differ.
 uint64_t hash_of_pile(int threads, const std::vector<TriangleMesh>& hulls) {
   set_thread_count(threads);

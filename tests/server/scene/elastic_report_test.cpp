@@ -67,6 +67,18 @@ TEST(ElasticReport, ASpacingThatTellsNothingOfTheShapeIsAWarning) {
   EXPECT_EQ(spaced("0.5").find("spacing_m: 0.5 m is more than a quarter of its longest side, so that 1 particles"), 0u) << spaced("0.5");
 }
 
+TEST(ElasticReport, WhatWasLostAndWhatIsThinIsAWarning) {
+  ElasticAccuracy accuracy;
+  accuracy.cell_width_m = 0.1;
+  EXPECT_TRUE(accuracy_warnings(accuracy).empty());
+  accuracy.put_back = 2;
+  accuracy.thin_part = 0.5;
+  const auto warnings = accuracy_warnings(accuracy);
+  ASSERT_EQ(warnings.size(), 2u);
+  EXPECT_EQ(warnings[0].find("50 % of it is sheets or cords thinner than half a cell of 100 mm"), 0u) << warnings[0];
+  EXPECT_NE(warnings[1].find("put back at rest, in its rest shape, 2 times"), std::string::npos) << warnings[1];
+}
+
 TEST(ElasticReport, AClippedStiffnessIsAWarning) {
   const Scene scene = cube("cube", 0.1, 1e9, "ELASTIC");
   const SceneObject& object = scene.objects()[0];

@@ -87,6 +87,25 @@ TEST(FragileScene, WhatBecomesFragileInTheFallBreaksWhenItLands) {
   EXPECT_EQ(thing.asset, thing.broken->asset);
 }
 
+// As a person's edit in the window, or an answer that comes while it runs: nothing waits for the next load.
+TEST(FragileScene, AnEditMakesAThingBreakableWhileItFalls) {
+  v1::Physics tough = fragile(0);
+  tough.set_fragile(false);
+  auto scene = Scene::build(one_object(tough, false), "", "edited", {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  for (int tick = 0; tick < 5; ++tick) scene->step();
+  const SceneObject& thing = *scene->find("thing");
+  v1::PhysicalParameters edited = thing.physics;
+  edited.set_fragile(true);
+  edited.mutable_break_impulse_n_s()->set_best(0.2);
+  const auto later = scene->set_physics(thing.id, edited);
+  ASSERT_TRUE(later) << later.error().message;
+  EXPECT_TRUE(later->empty()) << later->front();
+  for (int tick = 0; tick < 60; ++tick) scene->step();
+  ASSERT_TRUE(thing.fragility);
+  EXPECT_GT(thing.fragility->bodies, 1u);
+}
+
 // An analysis that finds it tough after all tells no impulse. The pieces are there, so it keeps the one it had.
 TEST(FragileScene, WhatIsFragileNoLongerKeepsItsBreakImpulse) {
   auto scene = Scene::build(one_object(fragile(8), false), "", "tough", {});

@@ -25,9 +25,7 @@ Scene bar(const std::string& regions, const std::string& events = "[]") {
           regions + R"( ] } ], "events": )" + events + " }",
       &file);
   EXPECT_TRUE(parsed.ok()) << parsed.message();
-  SceneOptions options;
-  options.sleep = false;
-  auto scene = Scene::build(file, "", "bar", options);
+  auto scene = Scene::build(file, "", "bar", {});
   EXPECT_TRUE(scene) << scene.error().message;
   return std::move(*scene);
 }
@@ -84,6 +82,15 @@ TEST(RegionRun, APulseGoesUpAndComesBack) {
   EXPECT_NEAR(now(scene, {0.2, 0, 0}).y(), 0.01, 1e-5);  // the sine's peak
   run_to(scene, 0.4);
   EXPECT_NEAR(now(scene, {0.2, 0, 0}).y(), 0.0, 1e-5);
+}
+
+TEST(RegionRun, AMotionThatStartsLateWakesWhatSleeps) {
+  Scene scene = bar(std::string(kClamp) + R"(, { "name": "tip", "box": { "min_m": [0.15, -1, -1] },
+      "motion": { "displacement_ramp": { "displacement_m": [0.002, 0, 0], "start_s": 2, "end_s": 2.5 } } })");
+  run_to(scene, 1.9);
+  EXPECT_TRUE(scene.world().bodies()[0].asleep);
+  run_to(scene, 2.5);
+  EXPECT_NEAR(now(scene, {0.2, 0, 0}).x() - 0.2, 0.002, 1e-5);
 }
 
 // Carried as a whole and let go, it keeps the velocity it was carried with.
