@@ -200,7 +200,11 @@ Result<void> HeadsetRun::draw(PlannedFrame& planned) {
   client_.look(seen_cone(planned.views));
   const auto image = display_.acquire();
   if (!image) return display_.submit(planned, {});
-  if (auto drawn = view_.draw_into(*drivers, planned.views, *image, images_); !drawn) return drawn;
+  if (auto drawn = view_.draw_into(*drivers, planned.views, *image, images_); !drawn) {
+    planned.views.clear();  // the frame has begun, and ends without a picture
+    (void)display_.submit(planned, {});
+    return drawn;
+  }
   const int64_t drawn_ns = now_ns();
   send_hands_again(planned.display_time_ns);
   const uint64_t before = display_.counts().pictures;

@@ -10,11 +10,13 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "analysis/answer.h"
 #include "analysis/hand_edits.h"
 #include "analysis/physics_values.h"
+#include "core/content_hash.h"
 
 namespace livegs {
 namespace {
@@ -374,7 +376,12 @@ std::string object_file_name(std::string_view object) {
       name += {'%', kHex[byte >> 4], kHex[byte & 15]};
     }
   }
-  return name;
+  // A file's name has 255 bytes at most, and a Chinese letter takes nine here.
+  constexpr size_t kMost = 150, kKept = 100, kHashDigits = 16;
+  if (name.size() <= kMost) return name;
+  size_t kept = kKept;
+  while (name[kept - 1] == '%' || name[kept - 2] == '%') --kept;
+  return name.substr(0, kept) + "-" + content_hash(std::as_bytes(std::span(object))).substr(0, kHashDigits);
 }
 
 fs::path physics_file_path(const fs::path& asset, std::string_view object) {

@@ -53,7 +53,7 @@ void log_finished(const std::string& name, const v1::AnalysisProgress& progress)
     case v1::AnalysisProgress::ACCEPTED:
       return log_info("analysis: %s: accepted%s", shown.c_str(), why.c_str());
     case v1::AnalysisProgress::NEEDS_REVIEW:
-      return log_info("analysis: %s: needs review%s; kept as a proposal: Accept in the window or livegs analyze --accept "
+      return log_info("analysis: %s: needs review%s; kept as a proposal: Analyse and Accept in the window or livegs analyze --accept "
                       "takes it",
                       shown.c_str(), why.c_str());
     case v1::AnalysisProgress::REFUSED:
@@ -84,15 +84,16 @@ LiveAnalysis::~LiveAnalysis() = default;
 void LiveAnalysis::begin() {
   std::vector<std::string> names;
   for (const auto& [id, known] : known_) {
+    const std::string name = shown_text(known.object->name, 80);
+    if (waits(id)) {
+      log_info("analysis: %s: a proposal waits from before; Analyse and Accept in the window or livegs analyze --accept takes it",
+               name.c_str());
+      continue;
+    }
     if (known.object->written.behavior() != v1::Physics::AUTO) continue;
     const auto kept = known.decided->present();
     if (!kept || !kept->analysis().model().empty()) continue;
-    const std::string name = shown_text(known.object->name, 80);
-    if (waits(id)) {
-      log_info("analysis: %s: a proposal waits from before; Accept in the window or livegs analyze --accept takes it",
-               name.c_str());
-      (void)apply(known, *kept, "");
-    } else if (answer_undone(decisions_of(known))) {
+    if (answer_undone(decisions_of(known))) {
       log_info("analysis: %s: its answer was taken back and it is not asked about again until somebody does",
                name.c_str());
     } else {
@@ -152,7 +153,7 @@ void LiveAnalysis::take_reloaded(const Scene& scene) {
       rebuilt_[id] = scene.built_as(*object);
     }
     const auto kept = known.decided->present();
-    if (kept && (kept->has_physics() || kept->has_edits() || waits(id))) (void)apply(known, *kept, "");
+    if (kept && (kept->has_physics() || kept->has_edits())) (void)apply(known, *kept, "");
   }
 }
 
@@ -238,8 +239,7 @@ void LiveAnalysis::work(Request& request, std::stop_token stop) {
           if (progress.verdict() == v1::AnalysisProgress::NEEDS_REVIEW) {
             *progress.mutable_proposal() = update.judgement.proposal;
             known.decided->propose(update.judgement.proposal, update.record);
-            wait_for_person(update.object_id, update.judgement.proposal);
-            if (const auto kept = known.decided->present()) (void)apply(known, *kept, "");
+            wait_for_person(update.object_id, update.judgement.proposal);  // the scene stays as it is
           }
           if (progress.verdict() == v1::AnalysisProgress::ACCEPTED) {
             if (const std::string note = land(update); !note.empty()) progress.set_message(note);

@@ -68,7 +68,8 @@ class LiveAnalysis final : public AnalysisControl {
   // What the object has with `file`, brought into the scene at the next tick.
   Result<v1::PhysicsReply> apply(const Known& known, const v1::PhysicsFile& file, std::string note);
   Result<Known*> find(const std::string& name);
-  // Proposals that nobody has judged yet are told of in front of the object's behavior_reason, which all clients get.
+  // Proposals that nobody has judged yet: the log tells of them, and the object's behavior_reason from its next change on. They
+  // change nothing of the scene themselves.
   void find_proposals();
   void wait_for_person(uint32_t object_id, const v1::PhysicalParameters& proposal);
   void wait_for_nobody(uint32_t object_id);

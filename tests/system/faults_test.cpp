@@ -204,7 +204,9 @@ TEST(NarrowPipe, FramesThatDoNotFitAreLeftOutNotQueued) {
   std::printf("8 Mbit/s: staleness p50 %.1f, p99 %.1f then %.1f ms (bar 60); the machine is late by %.1f ms\n",
               percentile(ages_ms(frames), 0.5), first, second, late_ms);
   EXPECT_LT(percentile(ages_ms(frames), 0.99), 60 + 5 * late_ms);
-  EXPECT_LT(second, 1.25 * first + 5 * late_ms);
+  // Flat: a queue would add a second. One that just misses a tick waits for the next.
+  constexpr double kTick_ms = 1e3 / 90;
+  EXPECT_LT(second, 1.25 * first + kTick_ms + 5 * late_ms);
 }
 
 // Counts only: what it was given is gone.

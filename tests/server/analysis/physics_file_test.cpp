@@ -406,6 +406,13 @@ TEST_F(PhysicsFileTest, AKillBetweenAnyTwoWritesLosesNothing) {
 // Of several objects that show one asset each has its own; the asset's counts until there is one.
 TEST_F(PhysicsFileTest, ObjectsThatShareAnAssetHaveTheirOwn) {
   EXPECT_EQ(physics_file_path("a/mug.ply", "left mug"), "a/mug.physics.left%20mug.json");
+  // Eighty Chinese letters are 720 bytes so, and a file's name has 255 at most; two long names stay two.
+  std::string bowls;
+  for (int i = 0; i < 80; ++i) bowls += "\u7897";
+  const std::string cut = physics_file_path("a/mug.ply", bowls).filename().string();
+  EXPECT_LT(cut.size(), 160u);
+  EXPECT_TRUE(cut.starts_with("mug.physics.%E7%A2%97%E7")) << cut;
+  EXPECT_NE(cut, physics_file_path("a/mug.ply", bowls + "2").filename().string());
   EXPECT_EQ(physics_file_path("a/mug/meta.json", "../b"), "a/mug.physics.%2E%2E%2Fb.json");
   EXPECT_NE(physics_file_path("mug.ply", "physics"), physics_file_path("mug.physics.ply"));
   const auto left = physics_file_path(folder / "mug.ply", "left"), right = physics_file_path(folder / "mug.ply", "right");
