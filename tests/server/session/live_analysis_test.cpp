@@ -257,23 +257,7 @@ TEST_F(LiveAnalysisTest, AnEditIsLockedAndCanBeUndoneAndRedone) {
     EXPECT_EQ(edited->parameters().mass_kg().source(), EstimatedValue::PERSON);
     ASSERT_TRUE(changes_to(name, [](const SceneObject& one) { return one.physics.mass_kg().best() == 0.7; }));
 
-    bool ended = false;
-    std::mutex mutex;
-    std::condition_variable changed;
-    v1::AnalysisProgress last;
-    ASSERT_TRUE(analysis->analyze(
-        {name},
-        [&](const v1::AnalysisProgress& progress) {
-          last = progress;
-          return true;
-        },
-        [&] {
-          std::lock_guard lock(mutex);
-          ended = true;
-          changed.notify_all();
-        }));
-    std::unique_lock lock(mutex);
-    ASSERT_TRUE(changed.wait_for(lock, kPatience, [&] { return ended; }));
+    const v1::AnalysisProgress last = analyzed(name);
     EXPECT_EQ(last.verdict(), v1::AnalysisProgress::ACCEPTED) << last.message();
     EXPECT_EQ(last.parameters().mass_kg().best(), 0.7);  // locked
     EXPECT_EQ(last.parameters().friction().source(), EstimatedValue::MODEL);
