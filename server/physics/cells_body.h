@@ -56,6 +56,7 @@ class CellsBody final : public ElasticBody {
   void set_material(const Material& material) override;
   const Material& material() const override { return material_; }
   bool asleep() const override { return rest_clock_.asleep(); }
+  int times_put_back() const override { return put_back_; }
   void wake() override;
   bool frozen() const override { return rigid_.has_value(); }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/log.h"
 #include "physics/cells_body.h"
 #include "physics/moving_body.h"
 #include "physics/rigid_motion.h"
@@ -24,7 +23,6 @@ constexpr double kMeasuredCalm = 100.0;  // 0.2 mm/s in place of 20
 constexpr double kMeasuredPart = 3e-6;
 // As of a rigid body (rigid_step.cpp).
 constexpr double kMost_m_s = 1e6, kFarthest_m = 1e9;
-constexpr int kMostTold = 3;  // of one body
 
 }  // namespace
 
@@ -90,11 +88,7 @@ bool CellsBody::moves_finitely() const {
 
 // At rest and in its rest shape where the last frame left it whole; a held one where it is held.
 void CellsBody::put_back() {
-  if (++put_back_ <= kMostTold) {
-    log_warn("object %u: its motion ran out of bounds; it is put back at rest, in its rest shape. Look for what presses or "
-             "moves it by more than its size in a frame, or raise substeps",
-             object_id_);
-  }
+  ++put_back_;
   Vector3d rest_centre = Vector3d::Zero();
   for (size_t i = 0; i < masses_kg_.size(); ++i) rest_centre += masses_kg_[i] / mass_kg_ * lattice_.node_position_m(i);
   orientation_ = held_ ? world_from_object_.orientation : whole_.orientation;

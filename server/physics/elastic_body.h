@@ -198,6 +198,7 @@ class ElasticBody {
   virtual void set_material(const Material& material) = 0;
   virtual const Material& material() const = 0;
   virtual bool asleep() const = 0;
+  virtual int times_put_back() const { return 0; }  // ElasticAccuracy::put_back
   virtual void wake() = 0;
   virtual bool frozen() const { return false; }  // flies as a rigid body, because its deformation cannot be seen
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <utility>
 
 #include "core/log.h"
 #include "core/parallel_for.h"
@@ -32,6 +33,7 @@ const Eigen::Vector3f kBallRgb(0.85f, 0.25f, 0.2f);
 constexpr uint64_t kEventForceBit = uint64_t{1} << 63;
 constexpr uint64_t kPersonForceBit = uint64_t{1} << 62;  // of apply_force
 
+constexpr int kMostPutBacksTold = 3;  // of one object
 constexpr double kMostForce_n = 1e5, kLongestForce_s = 60;
 
 // Of three numbers that were checked.
@@ -282,6 +284,19 @@ void Scene::follow_breaks() {
   }
 }
 
+void Scene::follow_put_backs() {
+  for (SceneObject& object : objects_) {
+    if (!object.elastic) continue;
+    const ElasticBody* body = world_->elastic_body(object.id);
+    const int times = body ? body->times_put_back() : 0;
+    if (times == std::exchange(object.elastic->put_back, times) || times > kMostPutBacksTold) continue;
+    changes_.changed.push_back(object.id);
+    log_warn("%s: its motion ran out of bounds; it is put back at rest, in its rest shape. Look for what presses or moves it by "
+             "more than its size in a frame, or raise substeps",
+             object.name.c_str());
+  }
+}
+
 void Scene::take_cuts(std::span<const uint32_t> object_ids) {
   for (const uint32_t id : object_ids) {
     for (FragileTask& task : cutting_) {
@@ -314,6 +329,7 @@ void Scene::step() {
   grabs_.move(*world_, static_cast<double>(world_->tick()) / rate_hz);
   world_->step();
   follow_breaks();
+  follow_put_backs();
 }
 
 Result<void> Scene::take_physics(SceneObject& object, v1::PhysicalParameters physics) {

@@ -149,6 +149,7 @@ class Scene {
   void cut_anew(const SceneObject& drawn);  // if it became fragile, or is to have another number of pieces
   void take_cut(FragileTask& task);
   void follow_breaks();
+  void follow_put_backs();
   SceneObject& drawn(uint32_t object_id);
   const SceneObject& add_drawn(SceneObject drawn, const Similarity& object_from_asset);
 

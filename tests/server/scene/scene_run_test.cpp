@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/content_hash.h"
@@ -212,6 +213,30 @@ TEST(SceneRun, APullHoldsByItsSpringAndLetsGoAtItsEnd) {
     for (int tick = 0; tick < 30; ++tick) scene->step();
     EXPECT_LT(height_m(), 0.5) << physics;
   }
+}
+
+// A gram that 100 kN push for a tenth of a second.
+TEST(SceneRun, WhoWatchesIsToldThatABodyWasPutBack) {
+  ScratchFolder folder;
+  const auto path = folder.write("lost.scene.json", R"({
+    "gravity_m_s2": [0, 0, 0],
+    "objects": [ { "name": "foam", "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } },
+                   "physics": { "behavior": "ELASTIC", "density_kg_m3": 1, "youngs_modulus_pa": 1e3 } } ],
+    "events": [ { "time_s": 0.1, "force": { "object": "foam", "point_m": [0, 0, 0], "force_n": [1e5, 0, 0], "duration_s": 0.2 } } ] })");
+  auto scene = Scene::load(path, {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  const SceneObject& foam = scene->objects().front();
+  int told = 0;
+  std::string warnings;
+  for (int i = 0; i < 60; ++i) {
+    scene->step();
+    const Scene::Changes changes = scene->take_changes();
+    told += static_cast<int>(std::count(changes.changed.begin(), changes.changed.end(), foam.id));
+    for (const std::string& warning : foam.all_warnings()) warnings = warning;
+  }
+  EXPECT_GE(told, 1);
+  EXPECT_LE(told, 3);
+  EXPECT_NE(warnings.find("put back at rest, in its rest shape"), std::string::npos) << warnings;
 }
 
 }  // namespace
