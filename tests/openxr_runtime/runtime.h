@@ -167,7 +167,7 @@ void play_timeline();
 
 // Where things are in the stage.
 Pose hand_pose(const std::string& hand, bool aim, XrTime time);
-Pose head_pose(XrTime time);  // as it is foretold now, for a time to come
+Pose head_pose(XrTime time, XrTime asked);  // as it is foretold at `asked`, for a time to come
 XrPosef to_xr(const Pose& pose);
 bool from_xr(const XrPosef& pose, Pose& read);  // false where the quaternion is not unit or a number not finite
 // The stage from a space; false where it is not known: a hand that has no focus or is bound to nothing.

@@ -28,10 +28,10 @@ bool from_xr(const XrPosef& pose, Pose& read) {
   return read.position_m.allFinite() && std::abs(q.norm() - 1) < 0.01;
 }
 
-Pose head_pose(XrTime time) {
+Pose head_pose(XrTime time, XrTime asked) {
   Pose pose{{0, 1.6, 0}, Eigen::Quaterniond::Identity()};
   if (runtime().timeline.has("head")) pose = runtime().timeline.pose("head", timeline_s(time));
-  pose.position_m.x() += runtime().misjudged_m_s * 1e-9 * static_cast<double>(std::max<XrTime>(0, time - now()));
+  pose.position_m.x() += runtime().misjudged_m_s * 1e-9 * static_cast<double>(std::max<XrTime>(0, time - asked));
   return pose;
 }
 
@@ -52,7 +52,7 @@ bool locate(const Session& session, const Space& space, XrTime time, Pose& stage
   Pose stage_from_root;
   if (space.reference) {
     if (*space.reference == XR_REFERENCE_SPACE_TYPE_LOCAL) stage_from_root = runtime().stage_from_local;
-    if (*space.reference == XR_REFERENCE_SPACE_TYPE_VIEW) stage_from_root = head_pose(time);
+    if (*space.reference == XR_REFERENCE_SPACE_TYPE_VIEW) stage_from_root = head_pose(time, now());
   } else {
     const auto state = session.inputs.find({space.action, space.subaction});
     if (session.state != XR_SESSION_STATE_FOCUSED || state == session.inputs.end() || !state->second.known) return false;
@@ -169,8 +169,9 @@ XrResult xrLocateViews(XrSession session, const XrViewLocateInfo* info, XrViewSt
                           XR_VIEW_STATE_ORIENTATION_TRACKED_BIT | XR_VIEW_STATE_POSITION_TRACKED_BIT;
   if (capacity == 0) return success(*found);
   if (capacity < 2) return misuse(XR_ERROR_SIZE_INSUFFICIENT, "xrLocateViews: room for one view");
-  const double lead_s = 1e-9 * static_cast<double>(info->displayTime - now());
-  const Pose stage_from_head = head_pose(info->displayTime);
+  const XrTime asked = now();  // one moment for what is told and what is written down of it
+  const double lead_s = 1e-9 * static_cast<double>(info->displayTime - asked);
+  const Pose stage_from_head = head_pose(info->displayTime, asked);
   if (std::exchange(found->foretold_for, info->displayTime) != info->displayTime) found->foretold = {};
   for (size_t eye = 0; eye < 2; ++eye) {
     if (views[eye].type != XR_TYPE_VIEW) return misuse(XR_ERROR_VALIDATION_FAILURE, "xrLocateViews: not an XrView");

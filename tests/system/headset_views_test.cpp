@@ -58,7 +58,7 @@ TEST_F(HeadsetSession, WhatIsDrawnIsWhereTheHeadWasSaidToBeLast) {
     if (row.size() > 8 && !row[4].empty()) submitted_m[{row[0], row[4]}] = point(row, 6);
   }
   double gained_s = 0;
-  size_t frames = 0, as_misjudged = 0;
+  size_t frames = 0;
   std::map<std::pair<std::string, std::string>, double> moved_m;  // between the looks, likewise
   for (const auto& row : rows(folder_ / "views.csv")) {
     const Eigen::Vector3d first = point(row, 4), last = point(row, 8), shown = submitted_m.at({row.at(0), row.at(1)});
@@ -70,11 +70,11 @@ TEST_F(HeadsetSession, WhatIsDrawnIsWhereTheHeadWasSaidToBeLast) {
     if ((first - last).norm() < 1e-6) continue;  // before it misjudged
     gained_s += earlier_s;
     ++frames;
-    if (std::abs((first - last).norm() - kMisjudged_m_s * earlier_s) < 1e-3) ++as_misjudged;
+    // Nothing is foretold of a moment that is over. Leads are written down to 1 us, which is 40 um.
+    const double foretold_s = std::max(0.0, std::stod(row.at(3))) - std::max(0.0, std::stod(row.at(7)));
+    EXPECT_NEAR((first - last).norm(), kMisjudged_m_s * foretold_s, 1e-4) << "frame " << row[0];
   }
   ASSERT_GE(frames, 6u);
-  // But for a look whose thread was put aside between being asked and answering: the one moment is written down, the other used.
-  EXPECT_GE(10 * as_misjudged, 9 * frames);
   std::printf("the second look is %.2f ms later than the first (mean of %zu)\n", 1e3 * gained_s / static_cast<double>(frames), frames);
 
   // And of each picture: it is what the oracle sees from where the last answer put the eyes, and not from where the first did.
