@@ -27,6 +27,7 @@ class VulkanSplatPainter final : public SplatPainter {
 
   Result<void> create(const Options& options);
   Result<void> paint(const FrameSplats& frame, int width, int height, int eyes) override;
+  int eyes_a_draw() const override { return multiview_works_.value_or(true) ? images_->eyes() : 1; }
   Result<void> resolve(const Eigen::Vector3f& background) override;
   Result<void> read(std::vector<Image>& images) override;
   Result<void> copy_into(const DeviceImage& image) override;
@@ -39,7 +40,6 @@ class VulkanSplatPainter final : public SplatPainter {
   Result<void> make_images(int width, int height, int eyes);
   Result<void> clear();
   Result<void> try_multiview();
-  int eyes_a_draw() const { return multiview_works_.value_or(true) ? images_->eyes() : 1; }
 
   Backend& backend_;
   VulkanCommands& commands_;

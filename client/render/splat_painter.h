@@ -39,6 +39,7 @@ class SplatPainter {
 
   // Records the draw. All eyes have the images' size.
   virtual Result<void> paint(const FrameSplats& frame, int width, int height, int eyes) = 0;
+  virtual int eyes_a_draw() const = 0;  // of what was painted: all of them, or 1 where multiview draws wrong
   // Records the resolve of what was painted.
   virtual Result<void> resolve(const Eigen::Vector3f& background) = 0;
   // Runs all that is recorded and reads an image an eye. Display-encoded, alpha is coverage, 8 bits a

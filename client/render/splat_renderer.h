@@ -55,6 +55,7 @@ struct RenderTimes {
   double upload_ms = 0, project_ms = 0, sort_ms = 0, draw_ms = 0;
   std::optional<DeviceTimes> device;  // where it has a clock
   uint64_t uploaded_bytes = 0, submissions = 0;  // to a device, of this picture
+  int eyes_a_draw = 1;  // 2: one draw covered both eyes
   double total_ms() const { return upload_ms + project_ms + sort_ms + draw_ms; }
 };
 

@@ -80,6 +80,10 @@ TEST_F(PictureParity, BothEyesOfAHeadsetFromOneSort) {
     ASSERT_EQ(made.size(), 2u);
     for (int e = 0; e < 2; ++e) EXPECT_GE(psnr_db(made[e], expected[e]), kBar_db) << e << " " << distance_m;
     EXPECT_LT(psnr_db(made[0], made[1]), 30.0);  // and they are two pictures
+    // By one draw, which lavapipe of Mesa 22.3 gets wrong and so is not asked for.
+    if (device_->name().find("llvmpipe") == std::string::npos) {
+      EXPECT_EQ(renderer_->last_times().eyes_a_draw, 2) << device_->name();
+    }
   }
 }
 
