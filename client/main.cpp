@@ -46,6 +46,21 @@ bool parse_size(const std::string& text, livegs::PictureSize& size) {
          size.height >= 1 && size.height <= 16384;
 }
 
+// What was asked for and is not done there, by name and with where it is. `of`: openxr, window, offscreen, or "a recording" or
+// "publications", to which nobody does anything.
+std::string what_is_not_done(const std::string& of, bool script, bool poke, bool force, bool select) {
+  const bool watched = of == "a recording" || of == "publications";
+  const char* asked = script ? "--script" : poke ? "--poke" : force ? "--force" : select ? "--select" : nullptr;
+  if (asked && watched) return std::string(asked) + ": who watches " + of + " does nothing to the scene; leave it out";
+  if (script && of != "offscreen")
+    return "--script: moves hands offscreen; in a window and in a headset a person does. Give --display offscreen";
+  if (poke && of == "openxr")
+    return "--poke: is done in a window or offscreen, not in a headset; give --display window or --display offscreen";
+  if (force && of != "window") return "--force: is recorded in a window; give --display window, where there is one";
+  if (select && of != "window") return "--select: is about the window's panel; give --display window, where there is one";
+  return {};
+}
+
 int run_replayed(const livegs::ReplayOptions& options, bool window) {
   if (window) {
     const auto done = livegs::run_replay_window(options, interrupted);
@@ -99,7 +114,7 @@ int main(int argc, char** argv) {
   app.add_option("--camera", options.camera_file,
                  "A camera file; all objects from a little above when left out");
   auto* script =
-      app.add_option("--script", options.script_file, "What the hands do: a file of InputScript's JSON form");
+      app.add_option("--script", options.script_file, "What the hands do, offscreen: a file of InputScript's JSON form");
   app.add_option("--poke", options.poke, "Poke the object of this name: a pull by the ray, then two balls")
       ->excludes(script);
   app.add_option("--select", select, "The object that the window's panel is about at first");
@@ -180,8 +195,9 @@ int main(int argc, char** argv) {
     const bool of_window = !forces.empty() || !select.empty();
     display = of_window || (!of_files && livegs::WindowDisplay::is_possible()) ? "window" : "offscreen";
   }
-  if (!forces.empty() && display == "offscreen")
-    return report(livegs::invalid_argument("--force: is recorded in a window; give --display window, where there is one"));
+  const std::string of = !replay_file.empty() ? "a recording" : !subscribe.empty() ? "publications" : display;
+  const std::string not_done = what_is_not_done(of, !options.script_file.empty(), !options.poke.empty(), !forces.empty(), !select.empty());
+  if (!not_done.empty()) return report(livegs::invalid_argument(not_done));
   if (!replay_file.empty() && display == "openxr")
     return report(livegs::invalid_argument("--replay: plays in a window or into files, not in a headset; leave --display openxr out"));
   if (!replay_file.empty()) {

@@ -179,6 +179,32 @@ TEST_F(Programs, ADisplayThatDoesNotExistIsRefused) {
   EXPECT_NE(client.err().find("offscreen"), std::string::npos) << client.err();
 }
 
+// What a display does not do is not left out in silence: a line says so before anything is opened.
+TEST_F(Programs, WhatADisplayDoesNotDoIsOneLineAndCodeTwo) {
+  const std::string script = folder_.write("hands.json", "{}");
+  struct Case {
+    std::vector<std::string> words;
+    std::string named, remedy;
+  };
+  const std::string force = "cube:0,0,0:1,0,0:1";
+  const std::vector<Case> cases = {{{"--display", "openxr", "--script", script}, "--script:", "--display offscreen"},
+                                   {{"--display", "openxr", "--poke", "box"}, "--poke:", "--display window"},
+                                   {{"--display", "openxr", "--force", force}, "--force:", "--display window"},
+                                   {{"--display", "openxr", "--select", "box"}, "--select:", "--display window"},
+                                   {{"--display", "window", "--script", script}, "--script:", "--display offscreen"},
+                                   {{"--select", "box", "--script", script}, "--script:", "--display offscreen"},
+                                   {{"--display", "offscreen", "--select", "box"}, "--select:", "--display window"},
+                                   {{"--subscribe", "tcp://127.0.0.1:1", "--poke", "box"}, "--poke:", "leave it out"}};
+  for (const Case& one : cases) {
+    std::vector<std::string> words = {LIVEGS_CLIENT, "127.0.0.1:1"};
+    words.insert(words.end(), one.words.begin(), one.words.end());
+    Program client(words);
+    EXPECT_EQ(client.wait(), 2);
+    expect_one_line(client, one.named);
+    expect_one_line(client, one.remedy);
+  }
+}
+
 // The remedy for the headset, then the window's.
 TEST_F(Programs, WithoutAHeadsetAWindowIsTried) {
   Program client({"/usr/bin/env", "DISPLAY=", "XR_RUNTIME_JSON=/nowhere/at_all.json", LIVEGS_CLIENT, "127.0.0.1:1", "--display", "openxr"});
