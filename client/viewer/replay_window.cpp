@@ -15,7 +15,6 @@
 namespace livegs {
 namespace {
 
-constexpr double kBudget_ms = 30;
 constexpr double kJump_s = 5;
 constexpr const char* kHelp =
     "right: turn   middle: shift   wheel: nearer   WASDQE: fly\nP: pause   full stop: step   arrows: 5 s back and on   "
@@ -25,7 +24,7 @@ class ReplayWindow {
  public:
   ReplayWindow(const ReplayOptions& options, RecordingPlayback& playback, AssetLibrary& assets, SceneView& view,
                WindowDisplay& display)
-      : options_(options), playback_(playback), assets_(assets), view_(view), display_(display) {}
+      : options_(options), playback_(playback), assets_(assets), view_(view), display_(display), scale_(window_budget_ms(display.refresh_hz())) {}
 
   Result<void> run(const std::atomic<bool>& interrupted) {
     if (auto begun = go_to(options_.from_s); !begun) return begun;
@@ -150,7 +149,7 @@ class ReplayWindow {
   SceneView& view_;
   WindowDisplay& display_;
   OrbitCamera camera_;
-  RenderScale scale_{kBudget_ms};
+  RenderScale scale_;
   FrameHistory history_{kFramesKept};
   int64_t first_ns_ = 0, moment_ns_ = 0;  // simulated time of the first frame, and of what is shown
   uint64_t tick_ = 0;

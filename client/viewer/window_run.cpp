@@ -29,7 +29,6 @@
 namespace livegs {
 namespace {
 
-constexpr double kBudget_ms = 30;  // of a picture; what is slower is drawn smaller
 constexpr size_t kRightHand = 1;
 constexpr const char* kHelp =
     "left: pull   right: turn   middle: shift\nwheel: nearer   WASDQE: fly   space: shoot\nP: pause   full stop: step   "
@@ -39,7 +38,8 @@ class WindowRun {
  public:
   WindowRun(const WindowRunOptions& options, SessionClient& client, SceneControl& control, ArrivingObjects& arriving,
             SceneView& view, WindowDisplay& display)
-      : options_(options), client_(client), calls_(control), arriving_(arriving), stream_(arriving), view_(view), display_(display) {
+      : options_(options), client_(client), calls_(control), arriving_(arriving), stream_(arriving), view_(view), display_(display),
+        scale_(window_budget_ms(display.refresh_hz())) {
     for (const StreamedObject& object : client.scene().objects) objects_[object.id] = object;
   }
 
@@ -82,7 +82,7 @@ class WindowRun {
   std::optional<OrbitCamera> camera_;
   std::optional<ScriptedHands> script_;
   InputSample sample_;
-  RenderScale scale_{kBudget_ms};
+  RenderScale scale_;  // what is slower than its monitor bears is drawn smaller
   FrameMeter meter_;
   ObjectPanel panel_;
   ForceStudy study_;

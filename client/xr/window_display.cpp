@@ -37,6 +37,7 @@ class GlfwWindowDisplay final : public WindowDisplay {
   void set_camera(const Camera& camera) override { camera_ = camera; }
   const WindowInput& input() const override { return input_; }
   Eigen::Vector2i size_px() const override;
+  double refresh_hz() const override;
   void set_overlay(WindowOverlay overlay) override { overlay_ = std::move(overlay); }
   const PanelActions& actions() const override { return actions_; }
   void keep_next(Image& image) override { kept_ = &image; }
@@ -99,6 +100,27 @@ Eigen::Vector2i GlfwWindowDisplay::size_px() const {
   int width = 0, height = 0;
   glfwGetWindowSize(window_, &width, &height);
   return {std::max(1, width), std::max(1, height)};
+}
+
+double GlfwWindowDisplay::refresh_hz() const {
+  int left = 0, top = 0, count = 0;
+  glfwGetWindowPos(window_, &left, &top);
+  const Eigen::AlignedBox2i window(Eigen::Vector2i(left, top), Eigen::Vector2i(left, top) + size_px());
+  GLFWmonitor** monitors = glfwGetMonitors(&count);
+  int64_t most_px = -1;
+  double hz = 0;
+  for (int i = 0; i < count; ++i) {
+    const GLFWvidmode* mode = glfwGetVideoMode(monitors[i]);
+    if (!mode) continue;
+    glfwGetMonitorPos(monitors[i], &left, &top);
+    const Eigen::AlignedBox2i seen =
+        window.intersection({Eigen::Vector2i(left, top), Eigen::Vector2i(left + mode->width, top + mode->height)});
+    const int64_t px = seen.isEmpty() ? 0 : int64_t{seen.sizes().x()} * seen.sizes().y();
+    if (px <= most_px) continue;
+    most_px = px;
+    hz = mode->refreshRate;
+  }
+  return hz;
 }
 
 bool GlfwWindowDisplay::went_down(int key, bool now) { return !std::exchange(keys_down_[key], now) && now; }

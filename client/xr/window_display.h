@@ -48,6 +48,7 @@ class WindowDisplay : public Display {
   virtual void set_camera(const Camera& camera) = 0;  // of the next wait_frame
   virtual const WindowInput& input() const = 0;       // of the last wait_frame
   virtual Eigen::Vector2i size_px() const = 0;        // of the window's contents now
+  virtual double refresh_hz() const = 0;              // of the monitor that most of the window is on; 0 where it is not known
   virtual void set_overlay(WindowOverlay overlay) = 0;
   virtual const PanelActions& actions() const = 0;  // on the panels of the last submit
   // What the next submit shows, panels included, is kept in `image`, which outlives it.

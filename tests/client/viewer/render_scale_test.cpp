@@ -92,5 +92,13 @@ TEST(RenderScale, HasAnEndWhereNothingHelps) {
   EXPECT_EQ(scale.min_contribution_px(), 0.0f);
 }
 
+TEST(RenderScale, AWindowsBudgetGoesByItsMonitor) {
+  EXPECT_DOUBLE_EQ(window_budget_ms(60), 30.0);
+  EXPECT_DOUBLE_EQ(window_budget_ms(144), 12.5);
+  EXPECT_DOUBLE_EQ(window_budget_ms(0), window_budget_ms(60));  // a display that has none
+  EXPECT_DOUBLE_EQ(window_budget_ms(24), 40.0);
+  EXPECT_DOUBLE_EQ(window_budget_ms(500), 8.0);
+}
+
 }  // namespace
 }  // namespace livegs
