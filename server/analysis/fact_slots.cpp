@@ -15,6 +15,12 @@ namespace {
 constexpr size_t kNearestMaterials = 3;
 constexpr size_t kLongestMaterial = 60, kLongestReason = 600;
 
+constexpr const char* kScaleKnown = "metric";
+
+std::string size_text(const Eigen::Vector3d& size_m) {
+  return format_text("%.3g x %.3g x %.3g m", size_m.x(), size_m.y(), size_m.z());
+}
+
 std::string range(const v1::EstimatedValue& value, double factor, const char* unit) {
   return format_text("%.4g %s (%.4g to %.4g)", factor * value.best(), unit, factor * value.low(),
                      factor * value.high());
@@ -114,10 +120,9 @@ std::map<std::string, std::string> fact_slots(const ObjectFacts& facts, const v1
                                               std::span<const SceneObjectFacts> neighbours) {
   std::map<std::string, std::string> slots;
   if (!facts.name.empty()) slots["name"] = facts.name;
-  const Eigen::Vector3d& size = facts.mesh.size_m;
-  slots["size"] = format_text("%.3g x %.3g x %.3g m", size.x(), size.y(), size.z());
+  slots["size"] = size_text(facts.mesh.size_m);
   if (facts.scale_known) {
-    slots["scale"] = "metric";
+    slots["scale"] = kScaleKnown;
   } else {
     slots["scale_off"] = "2";
     slots["mass_off"] = "8";
@@ -146,7 +151,7 @@ std::string fact_words() {
   other.material = other.behavior = "x";
   const SceneObjectFacts others[] = {other};
   std::string words;
-  for (const std::string& text : {mesh_text(mesh), looks_text({}), neighbours_text(others), material_line(row),
+  for (const std::string& text : {size_text({1, 2, 3}), std::string(kScaleKnown), mesh_text(mesh), looks_text({}), neighbours_text(others), material_line(row),
                                   offline_text(known), told_text(known)}) {
     words += text + "\n";
   }

@@ -21,7 +21,7 @@ constexpr std::uint64_t kMaxBytes = 1 << 20;
 // The prompts that stood before any model could be asked, version 2: they, and no others, may stand without figures.
 constexpr const char* kUnjudged = "37d14fa13809a6ef7781793e385dd32c67f3d758230e2f7013ae9b2d3d57a3c0";
 // The words between the facts (fact_words()), as they stood then.
-constexpr const char* kUnjudgedWords = "5051af03e5691b0812a0f43510ba3e17c23cede3ffdcc70060dfa40ab0b8a5ae";
+constexpr const char* kUnjudgedWords = "6329955faa86aebffa77bed4a4438be33f53f9952c9744d2e750d426fac7a781";
 constexpr const char* kHow =
     "judge it: mass_harness --judge OLD_PROMPTS prompts --record ANSWERS --keep prompts/judged.json, with a "
     "model's "

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "analysis/fact_slots.h"
 #include "analysis/prompt_set.h"
 #include "core/file.h"
 #include "geometry/shape_mesh.h"
@@ -232,6 +233,9 @@ TEST(PromptJudgement, AChangedPromptIsNoticedAndToldHowToBeJudged) {
             std::string::npos);
   EXPECT_NE(refusal(changed_prompts(scratch, "number raised", "Take care.")).find("speaks of version 2"),
             std::string::npos);
+
+  // Every word that is told of an object counts, that of a size and of a known scale too.
+  EXPECT_TRUE(fact_words().starts_with("1 x 2 x 3 m\nmetric\n")) << fact_words();
 
   // So are words that stand in code: those that are told are those that were judged.
   const fs::path words = scratch / "other words";
