@@ -6,6 +6,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -106,7 +107,9 @@ Result<v1::PhysicsFile> parse_file(const std::string& text) {
 // Sidecar and log together.
 struct Kept {
   v1::PhysicsFile file;
-  std::vector<PhysicsLogRecord> log;
+  std::vector<PhysicsLogRecord> log;  // what counts of it
+  uint64_t newest = 0;                // revision in all of it
+  bool forgotten = false;             // it has records that count no more, and nothing says so yet
   bool edited_by_hand = false;
   bool there = false;       // the sidecar
   bool taken_over = false;  // not there, and the asset's counts in its place
@@ -114,6 +117,16 @@ struct Kept {
 };
 
 bool changes(const PhysicsLogRecord& record) { return record.action() != PhysicsLogRecord::PROPOSAL; }
+
+// Who deletes a sidecar forgets what its log says. The log only grows, so the next one begins with a TAKEN_OVER: of the
+// asset's sidecar, or of nothing.
+std::vector<PhysicsLogRecord> since_begun(std::vector<PhysicsLogRecord> log) {
+  const auto begun = std::find_if(log.rbegin(), log.rend(), [](const PhysicsLogRecord& record) {
+    return record.action() == PhysicsLogRecord::TAKEN_OVER;
+  });
+  if (begun != log.rend()) log.erase(log.begin(), std::prev(begun.base()));
+  return log;
+}
 
 bool same_content(v1::PhysicsFile a, v1::PhysicsFile b) {
   for (v1::PhysicsFile* file : {&a, &b}) {
@@ -127,6 +140,7 @@ bool same_content(v1::PhysicsFile a, v1::PhysicsFile b) {
 Result<Kept> read_kept(const fs::path& path) {
   Kept kept;
   kept.log = read_physics_log(path);
+  for (const PhysicsLogRecord& record : kept.log) kept.newest = std::max(kept.newest, record.file().revision());
   auto text = read_text_file(path, kMaxPhysicsFileBytes);
   if (!text && text.error().code != ErrorCode::NotFound) return text.error();
   const auto in_file = [&](const Error& error) {
@@ -144,6 +158,8 @@ Result<Kept> read_kept(const fs::path& path) {
   }
   if (!kept.there) {
     // Gone, it was deleted, whatever its log says.
+    kept.forgotten = !kept.log.empty();
+    kept.log.clear();
     if (const fs::path other = default_path(path); !other.empty()) {
       auto instead = read_kept(other);
       if (!instead) return instead.error();
@@ -153,6 +169,7 @@ Result<Kept> read_kept(const fs::path& path) {
     }
     return kept;
   }
+  kept.log = since_begun(std::move(kept.log));
   // Ended between the log and the sidecar: the last change is in the log only.
   const PhysicsLogRecord *newest = nullptr, *before = nullptr;
   for (const PhysicsLogRecord& record : kept.log) {
@@ -301,15 +318,15 @@ Result<v1::PhysicsFile> change_file(const fs::path& path, const WriteStep& befor
   if (!log) return log.error();
   auto kept = read_kept(path);
   if (!kept) return kept.error();
-  uint64_t newest = kept->file.revision();
-  for (const PhysicsLogRecord& record : kept->log) newest = std::max(newest, record.file().revision());
-  // What the log does not know: what a person wrote, what the asset's sidecar holds, or a sidecar that came without its
-  // log. It becomes a revision of its own, that can be gone back to.
+  uint64_t newest = std::max(kept->file.revision(), kept->newest);
+  // What the log does not know: what a person wrote, what the asset's sidecar holds, that a sidecar was deleted, or one that
+  // came without its log. It becomes a revision of its own, that can be gone back to; nothing stays revision 0.
   std::optional<PhysicsLogRecord> found;
   const bool unknown = kept->file.revision() > 0 && !content_of(kept->log, kept->file.revision());
-  if (kept->edited_by_hand || kept->taken_over || unknown) {
+  if (kept->edited_by_hand || kept->taken_over || kept->forgotten || unknown) {
     found.emplace();
-    found->set_action(kept->taken_over ? PhysicsLogRecord::TAKEN_OVER : PhysicsLogRecord::EDIT_BY_HAND);
+    const bool begins = kept->taken_over || kept->forgotten;
+    found->set_action(begins ? PhysicsLogRecord::TAKEN_OVER : PhysicsLogRecord::EDIT_BY_HAND);
     found->set_previous(kept->edited_by_hand ? kept->on_disk : 0);
     if (kept->edited_by_hand || kept->taken_over) kept->file.set_revision(++newest);
     kept->file.set_version(kLayout);
@@ -321,17 +338,17 @@ Result<v1::PhysicsFile> change_file(const fs::path& path, const WriteStep& befor
   record.set_previous(kept->file.revision());
   auto next = change(*kept, record);
   if (!next) return next.error();
+  if (found) {
+    if (auto appended = log->append(*found, before); !appended) return appended.error();
+  }
   if (!kept->there) {
-    // What counted until now first: where the log is ahead of nothing, the sidecar was deleted.
+    // What counted until now before the change: where the log is ahead of nothing, the sidecar was deleted.
     v1::PhysicsFile first = kept->file;
     first.set_version(kLayout);
     auto text = json_of(first, true);
     if (!text) return text.error();
     if (auto written = write_file_atomically(path, std::string_view(*text), before); !written)
       return written.error();
-  }
-  if (found) {
-    if (auto appended = log->append(*found, before); !appended) return appended.error();
   }
   if (record.action() != PhysicsLogRecord::UNDO && record.action() != PhysicsLogRecord::REDO) {
     next->set_revision(record.action() == PhysicsLogRecord::PROPOSAL ? 0 : newest + 1);
@@ -405,6 +422,12 @@ std::vector<PhysicsLogRecord> read_physics_log(const fs::path& path) {
   return records;
 }
 
+std::vector<PhysicsLogRecord> read_decisions(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) return {};
+  return since_begun(read_physics_log(path));
+}
+
 Result<v1::PhysicsFile> read_physics_file(const fs::path& path) {
   auto kept = read_kept(path);
   if (!kept) return kept.error();
@@ -445,16 +468,27 @@ void take_proposal(const v1::PhysicsFile& proposal, v1::PhysicsFile& file) {
 
 std::optional<v1::PhysicsFile> open_proposal(std::span<const PhysicsLogRecord> log) {
   for (auto record = log.rbegin(); record != log.rend(); ++record) {
-    if (record->action() == PhysicsLogRecord::PROPOSAL) return record->file();
-    if (record->action() == PhysicsLogRecord::ANALYSIS) break;
+    // An edit that comes after it is another answer than the model's. One by hand comes into the log with whatever
+    // follows it, perhaps the acceptance.
+    if (record->action() == PhysicsLogRecord::ANALYSIS || record->action() == PhysicsLogRecord::EDIT) break;
+    if (record->action() != PhysicsLogRecord::PROPOSAL) continue;
+    if (record->file().has_physics()) return record->file();
+    break;  // declined
   }
   return std::nullopt;
 }
 
 bool answer_undone(std::span<const PhysicsLogRecord> log) {
-  bool held = false, undone = false;
+  bool held = false, undone = false, waits = false;
   for (const PhysicsLogRecord& record : log) {
-    if (!changes(record)) continue;
+    if (!changes(record)) {
+      const bool declined = !record.file().has_physics();
+      if (waits || !declined) undone = declined;
+      waits = !declined;
+      continue;
+    }
+    if (record.action() == PhysicsLogRecord::EDIT && std::exchange(waits, false)) undone = true;
+    if (record.action() == PhysicsLogRecord::ANALYSIS) waits = false;
     const bool holds = !record.file().analysis().model().empty();
     if (holds) undone = false;
     if (held && !holds) undone = record.action() == PhysicsLogRecord::UNDO;
@@ -476,6 +510,15 @@ Result<v1::PhysicsFile> accept_proposal(const fs::path& path, const WriteStep& b
                        v1::PhysicsFile next = kept.file;
                        take_proposal(*proposal, next);
                        return next;
+                     });
+}
+
+Result<v1::PhysicsFile> decline_proposal(const fs::path& path, const WriteStep& before) {
+  return change_file(path, before,
+                     [&](const Kept& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
+                       record.set_action(PhysicsLogRecord::PROPOSAL);
+                       if (!open_proposal(kept.log)) return not_found(path.filename().string() + ": nothing is proposed");
+                       return v1::PhysicsFile();
                      });
 }
 

@@ -43,11 +43,13 @@ Result<v1::PhysicsFile> apply_analysis(const std::filesystem::path& path,
 // Keeps what needs review in the log; the sidecar stays as it is.
 Result<void> log_proposal(const std::filesystem::path& path, const v1::PhysicalParameters& physics,
                           const v1::AnalysisRecord& record, const WriteStep& before = {});
-// What was proposed last, if nothing was applied since; NotFound otherwise.
+// What was proposed last, if nothing was applied, edited or declined since; NotFound otherwise.
 Result<v1::PhysicsFile> accept_proposal(const std::filesystem::path& path, const WriteStep& before = {});
+// It waits no longer: a PROPOSAL without values in the log. The sidecar stays as it is; NotFound when nothing waits.
+Result<v1::PhysicsFile> decline_proposal(const std::filesystem::path& path, const WriteStep& before = {});
 // The proposal that accept_proposal() would take, if there is one; of a log that was read.
 std::optional<v1::PhysicsFile> open_proposal(std::span<const v1::PhysicsLogRecord> log);
-// Whether a model's answer was applied and taken back by a person, who has not asked for another since.
+// Whether a person has taken back a model's answer, or declined what one proposed, and has not asked for another since.
 bool answer_undone(std::span<const v1::PhysicsLogRecord> log);
 // Fields given replace the same fields of earlier edits; the others stay. So does the name where it is empty.
 Result<v1::PhysicsFile> edit_physics(const std::filesystem::path& path, const v1::Physics& edits,
@@ -60,6 +62,8 @@ Result<v1::PhysicsFile> redo_physics(const std::filesystem::path& path, const Wr
 
 // The records of the log, oldest first; a torn last line and lines that cannot be read are left out.
 std::vector<v1::PhysicsLogRecord> read_physics_log(const std::filesystem::path& path);
+// Those of them that count: none without a sidecar, and where one was deleted those since the next one began.
+std::vector<v1::PhysicsLogRecord> read_decisions(const std::filesystem::path& path);
 
 // `offline` with what the file holds in place of it: its analysis, but for what was a person's or a scene's in it, then its
 // edits (source PERSON). Analysed

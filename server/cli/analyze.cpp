@@ -337,8 +337,9 @@ void add_analyze(CLI::App& app, int& exit_code) {
       "LIVEGS_PRICE");
   command
       ->add_option("--model-deadline", options->endpoint.deadline_s,
-                   "SECONDS: the longest that one question may take with all its repeats; default: "
+                   "The longest that one question may take with all its repeats, 1 to 3600 s; default: "
                    "LIVEGS_MODEL_DEADLINE_S, else 60, or 300 where the server is Ollama or llama.cpp")
+      ->check(CLI::Range(1.0, 3600.0))
       ->type_name("SECONDS");
   command->add_flag("--web-search", options->endpoint.web_search,
                     "Let the endpoint search the web once an object, where it can; off otherwise");
@@ -352,10 +353,13 @@ void add_analyze(CLI::App& app, int& exit_code) {
   command->add_flag("--write", options->write, "Keep the values beside the assets, as NAME.physics.json");
   CLI::Option* accept = command->add_option(
       "--accept", options->decision.accept, "Apply what the last --write found for this OBJECT and kept for review; asks nobody");
+  CLI::Option* decline = command->add_option("--decline", options->decision.decline,
+                                             "What --accept would apply waits no longer; the OBJECT keeps its values");
   CLI::Option* undo = command->add_option("--undo", options->decision.undo, "Take back the last change of this OBJECT's values");
   CLI::Option* redo = command->add_option("--redo", options->decision.redo, "Do again what --undo took back");
-  undo->excludes(accept);
-  redo->excludes(accept)->excludes(undo);
+  decline->excludes(accept);
+  undo->excludes(accept)->excludes(decline);
+  redo->excludes(accept)->excludes(decline)->excludes(undo);
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "analysis/answer.h"
 #include "analysis/physics_file.h"
 #include "cli/commands.h"
 #include "scene/check_object.h"
@@ -12,6 +13,9 @@
 namespace livegs {
 namespace {
 
+// Scenes and sidecars may hold any characters, and a terminal obeys some.
+std::string shown(const std::string& text) { return shown_text(text, 80); }
+
 Result<std::filesystem::path> sidecar_of(const std::string& name, const v1::Scene& scene,
                                          const std::filesystem::path& folder, const std::string& scene_name) {
   const auto paths = sidecar_paths(scene, folder, scene_name);
@@ -19,22 +23,22 @@ Result<std::filesystem::path> sidecar_of(const std::string& name, const v1::Scen
   for (int i = 0; i < scene.objects_size(); ++i) {
     const std::string one = object_name(scene.objects(i), i);
     if (one == name && !paths[static_cast<size_t>(i)].empty()) return paths[static_cast<size_t>(i)];
-    known += (known.empty() ? "" : ", ") + one;
+    known += (known.empty() ? "" : ", ") + shown(one);
   }
   return Error{ErrorCode::InvalidArgument,
-               "the scene has no \"" + name + "\"; it has: " + (known.empty() ? "nothing" : known)};
+               "the scene has no \"" + shown(name) + "\"; it has: " + (known.empty() ? "nothing" : known)};
 }
 
 std::string held_text(const v1::PhysicsFile& file) {
   std::string text;
-  if (!file.name().empty()) text += "called \"" + file.name() + "\"; ";
+  if (!file.name().empty()) text += "called \"" + shown(file.name()) + "\"; ";
   if (file.has_physics()) {
     char mass[96];
     const v1::EstimatedValue& mass_kg = file.physics().mass_kg();
     std::snprintf(mass, sizeof mass, "%.4g g (%.4g to %.4g) of ", 1e3 * mass_kg.best(), 1e3 * mass_kg.low(),
                   1e3 * mass_kg.high());
-    text += mass + file.physics().material() + ", " + v1::Physics::Behavior_Name(file.physics().behavior());
-    text += file.analysis().model().empty() ? ", offline" : ", of " + file.analysis().model();
+    text += mass + shown(file.physics().material()) + ", " + v1::Physics::Behavior_Name(file.physics().behavior());
+    text += file.analysis().model().empty() ? ", offline" : ", of " + shown(file.analysis().model());
   } else {
     text += "nothing was analysed, estimates hold";
   }
@@ -45,14 +49,18 @@ std::string held_text(const v1::PhysicsFile& file) {
 
 int decide_physics(const PhysicsDecision& decision, const v1::Scene& scene, const std::filesystem::path& folder,
                    const std::string& scene_name) {
-  const std::string& name = !decision.accept.empty() ? decision.accept : !decision.undo.empty() ? decision.undo : decision.redo;
+  const std::string& name = !decision.accept.empty()    ? decision.accept
+                            : !decision.decline.empty() ? decision.decline
+                            : !decision.undo.empty()    ? decision.undo
+                                                        : decision.redo;
   const auto path = sidecar_of(name, scene, folder, scene_name);
   if (!path) return report(path.error());
-  const auto file = !decision.accept.empty() ? accept_proposal(*path)
-                    : !decision.undo.empty() ? undo_physics(*path)
-                                             : redo_physics(*path);
+  const auto file = !decision.accept.empty()    ? accept_proposal(*path)
+                    : !decision.decline.empty() ? decline_proposal(*path)
+                    : !decision.undo.empty()    ? undo_physics(*path)
+                                                : redo_physics(*path);
   if (!file) return report(file.error());
-  std::printf("%s: %s\n", name.c_str(), held_text(*file).c_str());
+  std::printf("%s: %s\n", shown(name).c_str(), held_text(*file).c_str());
   std::fprintf(stderr, "kept in %s; a server that runs takes it up when it loads the scene anew\n", path->c_str());
   return 0;
 }

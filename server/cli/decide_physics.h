@@ -8,11 +8,11 @@
 
 namespace livegs {
 
-// What a person decides about an object that was analysed, by its name in the scene; one of the three is given.
+// What a person decides about an object that was analysed, by its name in the scene; one of the four is given.
 struct PhysicsDecision {
-  std::string accept, undo, redo;
+  std::string accept, decline, undo, redo;
 
-  bool any() const { return !accept.empty() || !undo.empty() || !redo.empty(); }
+  bool any() const { return !accept.empty() || !decline.empty() || !undo.empty() || !redo.empty(); }
 };
 
 // Changes the object's sidecar and prints what it holds now. Assets are not opened. `folder` and `scene_name` as in

@@ -169,11 +169,11 @@ TEST_F(PhysicsFileTest, APersonAcceptsAProposal) {
   ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("seer-1")));
   v1::AnalysisRecord record = record_of("seer-2");
   record.set_review("ten times the estimate");
-  ASSERT_TRUE(log_proposal(path, analysed(3), record));
-  ASSERT_TRUE(log_proposal(path, analysed(30), record));
   v1::Physics edit;
   edit.set_friction(0.9);
   ASSERT_TRUE(edit_physics(path, edit));
+  ASSERT_TRUE(log_proposal(path, analysed(3), record));
+  ASSERT_TRUE(log_proposal(path, analysed(30), record));
   ASSERT_TRUE(accept_proposal(path));
   EXPECT_EQ(mass_kg(), 30);
   EXPECT_EQ(read().analysis().model(), "seer-2");
@@ -187,6 +187,36 @@ TEST_F(PhysicsFileTest, APersonAcceptsAProposal) {
   ASSERT_TRUE(log_proposal(path, analysed(40), record));
   ASSERT_TRUE(apply_analysis(path, analysed(0.35), record_of("seer-3")));
   EXPECT_EQ(accept_proposal(path).error().code, ErrorCode::NotFound);
+}
+
+// By a word, which changes nothing, or by an edit; either way nobody is asked again until a person asks.
+TEST_F(PhysicsFileTest, APersonDeclinesAProposal) {
+  const auto log = [&] { return read_decisions(path); };
+  EXPECT_EQ(decline_proposal(path).error().code, ErrorCode::NotFound);
+  ASSERT_TRUE(edit_physics(path, edit_of_mass(0.25)));
+  ASSERT_TRUE(log_proposal(path, analysed(30), record_of("seer-1")));
+  const auto before = *read_text_file(path);
+  EXPECT_FALSE(answer_undone(log()));
+  ASSERT_TRUE(decline_proposal(path));
+  EXPECT_EQ(*read_text_file(path), before);
+  EXPECT_FALSE(open_proposal(log()));
+  EXPECT_TRUE(answer_undone(log()));
+  EXPECT_EQ(decline_proposal(path).error().code, ErrorCode::NotFound);  // once
+  EXPECT_EQ(accept_proposal(path).error().code, ErrorCode::NotFound);
+  ASSERT_TRUE(undo_physics(path));  // of the edit: a word is no revision
+  EXPECT_EQ(read().revision(), 0u);
+
+  ASSERT_TRUE(log_proposal(path, analysed(40), record_of("seer-1")));  // a person has asked again
+  EXPECT_TRUE(open_proposal(log()));
+  EXPECT_FALSE(answer_undone(log()));
+  v1::Physics edit;
+  edit.set_friction(0.9);
+  ASSERT_TRUE(edit_physics(path, edit));
+  EXPECT_FALSE(open_proposal(log()));
+  EXPECT_TRUE(answer_undone(log()));
+  EXPECT_EQ(accept_proposal(path).error().code, ErrorCode::NotFound);
+  ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("seer-1")));
+  EXPECT_FALSE(answer_undone(log()));
 }
 
 TEST_F(PhysicsFileTest, ANameIsARevisionToo) {
@@ -292,6 +322,39 @@ TEST_F(PhysicsFileTest, ADeletedSidecarStaysDeleted) {
   EXPECT_EQ(mass_kg(), 0.4);
 }
 
+// Its log stays, and nothing of it counts any more: no proposal, nothing to undo or to redo, no answer that was taken back.
+TEST_F(PhysicsFileTest, WhoDeletesASidecarForgetsItAll) {
+  const auto forget = [&] {
+    std::filesystem::remove(path);
+    EXPECT_TRUE(read_decisions(path).empty());
+    EXPECT_EQ(accept_proposal(path).error().code, ErrorCode::NotFound);
+    EXPECT_EQ(decline_proposal(path).error().code, ErrorCode::NotFound);
+    EXPECT_EQ(undo_physics(path).error().code, ErrorCode::NotFound);
+    EXPECT_EQ(redo_physics(path).error().code, ErrorCode::NotFound);
+    EXPECT_FALSE(std::filesystem::exists(path));
+  };
+  ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("seer-1")));
+  ASSERT_TRUE(undo_physics(path));
+  ASSERT_TRUE(log_proposal(path, analysed(30), record_of("seer-1")));
+  forget();
+  // Also once there is another.
+  ASSERT_TRUE(edit_physics(path, edit_of_mass(0.25)));
+  EXPECT_FALSE(answer_undone(read_decisions(path)));
+  EXPECT_EQ(accept_proposal(path).error().code, ErrorCode::NotFound);
+  ASSERT_TRUE(undo_physics(path));
+  EXPECT_EQ(read().revision(), 0u);
+  EXPECT_EQ(undo_physics(path).error().code, ErrorCode::NotFound);
+  ASSERT_TRUE(redo_physics(path));
+  EXPECT_EQ(mass_kg(), 0.25);
+  forget();
+  ASSERT_TRUE(log_proposal(path, analysed(40), record_of("seer-1")));
+  ASSERT_TRUE(accept_proposal(path));
+  EXPECT_EQ(mass_kg(), 40);
+  ASSERT_TRUE(undo_physics(path));
+  EXPECT_EQ(undo_physics(path).error().code, ErrorCode::NotFound);
+  EXPECT_GT(read_physics_log(path).size(), 8u);  // only grows
+}
+
 // Runs `change` in a child that is killed before its `step`th change of the disk. True if it ended by itself,
 // and so returned.
 template <class Change>
@@ -323,7 +386,7 @@ TEST_F(PhysicsFileTest, AKillBetweenAnyTwoWritesLosesNothing) {
     return kg;
   };
   const auto now_kg = [&] { return mass_kg(); };
-  enum class From { Nothing, Edited, EditedByHand, Undone };
+  enum class From { Nothing, Edited, EditedByHand, Undone, Deleted };
   struct Kill {
     const char* name;
     From from;
@@ -347,6 +410,9 @@ TEST_F(PhysicsFileTest, AKillBetweenAnyTwoWritesLosesNothing) {
       {"proposal", From::Edited,
        [&](auto& step) { return log_proposal(path, analysed(9), record_of("s"), step).has_value(); }, proposed_kg, 0,
        9},
+      {"analysis after the sidecar was deleted", From::Deleted,
+       [&](auto& step) { return apply_analysis(path, analysed(0.4), record_of("s"), step).has_value(); },
+       analysed_kg, 0, 0.4},
   };
   const auto contents = [&] {
     return std::pair(*read_text_file(path), *read_text_file(folder / "mug.physics.log"));
@@ -356,12 +422,15 @@ TEST_F(PhysicsFileTest, AKillBetweenAnyTwoWritesLosesNothing) {
   const auto edited = contents();
   ASSERT_TRUE(undo_physics(path));
   const auto undone = contents();
+  for (const char* name : {"mug.physics.json", "mug.physics.log"}) std::filesystem::remove(folder / name);
+  ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("s")));
+  const auto first = contents();  // the one whose log a new sidecar could be taken to be behind
   const auto begin = [&](From from) {
     for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
       std::filesystem::remove(entry.path());
     if (from == From::Nothing) return;
-    const auto& [sidecar, log] = from == From::Undone ? undone : edited;
-    folder.write("mug.physics.json", sidecar);
+    const auto& [sidecar, log] = from == From::Undone ? undone : from == From::Deleted ? first : edited;
+    if (from != From::Deleted) folder.write("mug.physics.json", sidecar);
     folder.write("mug.physics.log", log);
     if (from == From::EditedByHand) edit_by_hand("/physics/friction/best", 0.77);
   };

@@ -252,6 +252,29 @@ TEST(AnalyzeReplay, OddAnswersDoNoHarmToTheScene) {
   EXPECT_NE(bytes_of(scratch.path() / "units.physics.json").find("taken for another unit"), std::string::npos);
 }
 
+// Names come from scenes, materials and models from sidecars: a terminal is not to obey them.
+TEST(AnalyzeReplay, WhatIsPrintedOfADecisionHoldsNoControlCharacters) {
+  const ScratchFolder scratch;
+  scratch.write("odd.scene.json", R"({ "objects": [
+    { "name": "cup\u001b[2J", "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } } } ] })");
+  v1::PhysicalParameters physics;
+  physics.mutable_mass_kg()->set_best(0.3);
+  physics.set_material("steel\x1b[31m");
+  physics.set_behavior(v1::Physics::RIGID);
+  v1::AnalysisRecord record;
+  record.set_model("seer\x1b]0;mine\a");
+  const fs::path file = physics_file_path(scratch / "odd.scene", "cup\x1b[2J");
+  for (int i = 0; i < 2; ++i) ASSERT_TRUE(apply_analysis(file, physics, record));
+  for (const char* name : {"cup\x1b[2J", "hat\x1b[2J"}) {
+    Program program({LIVEGS_TOOL, "analyze", scratch / "odd.scene.json", "--undo", name});
+    EXPECT_EQ(program.wait(), name[0] == 'c' ? 0 : 2) << program.err();
+    const std::string said = program.out() + program.err();
+    EXPECT_NE(said.find("cup"), std::string::npos) << said;
+    EXPECT_EQ(said.find_first_of("\x1b\a"), std::string::npos) << said;
+    EXPECT_EQ(said.find("of steel") != std::string::npos, name[0] == 'c') << said;
+  }
+}
+
 // What needs a person is kept until one accepts it, and an acceptance can be undone.
 TEST(AnalyzeReplay, AProposalIsAcceptedAndUndone) {
   const ScratchFolder scratch;
@@ -285,6 +308,9 @@ TEST(AnalyzeReplay, AProposalIsAcceptedAndUndone) {
     return scene->find("cup")->mass_kg;
   };
   const double before_kg = loaded_kg();
+  const Said declined = decide("--decline", "duck");
+  EXPECT_EQ(declined.code, 0) << declined.err;
+  EXPECT_EQ(decide("--accept", "duck").code, 2);
   const Said accepted = decide("--accept", "cup");
   ASSERT_EQ(accepted.code, 0) << accepted.err;
   EXPECT_NE(accepted.out.find("of carbon steel, RIGID, of test-model-2026"), std::string::npos) << accepted.out;
@@ -294,6 +320,10 @@ TEST(AnalyzeReplay, AProposalIsAcceptedAndUndone) {
   EXPECT_EQ(loaded_kg(), before_kg);
   EXPECT_EQ(decide("--redo", "cup").code, 0);
   EXPECT_GT(loaded_kg(), 3);
+  // Who deletes the sidecar forgets it all.
+  fs::remove(scratch / "cup.physics.json");
+  for (const char* what : {"--accept", "--decline", "--undo", "--redo"}) EXPECT_EQ(decide(what, "cup").code, 2) << what;
+  EXPECT_EQ(loaded_kg(), before_kg);
   const Said unknown = decide("--accept", "hat");
   EXPECT_EQ(unknown.code, 2);
   EXPECT_NE(unknown.err.find("it has: cup, duck"), std::string::npos) << unknown.err;
