@@ -73,6 +73,7 @@ class HeadsetRun {
   std::vector<Image> images_;
   int64_t last_ns_ = 0;
   SessionNotice notice_;
+  std::string run_message_;  // what the server says of its run
   double scale_budget_ms_ = 0;
   std::optional<RenderScale> scale_;
 };
@@ -107,6 +108,7 @@ Result<void> HeadsetRun::take_news() {
   if (news->anew) playout_.begin_again();
   if (news->frames.empty()) return {};
   const auto newest = news->frames.back().drivers;
+  run_message_ = news->frames.back().run.message();
   for (ReceivedFrame& frame : news->frames) {
     feel(frame);
     playout_.add(std::move(frame));
@@ -236,7 +238,7 @@ Result<void> HeadsetRun::run(const std::atomic<bool>& interrupted) {
     auto planned = display_.wait_frame();
     if (!planned) break;
     if (auto taken = take_news(); !taken) return taken;  // what came while it waited
-    display_.set_notice(notice_.text(view_.notice()));
+    display_.set_notice(notice_.text(run_message_.empty() ? view_.notice() : run_message_));
     if (placed_) send_hands(planned->display_time_ns);
     if (auto done = planned->views.empty() || !placed_ ? display_.submit(*planned, {}) : draw(*planned); !done) return done;
     if (options_.seconds > 0 && placed_ && seconds_from_ns(now_ns() - placed_ns_) >= options_.seconds) break;

@@ -28,10 +28,12 @@ class HeadsetSession : public ::testing::Test {
     RendererChoice renderer = RendererChoice::Vulkan;
     double network_delay_ms = 0;
     bool marks = true;
+    bool scales = false;             // draws smaller what is late
     bool validates = true;           // both layers look on; they take their time
     double seconds = 0;              // 0: the timeline ends it
     std::string controllers = {};    // LIVEGS_XR_CONTROLLERS; empty: those that the runtime has by itself
     bool keeps_ticks = true;         // in seen_; some 200 kB a second
+    std::string run_message = {};    // what the server says of its run from the start
     std::function<void(const PlannedFrame&, const SceneView&, FaultProxy& network)> on_kept = {};  // with each picture that is kept
   };
 
@@ -74,6 +76,7 @@ class HeadsetSession : public ::testing::Test {
       std::lock_guard lock(mutex_);
       seen_.push_back(std::move(one));
     });
+    if (!settings.run_message.empty()) served.loop->set_loading(false, settings.run_message);
     FaultProxy proxy(served.port());
     proxy.set_link({.delay_ms = settings.network_delay_ms});
     set("XR_RUNTIME_JSON", LIVEGS_SIMULATED_OPENXR);
@@ -99,7 +102,7 @@ class HeadsetSession : public ::testing::Test {
     options.cache = folder_ / "cache";
     options.connect_timeout_s = options.reconnect_s = 60;
     options.renderer = settings.renderer;
-    options.scales = false;
+    options.scales = settings.scales;
     options.marks = settings.marks;
     options.on_picture = [this, &settings, &proxy](const PlannedFrame& picture, const SceneView& view) {
       if (hold_against_oracle(picture, view) && settings.on_kept) settings.on_kept(picture, view, proxy);

@@ -264,6 +264,76 @@ TEST_F(HeadsetSession, SaysBeforeTheEyesThatTheServerHasGone) {
   }
 }
 
+// So is what the server says of its run, as a window has it: why a scene could not be loaded anew.
+TEST_F(HeadsetSession, SaysBeforeTheEyesWhyAResetFailed) {
+  const auto done = run(floating({{"box", {0, 0, 0}}}), R"(
+0    pose head   0 1.6 0         1 0 0 0
+0.8  do picture
+1.2  do exit
+)",
+                        {.eye_size = "320x360", .renderer = RendererChoice::Cpu, .run_message = "boxes.scene.json cannot be loaded anew: object box: its asset box.ply is gone; put it back and reset once more"});
+  ASSERT_TRUE(done) << done.error().message;
+  expect_no_complaints();
+  ASSERT_EQ(kept_.size(), 1u);
+  for (int eye = 0; eye < 2; ++eye) {
+    const auto shown = read_png(kept_[0].files[eye]);
+    ASSERT_TRUE(shown) << shown.error().message;
+    EXPECT_GT(writing(*shown).pixels, 100u);
+    EXPECT_GT(psnr_db(upper_half(*shown), upper_half(kept_[0].oracle[eye])), 50.0);
+  }
+}
+
+// Eyes that the display wants larger than they can be drawn in time, looked at twice, and once more from where there is next to
+// nothing to draw: each picture is of one size for both eyes, and as the oracle has it at that size.
+class HeadsetScale : public HeadsetSession {
+ protected:
+  static constexpr int kWidth = 480, kHeight = 540;
+  std::vector<int> widths_when_late_late_and_not(RendererChoice renderer) {
+    const auto done = run(floating(kBoxes), R"(
+0    pose head   0 1.6 0         1 0 0 0
+0    pose left   0 1.6 5         1 0 0 0
+0    pose right  0 1.6 5         1 0 0 0
+2.0  do picture
+2.4  do picture
+2.5  pose head   0 1.6 0         1 0 0 0
+2.6  pose head   0 1.6 0         0 0 1 0
+5.0  do picture
+5.2  do exit
+)",
+                          {.eye_size = std::to_string(kWidth) + "x" + std::to_string(kHeight), .renderer = renderer, .scales = true});
+    EXPECT_TRUE(done) << done.error().message;
+    expect_no_complaints();
+    EXPECT_EQ(kept_.size(), 3u);
+    expect_oracle();
+    std::vector<int> widths;
+    for (const Kept& kept : kept_) {
+      for (int eye = 0; eye < 2; ++eye) {
+        const auto shown = read_png(kept.files[eye]);
+        EXPECT_TRUE(shown && shown->width == kept.eyes[0].width && shown->height == kept.eyes[0].height) << kept.files[eye];
+      }
+      // One share of both sides, or what is seen would be stretched.
+      EXPECT_NEAR(kept.eyes[0].width * kHeight, kept.eyes[0].height * kWidth, kHeight);
+      widths.push_back(kept.eyes[0].width);
+      std::printf("%d x %d of %d x %d\n", kept.eyes[0].width, kept.eyes[0].height, kWidth, kHeight);
+    }
+    widths.resize(3);
+    return widths;
+  }
+};
+
+TEST_F(HeadsetScale, ADeviceThatIsLateDrawsSmaller) {
+  const auto widths = widths_when_late_late_and_not(RendererChoice::Vulkan);
+  EXPECT_LT(widths[0], kWidth);
+  EXPECT_LT(widths[1], kWidth);
+  EXPECT_GE(widths[2], widths[1]);  // in software no picture is cheap
+}
+
+TEST_F(HeadsetScale, OneThatIsInTimeAgainDrawsLarger) {
+  const auto widths = widths_when_late_late_and_not(RendererChoice::Cpu);
+  EXPECT_LT(widths[1], kWidth);
+  EXPECT_GT(widths[2], widths[1]);
+}
+
 // No runtime, and nothing to open a window on: a line each, and the code of what could not be done.
 TEST(Headset, WithoutARuntimeTheRemedyIsNamed) {
   ::setenv("XR_RUNTIME_JSON", "/nowhere/at_all.json", 1);
