@@ -166,9 +166,9 @@ int run(const Options& options) {
         again.first_object_id = first_object_id;
         return Scene::load(options.scene, again);
       },
-      [&](const Scene& loaded) {
+      [&](Scene loaded) {
         (*server)->encode_ahead(loaded);
-        analysis.take_reloaded(loaded);
+        analysis.replace(std::move(loaded));
       });
   loop.record_with((*server)->recorder());
   if (!options.record.empty()) {

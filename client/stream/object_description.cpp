@@ -23,6 +23,7 @@ Result<StreamedObject> read_description(const v1::ObjectDescription& description
   object.broken_asset_bytes = description.broken_asset_bytes();
   if (description.has_fragility()) object.fragility = description.fragility();
   object.warnings.assign(description.warnings().begin(), description.warnings().end());
+  if (description.has_proposal()) object.proposal = description.proposal();
   const auto fail = [&](const std::string& what) {
     return invalid_data("object \"" + object.name + "\": " + what);
   };

@@ -33,6 +33,7 @@ struct StreamedObject {
   uint64_t broken_asset_bytes = 0;
   std::optional<v1::Fragility> fragility;  // of a fragile object
   std::vector<std::string> warnings;
+  std::optional<v1::PhysicalParameters> proposal;  // a model's answer that waits for a person
 };
 
 struct JoinedScene {

@@ -67,9 +67,10 @@ Result<v1::PhysicsReply> SceneControl::set_physics(const std::string& object, co
   return connection_->ask(&v1::LiveGs::Stub::SetPhysics, request);
 }
 
-Result<v1::PhysicsReply> SceneControl::accept_proposal(const std::string& object) {
+Result<v1::PhysicsReply> SceneControl::accept_proposal(const std::string& object, bool decline) {
   v1::AcceptProposalRequest request;
   request.set_object(object);
+  request.set_decline(decline);
   return connection_->ask(&v1::LiveGs::Stub::AcceptProposal, request);
 }
 

@@ -22,7 +22,7 @@ class SceneControl {
   ~SceneControl();
 
   Result<v1::PhysicsReply> set_physics(const std::string& object, const v1::Physics& physics);
-  Result<v1::PhysicsReply> accept_proposal(const std::string& object);
+  Result<v1::PhysicsReply> accept_proposal(const std::string& object, bool decline = false);
   Result<v1::PhysicsReply> undo_physics(const std::string& object, bool redo);
   Result<v1::RunState> control_run(const v1::ControlRunRequest& request);
   // `force` in the object's rest coordinates, the direction in the world's.

@@ -67,9 +67,9 @@ void ControlCalls::set_physics(std::string object, v1::Physics physics) {
   });
 }
 
-void ControlCalls::accept_proposal(std::string object) {
-  quick_.post([this, object = std::move(object)] {
-    auto reply = control_.accept_proposal(object);
+void ControlCalls::accept_proposal(std::string object, bool decline) {
+  quick_.post([this, object = std::move(object), decline] {
+    auto reply = control_.accept_proposal(object, decline);
     Answer told = answer_of(Answer::Kind::Physics, object);
     reply ? void(told.physics = *std::move(reply)) : void(told.refused = reply.error());
     answer(std::move(told));

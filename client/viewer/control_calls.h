@@ -22,7 +22,7 @@ class ControlCalls {
   ~ControlCalls();                               // cancels what is under way
 
   void set_physics(std::string object, v1::Physics physics);
-  void accept_proposal(std::string object);
+  void accept_proposal(std::string object, bool decline = false);
   void undo_physics(std::string object, bool redo);
   void analyze(std::vector<std::string> objects);
   void control_run(v1::ControlRunRequest request);

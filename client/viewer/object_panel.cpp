@@ -140,14 +140,25 @@ ObjectsPanel ObjectPanel::shown(const Objects& objects) const {
   panel.facts = object_facts(*object);
   for (const PhysicalField field : fields_of(object->physics)) panel.rows.push_back(value_row(field, object->physics));
   if (object->physics.behavior() == v1::Physics::RIGID) panel.fragile = object->physics.fragile();
-  if (const auto found = proposals_.find(selected_); found != proposals_.end()) panel.proposal = "Proposed: " + found->second;
+  if (const std::string proposal = open_proposal(*object); !proposal.empty()) panel.proposal = "Proposed: " + proposal;
   if (const auto said = messages_.find(selected_); said != messages_.end()) panel.messages = said->second;
   for (const std::string& warning : object->warnings) panel.messages.push_back({false, shortened(warning)});
   return panel;
 }
 
+std::string ObjectPanel::open_proposal(const StreamedObject& object) const {
+  if (!object.proposal) return "";
+  const std::string text = proposal_text(*object.proposal);
+  const auto answered = answered_.find(object.name);
+  return answered != answered_.end() && answered->second == text ? "" : text;
+}
+
 std::vector<ObjectCall> ObjectPanel::act(const PanelActions& actions, const Objects& objects) {
   std::vector<ObjectCall> calls;
+  std::erase_if(answered_, [&](const auto& one) {
+    const StreamedObject* answered = named(objects, one.first);
+    return !answered || !answered->proposal;
+  });
   const std::vector<const StreamedObject*> list = listed(objects);
   const StreamedObject* object = named(objects, selected_);
   if (object) {
@@ -169,8 +180,9 @@ std::vector<ObjectCall> ObjectPanel::act(const PanelActions& actions, const Obje
             : refuse(selected_, std::string(field_name(field)) + ": " + value.error().message);
     }
     if (actions.fragile) set(edit_of_fragile(*actions.fragile));
-    if (actions.accept && proposals_.erase(selected_) > 0) {
-      calls.push_back(AcceptProposalCall{selected_});
+    if (const std::string proposal = open_proposal(*object); (actions.accept || actions.decline) && !proposal.empty()) {
+      answered_[selected_] = proposal;
+      calls.push_back(AcceptProposalCall{selected_, !actions.accept});
       messages_[selected_].clear();
       waiting_ = "Changing " + selected_;
       ++answers_missing_;
@@ -197,6 +209,7 @@ void ObjectPanel::take_reply(const std::string& object, const v1::PhysicsReply& 
 
 void ObjectPanel::take_refusal(const std::string& object, const std::string& why) {
   if (--answers_missing_ <= 0) waiting_.clear();
+  answered_.erase(object);  // it waits still, or the server has said that it does not
   refuse(object, why);
 }
 
@@ -212,10 +225,7 @@ void ObjectPanel::take_progress(const v1::AnalysisProgress& progress) {
   progress_ = format_text("Analysed %u of %u: ", progress.finished(), progress.objects()) + progress.object();
   std::vector<ObjectsPanel::Message>& said = messages_[progress.object()];
   said.clear();
-  proposals_.erase(progress.object());
-  if (progress.verdict() == v1::AnalysisProgress::NEEDS_REVIEW && progress.has_proposal()) {
-    proposals_[progress.object()] = proposal_text(progress.proposal());
-  }
+  answered_.erase(progress.object());  // another answer, even where it says the same
   if (!progress.message().empty()) said.push_back({false, progress.message()});
 }
 

@@ -27,6 +27,7 @@ struct SetPhysicsCall {
 };
 struct AcceptProposalCall {
   std::string object;
+  bool decline = false;
 };
 struct UndoPhysicsCall {
   std::string object;
@@ -58,10 +59,12 @@ class ObjectPanel {
 
  private:
   void refuse(const std::string& object, const std::string& why);
+  std::string open_proposal(const StreamedObject& object) const;  // in words; empty when there is none to answer
 
   std::string selected_;  // by name, which a reset does not change
   std::map<std::string, std::vector<ObjectsPanel::Message>> messages_;
-  std::map<std::string, std::string> proposals_;  // of objects, in words
+  // Proposals that were accepted or declined here, by object, until the server says that they wait no longer.
+  std::map<std::string, std::string> answered_;
   std::string waiting_;  // for the answer to a change of this object
   std::string progress_;
   int answers_missing_ = 0;

@@ -243,7 +243,7 @@ void WindowRun::act(const WindowInput& input) {
     if (auto* set = std::get_if<SetPhysicsCall>(&call))
       calls_.set_physics(set->object, set->physics);
     else if (auto* accept = std::get_if<AcceptProposalCall>(&call))
-      calls_.accept_proposal(accept->object);
+      calls_.accept_proposal(accept->object, accept->decline);
     else if (auto* undo = std::get_if<UndoPhysicsCall>(&call))
       calls_.undo_physics(undo->object, undo->redo);
     else

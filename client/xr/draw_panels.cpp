@@ -147,6 +147,8 @@ void PanelDrawer::draw_objects(const ObjectsPanel& objects, PanelActions& action
     if (!objects.proposal.empty()) {
       coloured(kNoteInk, objects.proposal);
       actions.accept = button("Accept");
+      ImGui::SameLine();
+      actions.decline = button("Decline");
     }
   } else {
     coloured(kDimInk, "Click on a thing, here or in the picture, to see and change what it is made of.");

@@ -34,7 +34,7 @@ struct ObjectsPanel {
     std::string text;
   };
   std::vector<Message> messages;
-  std::string proposal;  // what could be accepted; empty when there is nothing
+  std::string proposal;  // what could be accepted or declined; empty when there is nothing
   std::string progress;  // of an analysis or a change under way; empty when there is none
 };
 
@@ -90,7 +90,7 @@ struct PanelActions {
   };
   std::optional<Typed> typed;
   std::optional<bool> fragile;
-  bool accept = false, undo = false, redo = false, analyse = false, analyse_all = false;
+  bool accept = false, decline = false, undo = false, redo = false, analyse = false, analyse_all = false;
   std::optional<bool> pause;
   bool step = false, reset = false;
   struct Force {

@@ -28,7 +28,13 @@ class AnalysisControl {
   virtual Result<v1::PhysicsReply> set_physics(const std::string& object, const v1::Physics& physics,
                                                const std::string& name = "") = 0;
   virtual Result<v1::PhysicsReply> accept_proposal(const std::string& object) = 0;
+  virtual Result<v1::PhysicsReply> decline_proposal(const std::string& object) = 0;
   virtual Result<v1::PhysicsReply> undo_physics(const std::string& object, bool redo) = 0;
+
+  // Told of every answer that waits for a person, now and from now on, and with nullptr when it waits no longer: one call
+  // at a time, from any thread, which calls nothing of this. Empty: nobody is told any more once this returns.
+  using Proposed = std::function<void(const std::string& object, const v1::PhysicalParameters* proposal)>;
+  virtual void watch_proposals(Proposed proposed) = 0;
 };
 
 }  // namespace livegs

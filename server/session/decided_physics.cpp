@@ -11,9 +11,11 @@ Result<v1::PhysicsFile> DecidedPhysics::change(const OnDisk& on_disk, const InMe
   std::lock_guard lock(mutex_);
   if (!file_.empty()) {
     auto changed = on_disk();
+    if (changed) proposal_.reset();  // of an earlier time when it could not be written
     if (changed || changed.error().code != ErrorCode::PermissionDenied) return changed;
     note = changed.error().message + "; they hold until the server ends";
     if (auto kept = read_physics_file(file_)) course_ = {std::move(*kept)};
+    if (!proposal_) proposal_ = open_proposal(read_decisions(file_));
     at_ = 0;
     file_.clear();
   } else if (at_ == 0 && course_.size() == 1) {
@@ -41,6 +43,7 @@ Result<v1::PhysicsFile> DecidedPhysics::edit(const v1::Physics& edits, const std
                   v1::PhysicsFile next = course_[at_];
                   merge_edits(*next.mutable_edits(), edits);
                   if (!name.empty()) next.set_name(physics_name(name));
+                  proposal_.reset();
                   return go_on(std::move(next));
                 },
                 note);
@@ -60,6 +63,7 @@ Result<v1::PhysicsFile> DecidedPhysics::step(bool redo, std::string& note) {
 
 void DecidedPhysics::propose(const v1::PhysicalParameters& physics, const v1::AnalysisRecord& record) {
   std::lock_guard lock(mutex_);
+  proposal_.reset();
   if (!file_.empty() && log_proposal(file_, physics, record)) return;
   proposal_.emplace();
   *proposal_->mutable_physics() = physics;
@@ -76,6 +80,29 @@ Result<v1::PhysicsFile> DecidedPhysics::accept(std::string& note) {
                   return go_on(std::move(next));
                 },
                 note);
+}
+
+Result<v1::PhysicsFile> DecidedPhysics::decline(std::string& note) {
+  return change([&] { return decline_proposal(file_); },
+                [&]() -> Result<v1::PhysicsFile> {
+                  if (!proposal_) return not_found("nothing is proposed");
+                  proposal_.reset();
+                  return course_[at_];
+                },
+                note);
+}
+
+std::optional<v1::PhysicalParameters> DecidedPhysics::proposal() const {
+  std::lock_guard lock(mutex_);
+  if (proposal_) return proposal_->physics();
+  if (file_.empty()) return std::nullopt;
+  const auto open = open_proposal(read_decisions(file_));
+  return open ? std::optional(open->physics()) : std::nullopt;
+}
+
+bool DecidedPhysics::answer_undone() const {
+  std::lock_guard lock(mutex_);
+  return !file_.empty() && livegs::answer_undone(read_decisions(file_));
 }
 
 const v1::PhysicsFile& DecidedPhysics::go_on(v1::PhysicsFile next) {

@@ -25,7 +25,10 @@ class DecidedPhysics {
   Result<v1::PhysicsFile> step(bool redo, std::string& note);
   void propose(const v1::PhysicalParameters& physics, const v1::AnalysisRecord& record);
   Result<v1::PhysicsFile> accept(std::string& note);  // what was proposed last; NotFound when there is nothing
+  Result<v1::PhysicsFile> decline(std::string& note);  // the same
   Result<v1::PhysicsFile> present() const;
+  std::optional<v1::PhysicalParameters> proposal() const;  // that accept() would take
+  bool answer_undone() const;                              // physics_file.h
 
  private:
   const v1::PhysicsFile& go_on(v1::PhysicsFile next);  // in memory

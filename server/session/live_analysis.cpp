@@ -39,11 +39,8 @@ v1::AnalysisProgress::Verdict verdict_of(const AnalysisUpdate& update) {
   }
 }
 
-// What a person who looks at the object reads before anything else of it.
-std::string waiting_text(const v1::PhysicalParameters& proposal) {
-  return format_text("a model's answer waits for a person (%.4g g of %s): Analyse shows it, Accept takes it",
-                     1e3 * proposal.mass_kg().best(), proposal.material().c_str());
-}
+constexpr const char* kHowToDecide =
+    "Accept in the window or livegs analyze --accept takes it; Decline, --decline or an edit of the object ends it";
 
 // One line an object: what became of its question, and what a person can do.
 void log_finished(const std::string& name, const v1::AnalysisProgress& progress) {
@@ -53,9 +50,7 @@ void log_finished(const std::string& name, const v1::AnalysisProgress& progress)
     case v1::AnalysisProgress::ACCEPTED:
       return log_info("analysis: %s: accepted%s", shown.c_str(), why.c_str());
     case v1::AnalysisProgress::NEEDS_REVIEW:
-      return log_info("analysis: %s: needs review%s; kept as a proposal: Analyse and Accept in the window or livegs analyze --accept "
-                      "takes it",
-                      shown.c_str(), why.c_str());
+      return log_info("analysis: %s: needs review%s; kept as a proposal: %s", shown.c_str(), why.c_str(), kHowToDecide);
     case v1::AnalysisProgress::REFUSED:
       return log_info("analysis: %s: refused%s", shown.c_str(), why.c_str());
     default:
@@ -86,15 +81,14 @@ void LiveAnalysis::begin() {
   for (const auto& [id, known] : known_) {
     const std::string name = shown_text(known.object->name, 80);
     if (waits(id)) {
-      log_info("analysis: %s: a proposal waits from before; Analyse and Accept in the window or livegs analyze --accept takes it",
-               name.c_str());
+      log_info("analysis: %s: a proposal waits from before: %s", name.c_str(), kHowToDecide);
       continue;
     }
     if (known.object->written.behavior() != v1::Physics::AUTO) continue;
     const auto kept = known.decided->present();
     if (!kept || !kept->analysis().model().empty()) continue;
-    if (answer_undone(decisions_of(known))) {
-      log_info("analysis: %s: its answer was taken back and it is not asked about again until somebody does",
+    if (known.decided->answer_undone()) {
+      log_info("analysis: %s: its answer was taken back or declined and it is not asked about again until somebody does",
                name.c_str());
     } else {
       names.push_back(known.object->name);
@@ -111,11 +105,9 @@ void LiveAnalysis::begin() {
 
 void LiveAnalysis::find_proposals() {
   for (const auto& [id, known] : known_) {
-    if (known.object->physics_file.empty()) continue;
-    const auto log = decisions_of(known);
-    if (const auto proposal = open_proposal(log)) {
-      wait_for_person(id, proposal->physics());
-    } else if (!log.empty()) {
+    if (const auto proposal = known.decided->proposal()) {
+      wait_for_person(id, *proposal);
+    } else {
       wait_for_nobody(id);  // another program has accepted it
     }
   }
@@ -123,12 +115,14 @@ void LiveAnalysis::find_proposals() {
 
 void LiveAnalysis::wait_for_person(uint32_t object_id, const v1::PhysicalParameters& proposal) {
   std::lock_guard lock(mutex_);
-  waiting_[object_id] = waiting_text(proposal);
+  v1::PhysicalParameters& waiting = waiting_[object_id];
+  waiting = proposal;
+  if (proposed_) proposed_(known_.at(object_id).object->name, &waiting);
 }
 
 void LiveAnalysis::wait_for_nobody(uint32_t object_id) {
   std::lock_guard lock(mutex_);
-  waiting_.erase(object_id);
+  if (waiting_.erase(object_id) > 0 && proposed_) proposed_(known_.at(object_id).object->name, nullptr);
 }
 
 bool LiveAnalysis::waits(uint32_t object_id) {
@@ -136,25 +130,37 @@ bool LiveAnalysis::waits(uint32_t object_id) {
   return waiting_.contains(object_id);
 }
 
-std::vector<v1::PhysicsLogRecord> LiveAnalysis::decisions_of(const Known& known) {
-  const std::filesystem::path& file = known.object->physics_file;
-  std::error_code ignored;
-  // Who deletes the sidecar forgets what its log says, too.
-  return std::filesystem::exists(file, ignored) ? read_physics_log(file) : std::vector<v1::PhysicsLogRecord>();
+void LiveAnalysis::watch_proposals(Proposed proposed) {
+  std::lock_guard lock(mutex_);
+  proposed_ = std::move(proposed);
+  if (!proposed_) return;
+  for (const auto& [id, proposal] : waiting_) proposed_(known_.at(id).object->name, &proposal);
 }
 
-void LiveAnalysis::take_reloaded(const Scene& scene) {
+SceneAnalysis::Object LiveAnalysis::loaded(const Known& known) {
+  std::lock_guard lock(mutex_);
+  const auto anew = reloaded_.find(known.object->target.object_id);
+  return anew == reloaded_.end() ? *known.object : anew->second;
+}
+
+void LiveAnalysis::replace(Scene scene) {
+  std::lock_guard deciding(deciding_);
+  const auto anew = SceneAnalysis::of(scene, false);
+  if (!anew) log_warn("reset: %s", anew.error().message.c_str());  // a sidecar that was spoilt since it was loaded
   find_proposals();
+  std::vector<v1::SceneChange> changes;
   for (const auto& [id, known] : known_) {
     const SceneObject* object = scene.find(known.object->name);
-    if (!object) continue;
-    {
+    if (!object || !anew) continue;
+    for (const SceneAnalysis::Object& one : anew->objects()) {
       std::lock_guard lock(mutex_);
-      rebuilt_[id] = scene.built_as(*object);
+      if (one.name == known.object->name) reloaded_[id] = one;
     }
     const auto kept = known.decided->present();
-    if (kept && (kept->has_physics() || kept->has_edits())) (void)apply(known, *kept, "");
+    if (!kept || !(kept->has_physics() || kept->has_edits())) continue;
+    if (const auto reply = reply_of(known, *kept, "")) changes.push_back(change_of(*reply));
   }
+  loop_.replace(std::move(scene), std::move(changes));
 }
 
 Result<void> LiveAnalysis::analyze(std::vector<std::string> objects, Progress progress,
@@ -195,7 +201,7 @@ void LiveAnalysis::run(std::stop_token stop) {
 std::vector<AnalysisNeighbour> LiveAnalysis::refresh(std::vector<AnalysisTarget>& targets) {
   std::vector<AnalysisNeighbour> others;
   for (const auto& [id, known] : known_) {
-    const SceneAnalysis::Object& object = *known.object;
+    const SceneAnalysis::Object object = loaded(known);
     const auto asked = std::find_if(targets.begin(), targets.end(),
                                     [&, wanted = id](const auto& one) { return one.object_id == wanted; });
     const auto kept = known.decided->present();
@@ -238,6 +244,7 @@ void LiveAnalysis::work(Request& request, std::stop_token stop) {
           progress.set_verdict(verdict_of(update));
           if (progress.verdict() == v1::AnalysisProgress::NEEDS_REVIEW) {
             *progress.mutable_proposal() = update.judgement.proposal;
+            std::lock_guard deciding(deciding_);
             known.decided->propose(update.judgement.proposal, update.record);
             wait_for_person(update.object_id, update.judgement.proposal);  // the scene stays as it is
           }
@@ -249,9 +256,9 @@ void LiveAnalysis::work(Request& request, std::stop_token stop) {
         progress.set_finished(finished);
         std::string ignored;
         const auto present = known.decided->present();
-        const auto layered =
-            present ? layered_physics(*present, known.object->written, *facts_by_name(*known.object, *present), ignored)
-                    : Result<v1::PhysicalParameters>(present.error());
+        const SceneAnalysis::Object object = loaded(known);
+        const auto layered = present ? layered_physics(*present, object.written, *facts_by_name(object, *present), ignored)
+                                     : Result<v1::PhysicalParameters>(present.error());
         *progress.mutable_parameters() = layered ? *layered : update.parameters;
         if (heard) heard = request.progress(progress);
       },
@@ -269,6 +276,7 @@ void LiveAnalysis::work(Request& request, std::stop_token stop) {
 std::string LiveAnalysis::land(const AnalysisUpdate& update) {
   const Known& known = known_.at(update.object_id);
   std::string note;
+  std::lock_guard deciding(deciding_);
   auto file = known.decided->apply(update.parameters, update.record, note);
   if (!file) return file.error().message;
   wait_for_nobody(update.object_id);
@@ -279,33 +287,32 @@ std::string LiveAnalysis::land(const AnalysisUpdate& update) {
   return told;
 }
 
-Result<v1::PhysicsReply> LiveAnalysis::apply(const Known& known, const v1::PhysicsFile& file,
-                                             std::string note) {
+Result<v1::PhysicsReply> LiveAnalysis::reply_of(const Known& known, const v1::PhysicsFile& file, const std::string& note) {
+  const SceneAnalysis::Object object = loaded(known);
   v1::PhysicsReply reply;
   if (!note.empty()) reply.add_warnings(note);
   std::string size_note;
-  auto layered = layered_physics(file, known.object->written, *facts_by_name(*known.object, file), size_note);
+  auto layered = layered_physics(file, object.written, *facts_by_name(object, file), size_note);
   if (!layered) return layered.error();
   if (!size_note.empty()) reply.add_warnings(size_note);
-  *layered->mutable_longest_side_m() = known.object->target.offline.longest_side_m();
-  reply.set_object(known.object->name);
-  BuiltAs built = known.object->built;
-  std::string waiting;
-  {
-    std::lock_guard lock(mutex_);
-    if (const auto one = waiting_.find(known.object->target.object_id); one != waiting_.end()) waiting = one->second;
-    if (const auto anew = rebuilt_.find(known.object->target.object_id); anew != rebuilt_.end()) built = anew->second;
-  }
-  for (const std::string& later : hold_as_built(built, *layered)) reply.add_warnings(later);
-  if (!waiting.empty()) layered->set_behavior_reason(waiting + "; " + layered->behavior_reason());
-  *reply.mutable_parameters() = *layered;
+  *layered->mutable_longest_side_m() = object.target.offline.longest_side_m();
+  reply.set_object(object.name);
+  for (const std::string& later : hold_as_built(object.built, *layered)) reply.add_warnings(later);
+  *reply.mutable_parameters() = std::move(*layered);
+  for (const std::string& later : reply.warnings()) log_warn("%s: %s", object.name.c_str(), later.c_str());
+  return reply;
+}
+
+v1::SceneChange LiveAnalysis::change_of(const v1::PhysicsReply& reply) {
   v1::SceneChange change;
-  change.mutable_set_physics()->set_object(known.object->name);
-  *change.mutable_set_physics()->mutable_physics() = *layered;
-  loop_.post(std::move(change));
-  for (const std::string& later : reply.warnings()) {
-    log_warn("%s: %s", known.object->name.c_str(), later.c_str());
-  }
+  change.mutable_set_physics()->set_object(reply.object());
+  *change.mutable_set_physics()->mutable_physics() = reply.parameters();
+  return change;
+}
+
+Result<v1::PhysicsReply> LiveAnalysis::apply(const Known& known, const v1::PhysicsFile& file, const std::string& note) {
+  auto reply = reply_of(known, file, note);
+  if (reply) loop_.post(change_of(*reply));
   return reply;
 }
 
@@ -323,12 +330,14 @@ Result<v1::PhysicsReply> LiveAnalysis::set_physics(const std::string& object, co
     return Error{checked.error().code, "physics." + checked.error().message};
   }
   std::string note;
+  std::lock_guard deciding(deciding_);
   auto file = (*known)->decided->edit(physics, name, note);
   if (!file) return file.error();
+  wait_for_nobody((*known)->object->target.object_id);
   if (!name.empty() && file->has_physics()) {
     note += (note.empty() ? "" : "; ") + std::string("its values were found under another name; analyse it again");
   }
-  const std::string unheard = unheard_edits(physics, (*known)->object->written);
+  const std::string unheard = unheard_edits(physics, loaded(**known).written);
   if (!unheard.empty()) note += (note.empty() ? "" : "; ") + unheard;
   return apply(**known, *file, note);
 }
@@ -337,16 +346,29 @@ Result<v1::PhysicsReply> LiveAnalysis::accept_proposal(const std::string& object
   auto known = find(object);
   if (!known) return known.error();
   std::string note;
+  std::lock_guard deciding(deciding_);
   auto file = (*known)->decided->accept(note);
   if (!file) return file.error();
   wait_for_nobody((*known)->object->target.object_id);
   return apply(**known, *file, note);
 }
 
+Result<v1::PhysicsReply> LiveAnalysis::decline_proposal(const std::string& object) {
+  auto known = find(object);
+  if (!known) return known.error();
+  std::string note;
+  std::lock_guard deciding(deciding_);
+  auto file = (*known)->decided->decline(note);
+  if (!file) return file.error();
+  wait_for_nobody((*known)->object->target.object_id);
+  return reply_of(**known, *file, note);
+}
+
 Result<v1::PhysicsReply> LiveAnalysis::undo_physics(const std::string& object, bool redo) {
   auto known = find(object);
   if (!known) return known.error();
   std::string note;
+  std::lock_guard deciding(deciding_);
   auto file = (*known)->decided->step(redo, note);
   if (!file) return file.error();
   return apply(**known, *file, note);

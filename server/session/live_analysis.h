@@ -35,16 +35,18 @@ class LiveAnalysis final : public AnalysisControl {
   // or has still to judge. Returns at once.
   void begin();
 
-  // A scene that was loaded anew will take the place of the one that runs: what it was built as holds from now on, and
-  // what was decided meanwhile is applied at its first tick.
-  void take_reloaded(const Scene& scene);
+  // Gives the loop a scene that was loaded anew. What its file says, what was measured of it and what it was built as hold
+  // from now on, and what was decided while it was loaded is applied at its first tick.
+  void replace(Scene scene);
 
   Result<void> analyze(std::vector<std::string> objects, Progress progress,
                        std::function<void()> ended, std::stop_token stop = {}) override;
   Result<v1::PhysicsReply> set_physics(const std::string& object, const v1::Physics& physics,
                                        const std::string& name = "") override;
   Result<v1::PhysicsReply> accept_proposal(const std::string& object) override;
+  Result<v1::PhysicsReply> decline_proposal(const std::string& object) override;
   Result<v1::PhysicsReply> undo_physics(const std::string& object, bool redo) override;
+  void watch_proposals(Proposed proposed) override;
 
  private:
   struct Known {
@@ -66,15 +68,18 @@ class LiveAnalysis final : public AnalysisControl {
   // Takes an answer into the object's decided values and the scene; empty, or why not.
   std::string land(const AnalysisUpdate& update);
   // What the object has with `file`, brought into the scene at the next tick.
-  Result<v1::PhysicsReply> apply(const Known& known, const v1::PhysicsFile& file, std::string note);
+  Result<v1::PhysicsReply> apply(const Known& known, const v1::PhysicsFile& file, const std::string& note);
+  // The same without the last step.
+  Result<v1::PhysicsReply> reply_of(const Known& known, const v1::PhysicsFile& file, const std::string& note);
+  static v1::SceneChange change_of(const v1::PhysicsReply& reply);
+  // As it was loaded last.
+  SceneAnalysis::Object loaded(const Known& known);
   Result<Known*> find(const std::string& name);
-  // Proposals that nobody has judged yet: the log tells of them, and the object's behavior_reason from its next change on. They
-  // change nothing of the scene themselves.
+  // Proposals that nobody has judged yet: the log tells of them, and whoever watches. They change nothing of the scene.
   void find_proposals();
   void wait_for_person(uint32_t object_id, const v1::PhysicalParameters& proposal);
   void wait_for_nobody(uint32_t object_id);
   bool waits(uint32_t object_id);
-  static std::vector<v1::PhysicsLogRecord> decisions_of(const Known& known);
 
   SceneAnalysis scene_;
   std::unique_ptr<ModelEndpoint> endpoint_;
@@ -83,9 +88,12 @@ class LiveAnalysis final : public AnalysisControl {
   AnswerCache cache_;
   std::map<uint32_t, Known> known_;  // not changed after construction
 
-  std::mutex mutex_;  // guards the next four
-  std::map<uint32_t, BuiltAs> rebuilt_;  // by the id it had at first
-  std::map<uint32_t, std::string> waiting_;  // the text, by object
+  // Held from a decision until the loop has it, so that the scene has what was decided last. Before mutex_.
+  std::mutex deciding_;
+  std::mutex mutex_;  // guards the next five
+  std::map<uint32_t, SceneAnalysis::Object> reloaded_;         // by the id it had at first
+  std::map<uint32_t, v1::PhysicalParameters> waiting_;         // proposals, by object
+  Proposed proposed_;
   std::condition_variable_any changed_;
   std::deque<Request> requests_;
   std::jthread thread_;

@@ -54,8 +54,7 @@ Result<void> LiveRun::reset() {
       loop_.set_loading(false, "reset: " + scene.error().message);
       return;
     }
-    if (loaded_) loaded_(*scene);
-    loop_.replace(*std::move(scene));
+    loaded_ ? loaded_(*std::move(scene)) : loop_.replace(*std::move(scene));
   });
   return {};
 }

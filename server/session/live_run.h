@@ -16,8 +16,8 @@ class LiveRun final : public RunControl {
  public:
   // Loads the very scene that runs, its first object with this id.
   using Load = std::function<Result<Scene>(uint32_t first_object_id)>;
-  // Sees a loaded scene before the loop has it, on the loading thread.
-  using Loaded = std::function<void(const Scene&)>;
+  // Takes a loaded scene, on the loading thread, and gives it to the loop; left out: the loop has it at once.
+  using Loaded = std::function<void(Scene)>;
   // `loop` outlives this.
   LiveRun(SimulationLoop& loop, Load load, Loaded loaded = {});
   ~LiveRun() override;  // waits for a scene that is being loaded

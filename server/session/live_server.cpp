@@ -88,6 +88,7 @@ Result<void> check_listen_address(const std::string& address, bool secure) {
 
 struct LiveServer::Parts {
   explicit Parts(ServerSecurity* security) : service(table, assets, security ? &security->tokens() : nullptr), admin(table, security, recorder) {
+    proposals->table = &table;
     if (!security) return;
     table.check_grants_with([security](const Grant& grant) { return security->tokens().check_still(grant); });
   }
@@ -101,6 +102,12 @@ struct LiveServer::Parts {
   std::unique_ptr<ConnectionDoor> door;
   std::unique_ptr<FrameFanOut> fan_out;
   std::unique_ptr<FramePublisher> publisher = std::make_unique<FramePublisher>(table, assets);
+  // Where an analysis tells of its proposals; shared with it, for either may end first.
+  struct Proposals {
+    std::mutex mutex;  // guards table
+    SessionTable* table = nullptr;
+  };
+  std::shared_ptr<Proposals> proposals = std::make_shared<Proposals>();
   bool shut_down = false;
 };
 
@@ -180,7 +187,13 @@ void LiveServer::encode_ahead(const Scene& scene) {
   }
 }
 
-void LiveServer::open_analysis(AnalysisControl& analysis) { parts_->service.set_analysis(&analysis); }
+void LiveServer::open_analysis(AnalysisControl& analysis) {
+  analysis.watch_proposals([told = parts_->proposals](const std::string& object, const v1::PhysicalParameters* proposal) {
+    std::lock_guard lock(told->mutex);
+    if (told->table) told->table->propose(object, proposal);
+  });
+  parts_->service.set_analysis(&analysis);
+}
 
 void LiveServer::shut_down(const std::string& reason) {
   if (parts_->shut_down) return;
@@ -191,6 +204,8 @@ void LiveServer::shut_down(const std::string& reason) {
   parts_->table.close(reason);
   parts_->server->Shutdown(std::chrono::system_clock::now() + kShutdownPatience);
   parts_->server->Wait();
+  std::lock_guard lock(parts_->proposals->mutex);
+  parts_->proposals->table = nullptr;
 }
 
 const SessionTable& LiveServer::session_table() const { return parts_->table; }

@@ -185,7 +185,9 @@ grpc::ServerUnaryReactor* LiveService::AcceptProposal(grpc::CallbackServerContex
                                                       v1::PhysicsReply* reply) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   AnalysisControl* analysis = analysis_;
-  reactor->Finish(answer(analysis ? analysis->accept_proposal(request->object()) : Result<v1::PhysicsReply>(no_analysis()),
+  reactor->Finish(answer(!analysis              ? Result<v1::PhysicsReply>(no_analysis())
+                         : request->decline() ? analysis->decline_proposal(request->object())
+                                              : analysis->accept_proposal(request->object()),
                          *reply));
   return reactor;
 }

@@ -30,6 +30,7 @@ void SessionTable::open(std::string scene, double rate_hz, std::vector<Object> o
   scene_ = std::move(scene);
   rate_hz_ = rate_hz;
   objects_ = std::move(objects);
+  for (Object& object : objects_) object = with_proposal(std::move(object));
   note_reaches();
   inputs_ = &inputs;
   open_ = true;
@@ -171,16 +172,16 @@ uint64_t SessionTable::deliver(std::shared_ptr<PublishedTick> tick, std::span<co
     tick_ = tick->tick();
     std::vector<v1::SessionEvent> events;
     for (const Object& object : added) {
-      objects_.push_back(object);
-      *events.emplace_back().mutable_object_added() = *object;
+      objects_.push_back(with_proposal(object));
+      *events.emplace_back().mutable_object_added() = *objects_.back();
     }
     for (const Object& object : changed) {
       const auto known = std::find_if(objects_.begin(), objects_.end(), [&](const Object& one) {
         return one->object_id() == object->object_id();
       });
       if (known == objects_.end()) continue;  // it went meanwhile
-      *known = object;
-      *events.emplace_back().mutable_object_changed() = *object;
+      *known = with_proposal(object);
+      *events.emplace_back().mutable_object_changed() = **known;
     }
     for (uint32_t id : removed) {
       std::erase_if(objects_, [&](const Object& object) { return object->object_id() == id; });
@@ -189,25 +190,65 @@ uint64_t SessionTable::deliver(std::shared_ptr<PublishedTick> tick, std::span<co
     event_number = event_number_ += events.size();
     if (!events.empty()) note_reaches();
     tick->reaches = reaches_;
-    for (const auto& [id, session] : sessions_) {
-      sessions.push_back(session);
-      for (const v1::SessionEvent& event : events) {
-        if (!session->add_event(event)) {
-          not_reading.push_back(session);
-          break;
-        }
-      }
-    }
+    for (const auto& [id, session] : sessions_) sessions.push_back(session);
+    not_reading = tell(events);
   }
   for (const auto& session : sessions) {
     session->offer(tick);
     if (const auto writer = session->writer()) writer->wake();
   }
+  cut_off(not_reading);
+  return event_number;
+}
+
+std::vector<std::shared_ptr<ClientSession>> SessionTable::tell(std::span<const v1::SessionEvent> events) {
+  std::vector<std::shared_ptr<ClientSession>> not_reading;
+  for (const auto& [id, session] : sessions_) {
+    for (const v1::SessionEvent& event : events) {
+      if (!session->add_event(event)) {
+        not_reading.push_back(session);
+        break;
+      }
+    }
+  }
+  return not_reading;
+}
+
+void SessionTable::cut_off(std::span<const std::shared_ptr<ClientSession>> not_reading) {
   for (const auto& session : not_reading) {
     if (const auto writer = session->writer()) writer->abort();
     session->park();  // when it comes back it is told of all there is
   }
-  return event_number;
+}
+
+SessionTable::Object SessionTable::with_proposal(Object object) const {
+  const auto proposal = proposals_.find(object->name());
+  if (proposal == proposals_.end() || object->environment()) return object;
+  auto described = std::make_shared<v1::ObjectDescription>(*object);
+  *described->mutable_proposal() = proposal->second;
+  return described;
+}
+
+void SessionTable::propose(const std::string& object, const v1::PhysicalParameters* proposal) {
+  std::vector<std::shared_ptr<ClientSession>> not_reading;
+  {
+    std::lock_guard lock(mutex_);
+    proposal ? void(proposals_[object] = *proposal) : void(proposals_.erase(object));
+    std::vector<v1::SessionEvent> events;
+    for (Object& one : objects_) {
+      if (one->name() != object || one->environment()) continue;
+      auto described = std::make_shared<v1::ObjectDescription>(*one);
+      described->clear_proposal();
+      one = with_proposal(std::move(described));
+      *events.emplace_back().mutable_object_changed() = *one;
+    }
+    event_number_ += events.size();
+    not_reading = tell(events);
+  }
+  for (const auto& session : sessions_now()) {
+    if (const auto writer = session->writer()) writer->wake();
+  }
+  cut_off(not_reading);
 }
 
 bool SessionTable::wants(v1::JoinRequest::Encoding encoding) const {

@@ -71,6 +71,9 @@ class SessionTable {
   // A new tick for everybody, with what came, changed and went in it. The event number from then on.
   uint64_t deliver(std::shared_ptr<PublishedTick> tick, std::span<const Object> added,
                    std::span<const Object> changed, std::span<const uint32_t> removed);
+  // Objects of this name are described with this answer of a model, which waits for a person; nullptr: none waits any
+  // more. Who is there is told at once, whether there are ticks or not.
+  void propose(const std::string& object, const v1::PhysicalParameters* proposal);
   // Whether anybody who is there asked for frames of this encoding.
   bool wants(v1::JoinRequest::Encoding encoding) const;
   // A tick whose kernels are kept in it as `encoding`, for those who asked for that. After deliver() of it.
@@ -109,6 +112,10 @@ class SessionTable {
 
  private:
   void note_reaches();  // under the lock, when objects_ changed
+  Object with_proposal(Object object) const;  // under the lock
+  // Tells everybody, under the lock; gives those who do not read, to be cut off without it.
+  std::vector<std::shared_ptr<ClientSession>> tell(std::span<const v1::SessionEvent> events);
+  static void cut_off(std::span<const std::shared_ptr<ClientSession>> not_reading);
   void remove(const ClientSession& session);
   void end(ClientSession& session, const Error& why);
 
@@ -125,6 +132,7 @@ class SessionTable {
   InputSink* inputs_ = nullptr;
   std::vector<Object> objects_;  // the environment first
   std::shared_ptr<const ObjectReaches> reaches_;  // of objects_
+  std::map<std::string, v1::PhysicalParameters> proposals_;  // by the object's name
   std::map<std::string, std::shared_ptr<ClientSession>, std::less<>> sessions_;
   SessionNumber next_number_ = 1;
   int64_t grants_checked_ns_ = 0;

@@ -104,9 +104,10 @@ void SimulationLoop::set_loading(bool loading, std::string message) {
   run_.message = std::move(message);
 }
 
-void SimulationLoop::replace(Scene scene) {
+void SimulationLoop::replace(Scene scene, std::vector<v1::SceneChange> changes) {
   std::lock_guard lock(mutex_);
   next_scene_.emplace(std::move(scene));
+  posted_.insert(posted_.end(), std::make_move_iterator(changes.begin()), std::make_move_iterator(changes.end()));
 }
 
 RunStatus SimulationLoop::run_status() const {
@@ -114,22 +115,24 @@ RunStatus SimulationLoop::run_status() const {
   return run_;
 }
 
-void SimulationLoop::take_next_scene() {
+std::vector<v1::SceneChange> SimulationLoop::take_next_scene() {
   std::optional<Scene> next;
+  std::vector<v1::SceneChange> changes;
   {
     std::lock_guard lock(mutex_);
-    if (!next_scene_) return;
+    changes.swap(posted_);
+    if (!next_scene_) return changes;
     next.swap(next_scene_);
     run_.loading = false;
     ++run_.resets;
   }
   scene_run_.replace(*std::move(next));
   log_info("reset: %zu objects are as they were loaded", scene().objects().size());
+  return changes;
 }
 
 void SimulationLoop::tick() {
-  take_next_scene();
-  TickActions actions = take_actions();
+  TickActions actions = take_actions(take_next_scene());
   SteppedTick tick = scene_run_.advance(actions);
   const double simulated_s = tick.run.simulated_s;
   tick.run = run_status();
@@ -157,11 +160,11 @@ std::vector<InputSample> SimulationLoop::due(std::deque<InputSample>& samples, u
   return taken;
 }
 
-TickActions SimulationLoop::take_actions() {
+TickActions SimulationLoop::take_actions(std::vector<v1::SceneChange> changes) {
   const uint64_t next_tick = scene_run_.tick() + 1;
   TickActions actions;
+  actions.changes = std::move(changes);
   std::lock_guard lock(mutex_);
-  actions.changes.swap(posted_);
   actions.over.swap(gone_);
   for (auto& [session, mailbox] : mailboxes_) {
     auto samples = due(mailbox.samples, next_tick);

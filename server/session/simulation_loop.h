@@ -66,9 +66,10 @@ class SimulationLoop : public InputSink {
   void step_paused(uint32_t ticks);  // halts after so many ticks from now
   // What clients are told: a scene is being loaded, or why that failed.
   void set_loading(bool loading, std::string message);
-  // At the next tick this scene takes the place of the one that runs, before anything that was posted. Its ids are all
-  // new; ticks and the clients' simulated time go on.
-  void replace(Scene scene);
+  // At the next tick this scene takes the place of the one that runs, before anything that was posted and before `changes`,
+  // which come after that; what is posted from now on goes to it. Its ids are all new; ticks and the clients' simulated
+  // time go on.
+  void replace(Scene scene, std::vector<v1::SceneChange> changes = {});
   RunStatus run_status() const;
 
   // Precondition: not running.
@@ -84,8 +85,9 @@ class SimulationLoop : public InputSink {
 
   void run();
   void tick();
-  void take_next_scene();
-  TickActions take_actions();
+  // What was posted up to the moment at which the scene of this tick was settled.
+  std::vector<v1::SceneChange> take_next_scene();
+  TickActions take_actions(std::vector<v1::SceneChange> changes);
   // Of a session's samples those whose tick has come, and all before them.
   static std::vector<InputSample> due(std::deque<InputSample>& samples, uint64_t tick);
   void log_every_second(int64_t now_ns);

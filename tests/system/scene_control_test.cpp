@@ -79,7 +79,10 @@ class SceneControlTest : public ::testing::Test {
     loop_ = std::make_unique<SimulationLoop>(box_scene(), server_->ticks());
     run_ = std::make_unique<LiveRun>(
         *loop_, [](uint32_t first_id) -> Result<Scene> { return box_scene(90, 0.2, first_id); },
-        [this](const Scene& scene) { server_->encode_ahead(scene); });
+        [this](Scene scene) {
+          server_->encode_ahead(scene);
+          loop_->replace(std::move(scene));
+        });
     server_->open(loop_->scene(), *loop_);
     server_->open_run(*run_);
     loop_->start();

@@ -132,32 +132,39 @@ TEST(ObjectPanel, TellsHowAnAnalysisGetsOn) {
 }
 
 TEST(ObjectPanel, WhatIsProposedCanBeAccepted) {
-  const auto objects = pillow_and_room();
+  auto objects = pillow_and_room();
   ObjectPanel panel;
   panel.select("pillow");
-  PanelActions actions;
-  actions.accept = true;
-  EXPECT_TRUE(panel.act(actions, objects).empty());  // nothing is proposed
-  v1::AnalysisProgress progress;
-  progress.set_object("pillow");
-  progress.set_stage(v1::AnalysisProgress::FINISHED);
-  progress.set_verdict(v1::AnalysisProgress::NEEDS_REVIEW);
-  progress.mutable_proposal()->set_material("down");
-  progress.mutable_proposal()->set_behavior(v1::Physics::ELASTIC);
-  progress.mutable_proposal()->mutable_mass_kg()->set_low(7);
-  progress.mutable_proposal()->mutable_mass_kg()->set_best(8);
-  progress.mutable_proposal()->mutable_mass_kg()->set_high(9);
-  panel.take_progress(progress);
+  PanelActions accept, decline;
+  accept.accept = true;
+  decline.decline = true;
+  EXPECT_TRUE(panel.act(accept, objects).empty());  // nothing is proposed
+  EXPECT_TRUE(panel.act(decline, objects).empty());
+  // Whoever asked for it, in this window or elsewhere.
+  v1::PhysicalParameters proposal;
+  proposal.set_material("down");
+  proposal.set_behavior(v1::Physics::ELASTIC);
+  proposal.mutable_mass_kg()->set_low(7);
+  proposal.mutable_mass_kg()->set_best(8);
+  proposal.mutable_mass_kg()->set_high(9);
+  objects[2].proposal = proposal;
   EXPECT_EQ(panel.shown(objects).proposal, "Proposed: 8 kg (7 to 9 kg) of down, elastic");
-  const auto calls = panel.act(actions, objects);
+  auto calls = panel.act(accept, objects);
   ASSERT_EQ(calls.size(), 1u);
   EXPECT_EQ(std::get<AcceptProposalCall>(calls[0]).object, "pillow");
+  EXPECT_FALSE(std::get<AcceptProposalCall>(calls[0]).decline);
+  EXPECT_EQ(panel.shown(objects).proposal, "");  // the server has not said so yet
+  EXPECT_TRUE(panel.act(accept, objects).empty());  // once
+  panel.take_refusal("pillow", "the disk is full");
+  EXPECT_NE(panel.shown(objects).proposal, "");  // it waits still
+  calls = panel.act(decline, objects);
+  ASSERT_EQ(calls.size(), 1u);
+  EXPECT_TRUE(std::get<AcceptProposalCall>(calls[0]).decline);
   EXPECT_EQ(panel.shown(objects).proposal, "");
-  EXPECT_TRUE(panel.act(actions, objects).empty());  // once
-  panel.take_progress(progress);
-  progress.set_verdict(v1::AnalysisProgress::ACCEPTED);
-  panel.take_progress(progress);
-  EXPECT_EQ(panel.shown(objects).proposal, "");
+  objects[2].proposal.reset();
+  EXPECT_TRUE(panel.act({}, objects).empty());
+  objects[2].proposal = proposal;  // the same again is another one
+  EXPECT_NE(panel.shown(objects).proposal, "");
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
 #include <nlohmann/json.hpp>
 
 #include "analysis/physics_file.h"
@@ -12,6 +14,7 @@
 #include "server/analysis/fake_endpoint.h"
 #include "server/session/raw_client.h"
 #include "server/session/tick_log.h"
+#include "session/live_run.h"
 #include "session/live_server.h"
 
 namespace livegs {
@@ -19,23 +22,29 @@ namespace {
 
 using v1::EstimatedValue;
 
-// A block and a sponge whose physics are left open, and a box whose are told.
-Scene open_scene(const ScratchFolder& folder, double rate_hz = 90) {
+// A block and a sponge whose physics are left open, but for what is told of the block, and a box whose are told.
+Scene open_scene(const ScratchFolder& folder, const std::string& block_physics = "{}", const std::string& block_m = "0.1",
+                 uint32_t first_object_id = 1) {
   std::string points = "x,y,z\n";
   for (int i = 0; i < 64; ++i) {
     points += std::to_string(0.02 * (i % 4)) + "," + std::to_string(0.02 * (i / 4 % 4)) + "," +
               std::to_string(0.02 * (i / 16)) + "\n";
   }
   folder.write("sponge.csv", points);
-  const auto path = folder.write("open.scene.json", R"({
+  std::string text = R"({
     "substeps": 4, "environment": { "colliders": [ { "plane": {} } ] },
     "objects": [
-      { "name": "wood block", "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } }, "pose": { "position_m": [0, 0.05, 0] } },
+      { "name": "wood block", "shape": { "box": { "size_m": [SIZE, 0.1, 0.1] } }, "pose": { "position_m": [0, 0.05, 0] },
+        "physics": PHYSICS },
       { "name": "told", "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } }, "pose": { "position_m": [1, 0.05, 0] },
         "physics": { "behavior": "RIGID", "mass_kg": 1.0 } },
-      { "name": "sponge", "points": "sponge.csv", "pose": { "position_m": [-1, 0.01, 0] } } ] })");
+      { "name": "sponge", "points": "sponge.csv", "pose": { "position_m": [-1, 0.01, 0] } } ] })";
+  text.replace(text.find("SIZE"), 4, block_m);
+  text.replace(text.find("PHYSICS"), 7, block_physics);
+  const auto path = folder.write("open.scene.json", text);
   SceneOptions options;
-  options.rate_hz = rate_hz;
+  options.rate_hz = 90;
+  options.first_object_id = first_object_id;
   auto scene = Scene::load(path, options);
   EXPECT_TRUE(scene) << scene.error().message;
   return std::move(*scene);
@@ -62,19 +71,32 @@ Result<std::string> weigh(const AnalysisQuestion& question, const ToolBox&, int)
       .dump();
 }
 
+// The block ten times as heavy as it can be thought to be.
+Result<std::string> weigh_too_much(const AnalysisQuestion& question, const ToolBox& tools, int turn) {
+  auto answer = nlohmann::json::parse(*weigh(question, tools, turn));
+  if (question.slots.at("name") == "wood block") answer["mass_g"] = {{"low", 4500}, {"best", 5000}, {"high", 5500}};
+  return answer.dump();
+}
+
 class LiveAnalysisTest : public ::testing::Test {
  protected:
   // `say` null: no endpoint.
   void start(FakeEndpoint::Say say, std::chrono::milliseconds delay = std::chrono::milliseconds(0)) {
     skipped = log.ticks().size();
-    Scene scene = open_scene(folder);
+    Scene scene = open_scene(folder, block_physics);
     for (const SceneObject& object : scene.objects()) {
       ids[object.name] = object.id;
       offline_kg[object.name] = object.physics.mass_kg().best();
     }
     auto analysed = SceneAnalysis::of(scene);
     ASSERT_TRUE(analysed) << analysed.error().message;
-    loop = std::make_unique<SimulationLoop>(std::move(scene), log);
+    loop = std::make_unique<SimulationLoop>(std::move(scene), log, [this](const Scene& now) {
+      for (const BodyState& body : now.world().bodies()) {
+        if (body.object_id != ids.at("wood block")) continue;
+        if (!body.asleep && block_asleep) ++awakenings;
+        block_asleep = body.asleep;
+      }
+    });
     std::unique_ptr<FakeEndpoint> made;
     if (say) made = std::make_unique<FakeEndpoint>(std::move(say));
     if (made) made->delay = [delay](const std::string&) { return delay; };
@@ -124,6 +146,9 @@ class LiveAnalysisTest : public ::testing::Test {
 
   ScratchFolder folder;
   TickLog log;
+  std::string block_physics = "{}";
+  std::atomic<bool> block_asleep = false;
+  std::atomic<int> awakenings = 0;
   size_t skipped = 0;  // ticks of those that were started before
   std::map<std::string, uint32_t> ids;
   std::map<std::string, double> offline_kg;
@@ -182,7 +207,7 @@ TEST_F(LiveAnalysisTest, AnAnswerThatWasTakenBackDoesNotComeBackByItself) {
   testing::internal::CaptureStderr();
   analysis->begin();
   const std::string told = testing::internal::GetCapturedStderr();
-  EXPECT_NE(told.find("wood block: its answer was taken back"), std::string::npos) << told;
+  EXPECT_NE(told.find("wood block: its answer was taken back or declined"), std::string::npos) << told;
   EXPECT_EQ(told.find("is asked about"), std::string::npos) << told;
   EXPECT_EQ(analyzed("wood block").verdict(), v1::AnalysisProgress::ACCEPTED);  // a person asks
   EXPECT_EQ(endpoint->asked().size(), 1u);
@@ -206,11 +231,6 @@ TEST_F(LiveAnalysisTest, AnAnswerThatWasTakenBackDoesNotComeBackByItself) {
 
 // What the server's own start found and does not take upon itself reaches the log, and changes nothing of the scene.
 TEST_F(LiveAnalysisTest, AProposalOfTheStartIsToldAndWaits) {
-  const auto heavy = [](const AnalysisQuestion& question, const ToolBox& tools, int turn) -> Result<std::string> {
-    auto answer = nlohmann::json::parse(*weigh(question, tools, turn));
-    if (question.slots.at("name") == "wood block") answer["mass_g"] = {{"low", 4500}, {"best", 5000}, {"high", 5500}};
-    return answer.dump();
-  };
   const auto touched = [&] {
     for (const SteppedTick& tick : log.ticks()) {
       for (const SceneObject& one : tick.changed) {
@@ -221,7 +241,7 @@ TEST_F(LiveAnalysisTest, AProposalOfTheStartIsToldAndWaits) {
   };
   set_log_level(LogLevel::Info);
   testing::internal::CaptureStderr();
-  start(heavy);
+  start(weigh_too_much);
   analysis->begin();
   EXPECT_TRUE(changes_to("sponge", by_model));
   EXPECT_EQ(analyzed("sponge").verdict(), v1::AnalysisProgress::ACCEPTED);  // the start's lines are written by then
@@ -231,20 +251,112 @@ TEST_F(LiveAnalysisTest, AProposalOfTheStartIsToldAndWaits) {
   std::string told = testing::internal::GetCapturedStderr();
   EXPECT_NE(told.find("analysis: wood block: needs review: mass_g.best: 5000 g is more than 8 times away"), std::string::npos)
       << told;
-  EXPECT_NE(told.find("kept as a proposal: Analyse and Accept in the window or livegs analyze --accept takes it"), std::string::npos);
+  EXPECT_NE(told.find("kept as a proposal: Accept in the window or livegs analyze --accept takes it; Decline, --decline or an edit"), std::string::npos);
   EXPECT_NE(told.find("analysis: sponge: accepted"), std::string::npos) << told;
 
   // The next start asks nobody about it and says that it is there.
   testing::internal::CaptureStderr();
-  start(heavy);
+  start(weigh_too_much);
   analysis->begin();
   told = testing::internal::GetCapturedStderr();
   EXPECT_NE(told.find("wood block: a proposal waits from before"), std::string::npos) << told;
   EXPECT_TRUE(endpoint->asked().empty());
+  std::vector<std::string> offered;
+  analysis->watch_proposals([&](const std::string& object, const v1::PhysicalParameters* proposal) {
+    offered.push_back(object + (proposal ? " waits" : " waits no longer"));
+  });
   ASSERT_TRUE(analysis->accept_proposal("wood block"));
-  EXPECT_TRUE(changes_to("wood block", [](const SceneObject& one) {
-    return one.mass_kg > 2 && one.physics.behavior_reason().find("waits") == std::string::npos;
-  }));
+  analysis->watch_proposals({});
+  EXPECT_EQ(offered, (std::vector<std::string>{"wood block waits", "wood block waits no longer"}));
+  EXPECT_TRUE(changes_to("wood block", [](const SceneObject& one) { return one.mass_kg > 2; }));
+}
+
+// A thing that sleeps and slides without friction does so while an answer waits for a person.
+TEST_F(LiveAnalysisTest, AProposalThatWaitsLeavesTheSceneUntouched) {
+  block_physics = R"({ "friction": 0 })";
+  start(weigh_too_much);
+  ASSERT_TRUE(log.wait([&](const auto&) { return block_asleep.load(); }));
+  ASSERT_EQ(analyzed("wood block").verdict(), v1::AnalysisProgress::NEEDS_REVIEW);
+  const size_t then = log.ticks().size();
+  ASSERT_TRUE(log.wait([&](const auto& ticks) { return ticks.size() > then + 20; }));
+  EXPECT_EQ(changes_of("wood block"), 0u);
+  ASSERT_TRUE(analysis->decline_proposal("wood block"));
+  const size_t declined = log.ticks().size();
+  ASSERT_TRUE(log.wait([&](const auto& ticks) { return ticks.size() > declined + 20; }));
+  EXPECT_EQ(changes_of("wood block"), 0u);
+  EXPECT_EQ(awakenings, 0);
+  loop->stop();
+  const SceneObject* block = loop->scene().find("wood block");
+  EXPECT_EQ(loop->scene().world().material(block->id)->friction, 0);
+  EXPECT_EQ(block->mass_kg, offline_kg["wood block"]);
+}
+
+// It ends for good: neither this server nor the next one asks again by itself.
+TEST_F(LiveAnalysisTest, WhatWasDeclinedOrEditedWaitsNoLonger) {
+  for (const bool by_edit : {false, true}) {
+    start(weigh_too_much);
+    ASSERT_EQ(analyzed("wood block").verdict(), v1::AnalysisProgress::NEEDS_REVIEW);
+    if (by_edit) {
+      v1::Physics edit;
+      edit.set_mass_kg(0.5);
+      ASSERT_TRUE(analysis->set_physics("wood block", edit));
+    } else {
+      const auto declined = analysis->decline_proposal("wood block");
+      ASSERT_TRUE(declined) << declined.error().message;
+      EXPECT_EQ(declined->parameters().mass_kg().best(), offline_kg["wood block"]);
+    }
+    EXPECT_EQ(analysis->accept_proposal("wood block").error().code, ErrorCode::NotFound);
+    EXPECT_EQ(analysis->decline_proposal("wood block").error().code, ErrorCode::NotFound);
+    analysis.reset();
+    loop->stop();
+
+    start(weigh_too_much);
+    bool offered = false;
+    analysis->watch_proposals([&](const std::string&, const v1::PhysicalParameters*) { offered = true; });
+    EXPECT_FALSE(offered);
+    analysis->begin();
+    ASSERT_TRUE(changes_to("sponge", by_model));
+    for (const std::string& line : endpoint->asked()) EXPECT_FALSE(line.starts_with("wood block")) << line;
+    analysis.reset();
+    loop->stop();
+    for (const char* name : {"open.scene.physics.wood%20block", "sponge.physics"}) {
+      for (const char* ending : {".json", ".log"}) std::filesystem::remove(folder / (std::string(name) + ending));
+    }
+  }
+}
+
+// What was decided while the scene was loaded anew holds from its first tick, and what its file says by then counts.
+TEST_F(LiveAnalysisTest, AResetKeepsWhatWasDecidedMeanwhileAndHearsTheFile) {
+  start(nullptr);
+  v1::Physics edit;
+  edit.set_mass_kg(0.7);
+  LiveRun run(
+      *loop,
+      [&](uint32_t first_id) -> Result<Scene> {
+        Scene anew = open_scene(folder, R"({ "friction": 0.9 })", "0.2", first_id);
+        EXPECT_TRUE(analysis->set_physics("wood block", edit));
+        return anew;
+      },
+      [&](Scene anew) { analysis->replace(std::move(anew)); });
+  v1::ControlRunRequest reset;
+  reset.set_reset(true);
+  ASSERT_TRUE(run.control(reset));
+  ASSERT_TRUE(log.wait([](const auto& ticks) { return !ticks.empty() && ticks.back().run.resets == 1; }));
+  for (const SteppedTick& tick : log.ticks()) {
+    if (!tick.scene_is_new) continue;
+    const auto block = std::find_if(tick.added.begin(), tick.added.end(), [](const auto& one) { return one.name == "wood block"; });
+    ASSERT_NE(block, tick.added.end());
+    EXPECT_EQ(block->mass_kg, 0.7);
+    EXPECT_EQ(block->physics.friction().best(), 0.9);
+  }
+  edit.set_friction(0.3);
+  const auto reply = analysis->set_physics("wood block", edit);
+  ASSERT_TRUE(reply) << reply.error().message;
+  EXPECT_EQ(reply->parameters().friction().best(), 0.9);
+  EXPECT_EQ(reply->parameters().friction().source(), EstimatedValue::SCENE);
+  EXPECT_NEAR(reply->parameters().longest_side_m().best(), 0.2, 1e-9);
+  ASSERT_EQ(reply->warnings_size(), 1);
+  EXPECT_TRUE(reply->warnings(0).starts_with("the edit of friction has no effect")) << reply->warnings(0);
 }
 
 TEST_F(LiveAnalysisTest, AnEditIsLockedAndCanBeUndoneAndRedone) {
@@ -479,6 +591,59 @@ TEST_F(LiveAnalysisTest, ClientsFollowAnalysesAndEdit) {
   undo.set_object("wood block");
   EXPECT_TRUE(client.stub().UndoPhysics(&context, undo, &reply).ok());
   EXPECT_EQ(reply.parameters().mass_kg().source(), EstimatedValue::MODEL);
+  server->shut_down("done");
+}
+
+// Whoever is there and whoever joins later is offered what waits, whoever asked for it and before which start.
+TEST_F(LiveAnalysisTest, AProposalIsOfferedToEveryClient) {
+  start(weigh_too_much);
+  ASSERT_EQ(analyzed("wood block").verdict(), v1::AnalysisProgress::NEEDS_REVIEW);
+  analysis.reset();
+  loop->stop();
+  auto listening = LiveServer::listen("127.0.0.1:0");
+  ASSERT_TRUE(listening);
+  auto server = std::move(*listening);
+  start(weigh_too_much);
+  loop->stop();  // no tick is needed for it
+  server->open(loop->scene(), *loop);
+  server->open_analysis(*analysis);
+  const auto joined = [&](RawClient& client) {
+    EXPECT_TRUE(client.join().ok());
+    v1::ObjectDescription block;
+    for (const v1::ObjectDescription& one : client.joined.objects()) {
+      if (one.name() == "wood block") block = one;
+      EXPECT_TRUE(one.name() == "wood block" || !one.has_proposal()) << one.name();
+    }
+    return block;
+  };
+  RawClient watching(server->port()), late(server->port());
+  EXPECT_GT(joined(watching).proposal().mass_kg().best(), 2);
+  watching.open();
+  const auto told = [&] { return watching.read().events(0).object_changed(); };
+  const auto accept = [&](bool decline) {
+    grpc::ClientContext context;
+    set_patience(context);
+    v1::AcceptProposalRequest request;
+    v1::PhysicsReply reply;
+    request.set_object("wood block");
+    request.set_decline(decline);
+    return late.stub().AcceptProposal(&context, request, &reply).error_code();
+  };
+  EXPECT_EQ(accept(true), grpc::StatusCode::OK);
+  v1::ObjectDescription block = told();
+  EXPECT_EQ(block.name(), "wood block");
+  EXPECT_FALSE(block.has_proposal());
+  EXPECT_FALSE(joined(late).has_proposal());
+  EXPECT_EQ(accept(true), grpc::StatusCode::NOT_FOUND);
+
+  ASSERT_EQ(analyzed("wood block").verdict(), v1::AnalysisProgress::NEEDS_REVIEW);
+  block = told();
+  EXPECT_GT(block.proposal().mass_kg().best(), 2);
+  EXPECT_LT(block.physics().mass_kg().best(), 2);  // it has what it had
+  EXPECT_TRUE(joined(late).has_proposal());
+  EXPECT_EQ(accept(false), grpc::StatusCode::OK);
+  EXPECT_FALSE(told().has_proposal());
+  watching.cancel();
   server->shut_down("done");
 }
 
