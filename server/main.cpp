@@ -288,6 +288,11 @@ int main(int argc, char** argv) {
       ->check(CLI::ExistingDirectory);
   app.add_option("--price", options.endpoint.price,
                  "IN,OUT: US dollars a million tokens sent and received, to tell what answers cost; default: LIVEGS_PRICE");
+  app.add_option("--model-deadline", options.endpoint.deadline_s,
+                 "The longest that one question may take with all its repeats, 1 to 3600 s; default: LIVEGS_MODEL_DEADLINE_S, "
+                 "else 60, or 300 where the server is Ollama or llama.cpp")
+      ->check(CLI::Range(1.0, 3600.0))
+      ->type_name("SECONDS");
   app.add_flag("--web-search", options.endpoint.web_search,
                "Let the endpoint search the web once an object, where it can; off otherwise");
   app.add_option("--views", options.views, "Looks at each object; 3 are put to the vote")->check(CLI::IsMember({1, 3}));

@@ -167,6 +167,16 @@ TEST_F(Programs, AMissingSceneIsOneLineAndCodeTwo) {
   expect_one_line(server, "absent.scene.json");
 }
 
+TEST_F(Programs, ADeadlineOutsideItsRangeIsRefusedBeforeAnythingIsLoaded) {
+  for (const std::string seconds : {"0", "0.5", "3601", "soon", "90"}) {
+    Program server({LIVEGS_SERVER, folder_ / "absent.scene.json", "--listen", "127.0.0.1:0", "--model-deadline", seconds});
+    EXPECT_EQ(server.wait(), 2) << seconds;
+    const bool refused = server.err().find("--model-deadline") != std::string::npos;
+    EXPECT_EQ(refused, seconds != "90") << server.err();
+    EXPECT_NE(refused, server.err().find("absent.scene.json") != std::string::npos) << server.err();
+  }
+}
+
 TEST_F(Programs, AServerThatIsNotThereIsOneLineAndCodeOne) {
   Program client(client_words("1", {"--connect-timeout", "0.3"}));
   EXPECT_EQ(client.wait(), 1);
