@@ -4,7 +4,7 @@
 // 16-bit floats, and the mean of what that is too bright by; and blended in 32-bit floats, before 8 bits a
 // channel. Answers 1 when a picture as the client draws it is under 50 dB, 77 when there was nothing to draw. At night
 // it is a test; with a folder, it leaves pictures there, of one asset alone when one is named:
-//   picture_bench > tests/bench/results/<processor>/picture.csv
+//   picture_bench > tests/bench/results/<processor>/picture.csv   # another device, chosen by VK_ICD_FILENAMES, is added below
 //   picture_bench FOLDER NAME_OR_FILE
 #include <algorithm>
 #include <cstdio>
