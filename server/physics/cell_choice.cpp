@@ -14,8 +14,13 @@ namespace {
 constexpr double kCellsAlongCompact = 6.0, kLayersCompact = 3.0;
 constexpr double kCellsAlongThin = 8.0;
 constexpr double kThinRatio = 8.0;
+// A thin body's middle side is one cell wide, or this many.
+constexpr double kLeastSplit = 1.8;
 // Cells of a thin body may be this much wider than it is thick.
 constexpr double kWidestOverThickness = 5.0;
+// Unless it would take more nodes times substeps a frame than this, 6.5 ms of one core at 26 ns: then they are wider still.
+constexpr double kMostNodeSubsteps = 250e3;
+constexpr double kWider = 1.2, kFewestAlong = 4.0;
 
 // In a shock the sweep has to carry pressure from cell to cell, whose waves are sqrt((1 - nu) / ((1 + nu)(1 - 2 nu))) times as
 // fast as a bar's. At 0.65 of a cell a step rubber of nu 0.49 that met the floor at its sqrt(E/rho) left it with 2.6 times its
@@ -26,8 +31,9 @@ constexpr int kMostStruckSteps = 4;
 struct Candidate {
   double width_m;
   bool detailed;
+  bool split;  // across the middle side
   int substeps_needed;
-  double cost;
+  double nodes, cost;
 };
 
 int scene_multiple(double needed, int substeps) {
@@ -41,15 +47,18 @@ double limit_of(const CellDemand& demand, double width_m) {
 Candidate assess(const CellDemand& demand, double width_m) {
   const double longest = demand.size_m.maxCoeff(), thinnest = demand.size_m.minCoeff();
   const bool thin = longest >= kThinRatio * thinnest;
-  Candidate candidate{width_m, false, 1, 0.0};
-  candidate.detailed = longest / width_m > (thin ? kCellsAlongThin : kCellsAlongCompact) - 1e-6 &&
+  Candidate candidate{width_m, false, false, 1, 1.0, 0.0};
+  // Two layers of which one is hardly entered are a hinge and a lever: a flat bar of 1.2 layers bent the stiff way by 0.81
+  // to 0.75 of what it should.
+  const double middle = demand.middle_side_m > 0.0 ? demand.middle_side_m : demand.size_m.sum() - longest - thinnest;
+  candidate.split = thin && middle > (1.0 + 1e-6) * width_m && middle < (kLeastSplit - 1e-6) * width_m;
+  candidate.detailed = !candidate.split && longest / width_m > (thin ? kCellsAlongThin : kCellsAlongCompact) - 1e-6 &&
                        (thin || thinnest / width_m > kLayersCompact - 1e-6);
   const double wave_m_s = std::sqrt(demand.youngs_modulus_pa / demand.density_kg_m3);
   const double limit = limit_of(demand, width_m);
   candidate.substeps_needed = scene_multiple(wave_m_s / (limit * demand.rate_hz * width_m), demand.substeps);
-  double nodes = 1.0;
-  for (int d = 0; d < 3; ++d) nodes *= std::ceil(demand.size_m[d] / width_m - 1e-6) + 1.0;
-  candidate.cost = candidate.substeps_needed * nodes;
+  for (int d = 0; d < 3; ++d) candidate.nodes *= std::ceil(demand.size_m[d] / width_m - 1e-6) + 1.0;
+  candidate.cost = candidate.substeps_needed * candidate.nodes;
   return candidate;
 }
 
@@ -84,6 +93,18 @@ CellChoice choose_cells(const CellDemand& demand) {
   const int cap = std::max(demand.substeps, kMaxBodySubsteps / demand.substeps * demand.substeps);
   std::vector<Candidate> candidates;
   for (const double width : candidate_widths(demand)) candidates.push_back(assess(demand, width));
+  const auto costs_too_much = [&](const Candidate& candidate) {
+    return demand.cell_width_m <= 0.0 && candidate.nodes * std::min(candidate.substeps_needed, cap) > kMostNodeSubsteps;
+  };
+  const bool over_budget = std::all_of(candidates.begin(), candidates.end(), costs_too_much);
+  if (over_budget) {
+    const double longest = demand.size_m.maxCoeff();
+    Candidate wider = *std::max_element(candidates.begin(), candidates.end(),
+                                        [](const Candidate& a, const Candidate& b) { return a.width_m < b.width_m; });
+    while (costs_too_much(wider) && kWider * wider.width_m <= longest / kFewestAlong) wider = assess(demand, kWider * wider.width_m);
+    candidates = {wider};
+  }
+  std::erase_if(candidates, [&](const Candidate& candidate) { return !over_budget && costs_too_much(candidate); });
 
   // The cheapest with enough detail; else the finest that can be as stiff as asked; else the widest.
   const Candidate* chosen = nullptr;
@@ -92,9 +113,10 @@ CellChoice choose_cells(const CellDemand& demand) {
       chosen = &candidate;
     }
   }
-  if (!chosen) {
+  for (const bool split : {false, true}) {
+    if (chosen) break;
     for (const Candidate& candidate : candidates) {
-      if (candidate.substeps_needed <= cap) chosen = &candidate;
+      if (candidate.split == split && candidate.substeps_needed <= cap) chosen = &candidate;
     }
   }
   if (!chosen) chosen = &candidates.front();
@@ -105,6 +127,7 @@ CellChoice choose_cells(const CellDemand& demand) {
   const double reach = limit_of(demand, chosen->width_m) * demand.rate_hz * choice.substeps * chosen->width_m;
   const double ceiling_pa = demand.density_kg_m3 * reach * reach;
   choice.clipped = chosen->substeps_needed > cap;
+  choice.over_budget = over_budget && chosen->width_m > 1.0001 * kWidestOverThickness * demand.size_m.minCoeff();
   choice.youngs_modulus_pa = choice.clipped ? ceiling_pa : demand.youngs_modulus_pa;
   choice.courant = std::sqrt(choice.youngs_modulus_pa / demand.density_kg_m3) /
                    (demand.rate_hz * choice.substeps * chosen->width_m);

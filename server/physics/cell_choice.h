@@ -19,6 +19,7 @@ inline constexpr int kMaxBodySubsteps = 32;
 
 struct CellDemand {
   Eigen::Vector3d size_m;       // edges of the body's bounding box, lattice axes
+  double middle_side_m = 0;     // of its material, where size_m is larger; 0: of size_m
   double particle_edge_m = 0;   // cells below 1.5 of it would be emptier than the material
   double youngs_modulus_pa = 0, poisson_ratio = 0, density_kg_m3 = 0;
   double rate_hz = 0;
@@ -36,6 +37,7 @@ struct CellChoice {
   double courant = 0;           // sqrt(E/rho) h / a of the modulus that is simulated
   double youngs_modulus_pa = 0; // the one that is simulated
   bool clipped = false;         // it is less than the one asked for
+  bool over_budget = false;     // cells are wider than they should be, or it would cost a frame more than 6.5 ms
   int struck_steps = 1;         // in place of one, while the body is struck hard; 1 ... 4
   // sqrt(E/rho) of what is simulated.
   double wave_speed_m_s(double rate_hz) const { return courant * rate_hz * substeps * cell_width_m; }

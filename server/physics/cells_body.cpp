@@ -17,6 +17,7 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
+constexpr double kGravity_m_s2 = 9.81;
 constexpr double kLeastShare = 1e-3;  // of the heaviest node near, in the mass of a node
 
 }  // namespace
@@ -99,6 +100,7 @@ void CellsBody::choose(double cell_width_m) {
   // many would be chosen for a sheet, which bends as it should in wide ones, and which gained energy in narrow ones when it
   // fell on its edge.
   demand.size_m = extent_.max_m - extent_.min_m;
+  demand.middle_side_m = demand.size_m.sum() - demand.size_m.maxCoeff() - demand.size_m.minCoeff();
   const bool by_voxels = extent_.box_edge_m == extent_.spacing_m;
   if (!by_voxels && demand.size_m.minCoeff() < 0.999 * extent_.box_edge_m) demand.size_m.array() += extent_.box_edge_m;
   demand.particle_edge_m = extent_.box_edge_m;
@@ -497,6 +499,9 @@ ElasticAccuracy CellsBody::accuracy() const {
     tell(k, accuracy.regions.back());
   }
   accuracy.put_back = put_back_;
+  accuracy.over_budget = choice_.over_budget;
+  accuracy.sag = densities_kg_m3_[0] * kGravity_m_s2 * (extent_.max_m - extent_.min_m).minCoeff() /
+                 cell_materials_.materials[0].youngs_modulus_pa;
   accuracy.thin_part = thin_part_;
   accuracy.nodes = nodes_.count();
   accuracy.cells = lattice_.cells.size();

@@ -207,6 +207,7 @@ class CellsBody final : public ElasticBody {
   void come_off(const SubstepPart& part, const SubstepContext& context, size_t begin, std::vector<TouchRow>& rows);
   // By what it touches from this one of touches_ on, which does not move.
   void resist_rolling(size_t first_touch, double step_s);
+  void resist_rolling(std::span<const TouchRow> rows);
   void take_contact(uint32_t sample, const Vector3d& point_m, const Vector3d& pull_kg_m, double step_s);
 
   struct CellShape {
@@ -234,6 +235,7 @@ class CellsBody final : public ElasticBody {
   void rest(double frame_s);
   bool stays(double frame_s);
   bool moves_finitely() const;
+  bool bound_energy();
   void put_back();
   double fastest_m_s() const;
 
@@ -335,6 +337,11 @@ class CellsBody final : public ElasticBody {
   bool second_order_ = false, quiet_ = false, in_step_ = false;  // of the step that is being taken
   bool first_step_ = true, strained_ = false, tangled_ = false, untangling_ = false, touching_ = false, backward_ = false;
   double gravity_m_s2_ = 0.0;  // of the last substep
+  Vector3d gravity_ = Vector3d::Zero();
+  // For its energy: the least since it was badly strained, and whether in this frame something that moves pushed it, or it
+  // touched something in the last.
+  std::optional<double> bound_j_;
+  bool pushed_ = false, touched_ = false;
   double struck_until_s_ = -1.0;
   bool supported_ = false, forced_ = false, driven_ = false;  // for the sleep test: held up or in no gravity; pushed; moved
   Quaterniond orientation_;  // world from object, of the body as a whole

@@ -43,6 +43,7 @@ bool CellsBody::comes_off() const {
 }
 
 void CellsBody::take_rows(std::span<const TouchRow> rows) {
+  resist_rolling(rows);
   if (bent_squared_ <= kFarSquared) return;
   Impaler* last = nullptr;
   for (const TouchRow& row : rows) {
@@ -81,6 +82,7 @@ void CellsBody::see_impalers(double frame_s) {
 
 void CellsBody::push_whole(const Vector3d& impulse_n_s, double step_s) {
   if (asleep()) wake();
+  pushed_ = true;
   const Vector3d gained = impulse_n_s / mass_kg_;
   for (uint32_t i = 0; i < masses_kg_.size(); ++i) {
     if (inverse_masses_[i] == 0.0) continue;

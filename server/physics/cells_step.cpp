@@ -79,7 +79,8 @@ bool CellsBody::struck_hard(const SubstepContext& context) {
 }
 
 void CellsBody::end_substep(const SubstepContext& context) {
-  gravity_m_s2_ = context.gravity_m_s2.norm();
+  gravity_ = context.gravity_m_s2;
+  gravity_m_s2_ = gravity_.norm();
   supported_ = touching_ || held_ || context.gravity_m_s2.squaredNorm() == 0.0;
 }
 

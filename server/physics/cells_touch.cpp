@@ -50,6 +50,7 @@ class CellsBody::Taker final : public ContactSide {
   }
   void give(const ContactSpot& spot, const Vector3d& point, const Vector3d& impulse) override {
     if (!body_.in_step_) return body_.push_spot(spot, point, impulse);
+    body_.pushed_ = true;
     body_.nodes_.pull(spot.sample, step_s * impulse);
     body_.contact_impulse_ += impulse;
     body_.contact_moment_ += (point - body_.origin_m_).cross(impulse);
@@ -160,6 +161,7 @@ ContactSpot CellsBody::spot_at(uint32_t element, const Vector3d& point_m) const 
 
 void CellsBody::push_spot(const ContactSpot& spot, const Vector3d& point_m, const Vector3d& impulse_n_s) {
   if (asleep()) wake();
+  pushed_ = true;
   for (int c = 0; c < 8; ++c) {
     const uint32_t node = spot.sample.nodes[c];
     nodes_.change_velocities(node, spot.sample.weights[c] * inverse_masses_[node] * impulse_n_s);
@@ -251,7 +253,7 @@ void CellsBody::touch_rigid(ContactSide& side, const SubstepContext& context, st
       if (found.distance_m > kRowMargin * extent_.box_edge_m) continue;
       TouchRow row;
       row.a = &side;
-      row.b = &body;
+      row.b = row.rigid = &body;
       row.spot_a.sample = surface_[i];
       row.point_m = origin_m_ + point;
       row.spot_b = body.spot_at(row.point_m);
@@ -298,7 +300,7 @@ void CellsBody::be_touched(MovingBody& body, ContactSide& side, std::vector<Touc
     if (!depth || depth->distance_m - radius > kRowMargin * extent_.box_edge_m) continue;
     TouchRow row;
     row.a = &side;
-    row.b = &body;
+    row.b = row.rigid = &body;
     row.point_m = point - radius * depth->normal;
     row.spot_a = spot_at(depth->element, point - depth->distance_m * depth->normal);
     row.spot_b = body.spot_at(row.point_m);

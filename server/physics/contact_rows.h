@@ -13,6 +13,8 @@
 
 namespace livegs {
 
+struct MovingBody;
+
 // A material point of one side: nodes with weights of an elastic body, an arm from the centre of mass of a rigid one.
 struct ContactSpot {
   NodeSample sample{};
@@ -43,6 +45,7 @@ struct TouchRow {
   double gap_m = 0.0;          // at the end of the step if nothing acts; negative when overlapping
   double friction = 0.0;
   uint64_t met_id = 0;         // whom the body meets that listed it
+  MovingBody* rigid = nullptr; // b, where it is one
 
   // Set by solve_rows.
   Eigen::Vector3d way_before_m;           // of a relative to b

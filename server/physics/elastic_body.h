@@ -136,6 +136,8 @@ struct ElasticAccuracy : MaterialAccuracy {  // of the body's own material
   double courant = 0;               // sqrt(E/rho) h / a, of the material with the fastest waves
   size_t nodes = 0, cells = 0, particles = 0;
   size_t bytes = 0;                 // of solver state: nodes, cells, contact samples
+  bool over_budget = false;         // its cells are wider than its detail asks, or a frame would not do (cell_choice.h)
+  double sag = 0;                   // rho g L / E, L its shortest side, g 9.81: what its own weight strains it by on a table
   double thin_part = 0;             // of its volume: of sheets and cords whose bending is not known (cell_choice.h)
   int put_back = 0;                 // times that its motion ran out of bounds, and it was put back at rest
 };

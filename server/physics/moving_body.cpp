@@ -67,6 +67,13 @@ void MovingBody::give(const ContactSpot& spot, const Vector3d&, const Vector3d& 
   late_rad += began_s * turned;
 }
 
+void MovingBody::turn(const Vector3d& couple) {
+  const Vector3d turned = inverse_inertia * couple;
+  spin_rad_s += turned;
+  angular_impulse += couple;
+  late_rad += began_s * turned;
+}
+
 void MovingBody::count(const ContactSpot&, const Vector3d& point_m, const Vector3d& impulse) {
   const double size = impulse.norm();
   contact_impulse_n_s += size;

@@ -46,6 +46,8 @@ struct MovingBody final : ContactSide {
   ContactSpot spot_at(const Eigen::Vector3d& point_m, const Eigen::Vector3d& acts_m) const;
   ContactSpot spot_at(const Eigen::Vector3d& point_m) const { return spot_at(point_m, point_m); }
 
+  void turn(const Eigen::Vector3d& couple_n_m_s);  // by a couple in the middle of a step
+
   Eigen::Matrix3d response(const ContactSpot& spot) const override;
   Eigen::Vector3d way_m(const ContactSpot& spot) const override;
   void give(const ContactSpot& spot, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) override;

@@ -7,6 +7,8 @@
 namespace livegs {
 namespace {
 
+// Of the strain by its own weight. A cube of 0.5 stands.
+constexpr double kMostSag = 0.7;
 constexpr double kTold = 1.02;  // so much stiffer across than along
 
 v1::ElasticAccuracy::Band band_message(ElasticBand band) {
@@ -83,6 +85,16 @@ std::vector<std::string> accuracy_warnings(const ElasticAccuracy& accuracy) {
     warnings.push_back(format_text("%.0f %% of it is sheets or cords thinner than half a cell of %.3g mm that do not lie along the "
                                    "cells: such things measured %.2g to %.2g of the stiffness they should have in bending",
                                    100.0 * accuracy.thin_part, 1e3 * accuracy.cell_width_m, kThinBendsFrom, kThinBendsTo));
+  }
+  if (accuracy.over_budget) {
+    warnings.push_back(format_text("so thin and wide that its %zu nodes in cells of %.3g mm are the most that a frame has time for: it bends, "
+                                   "folds and touches more coarsely than it should; make it smaller, thicker or of several objects",
+                                   accuracy.nodes, 1e3 * accuracy.cell_width_m));
+  }
+  if (accuracy.sag > kMostSag) {
+    warnings.push_back(format_text("too soft to carry itself: its own weight strains it by %.2g, and what is inside may hang through "
+                                   "what it lies on; %.2g Pa would strain it by a tenth",
+                                   accuracy.sag, 10.0 * accuracy.sag * accuracy.youngs_modulus_pa));
   }
   if (accuracy.put_back > 0) {
     warnings.push_back(format_text("its motion ran out of bounds: it was put back at rest, in its rest shape, %d time%s",

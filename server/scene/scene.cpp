@@ -201,6 +201,7 @@ void Scene::note_elastic(SceneObject& drawn) const {
   const ElasticBody* body = world_->elastic_body(drawn.id);
   if (!body) return;
   drawn.elastic = body->accuracy();
+  drawn.elastic->sag *= world_->settings().gravity_m_s2.norm() / 9.81;
   drawn.mass_kg = body->mass_kg();
 }
 

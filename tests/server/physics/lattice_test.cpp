@@ -172,5 +172,21 @@ TEST(CellChoice, StifferBodiesGetWiderCellsBeforeTheyAreClipped) {
   }
 }
 
+// A sheet of 2 mm and a metre had 42 050 nodes and 32 substeps, and a tick of 0.2 s.
+TEST(CellChoice, AWideThinSheetGetsWiderCellsThanAFrameHasTimeFor) {
+  CellDemand demand = bar_demand(1e5, 0.0);
+  demand.substeps = 4;
+  for (const double width : {0.3, 1.0, 2.0, 10.0}) {
+    for (const double thickness : {1e-4, 1e-3, 2e-3, 2e-2}) {
+      demand.size_m = {width, thickness, width};
+      demand.particle_edge_m = 0.5 * thickness;
+      const CellChoice choice = choose_cells(demand);
+      const double along = std::ceil(width / choice.cell_width_m - 1e-6) + 1.0;
+      EXPECT_LE(2.0 * along * along * choice.substeps, 250e3) << width << " x " << thickness;
+      EXPECT_EQ(choice.over_budget, choice.cell_width_m > 5.0001 * thickness) << width << " x " << thickness;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace livegs

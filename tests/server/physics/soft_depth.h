@@ -14,10 +14,10 @@ inline ElasticBodyDescription particle_block(double spacing_m, double cell_width
   return soft_block(1, {0.2, 0.1, 0.2}, 4.0, 2e4, spacing_m, 0.3, cell_width_m);
 }
 
-// The same as a scene makes it that says no spacing.
-inline ElasticBodyDescription sampled_block() {
+// The same as a scene makes it; 0: that says no spacing.
+inline ElasticBodyDescription sampled_block(double spacing_m = 0.0) {
   ElasticBodyDescription block = particle_block(0.025, 0.0);
-  block.particles = sample_particles(box_mesh({0.2, 0.1, 0.2}));
+  block.particles = sample_particles(box_mesh({0.2, 0.1, 0.2}), kDefaultSamplingDensity, spacing_m);
   return block;
 }
 

@@ -73,10 +73,15 @@ TEST(ElasticReport, WhatWasLostAndWhatIsThinIsAWarning) {
   EXPECT_TRUE(accuracy_warnings(accuracy).empty());
   accuracy.put_back = 2;
   accuracy.thin_part = 0.5;
+  accuracy.over_budget = true;
+  accuracy.sag = 1.0;
+  accuracy.youngs_modulus_pa = 3e3;
   const auto warnings = accuracy_warnings(accuracy);
-  ASSERT_EQ(warnings.size(), 2u);
+  ASSERT_EQ(warnings.size(), 4u);
+  EXPECT_EQ(warnings[1].find("so thin and wide"), 0u) << warnings[1];
+  EXPECT_NE(warnings[2].find("strains it by 1, and what is inside may hang through what it lies on; 3e+04 Pa"), std::string::npos) << warnings[2];
   EXPECT_EQ(warnings[0].find("50 % of it is sheets or cords thinner than half a cell of 100 mm"), 0u) << warnings[0];
-  EXPECT_NE(warnings[1].find("put back at rest, in its rest shape, 2 times"), std::string::npos) << warnings[1];
+  EXPECT_NE(warnings[3].find("put back at rest, in its rest shape, 2 times"), std::string::npos) << warnings[3];
 }
 
 TEST(ElasticReport, AClippedStiffnessIsAWarning) {
