@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <limits>
 
 #include "core/content_hash.h"
@@ -24,16 +25,31 @@ void measure(const GaussianAsset& asset, AssetBytes& encoded) {
 
 }  // namespace
 
+AssetBytes encode_asset(const GaussianAsset& asset) {
+  AssetBytes encoded;
+  encoded.hash = content_hash(encode_ply(asset));
+  encoded.bytes = encode_progressive(asset);
+  measure(asset, encoded);
+  return encoded;
+}
+
 std::shared_ptr<const AssetBytes> AssetStore::add(const std::shared_ptr<const GaussianAsset>& asset) {
-  {
-    std::lock_guard lock(mutex_);
-    if (const auto found = by_asset_.find(asset); found != by_asset_.end()) return found->second;
+  std::unique_lock lock(mutex_);
+  encoded_.wait(lock, [&] { return !encoding_.contains(asset.get()); });
+  if (const auto found = by_asset_.find(asset); found != by_asset_.end()) return found->second;
+  encoding_.insert(asset.get());
+  lock.unlock();
+  std::shared_ptr<const AssetBytes> encoded;
+  std::exception_ptr failed;  // memory was short: who waits tries for itself
+  try {
+    encoded = std::make_shared<const AssetBytes>(encoder_(*asset));
+  } catch (...) {
+    failed = std::current_exception();
   }
-  auto encoded = std::make_shared<AssetBytes>();
-  encoded->hash = content_hash(encode_ply(*asset));
-  encoded->bytes = encode_progressive(*asset);
-  measure(*asset, *encoded);
-  std::lock_guard lock(mutex_);
+  lock.lock();
+  encoding_.erase(asset.get());
+  encoded_.notify_all();
+  if (failed) std::rethrow_exception(failed);
   // Those of a scene that another has taken the place of are nobody's any more; their bytes stay for clients that fetch.
   std::erase_if(by_asset_, [](const auto& known) { return known.first.use_count() == 1; });
   const auto kept = by_hash_.try_emplace(encoded->hash, encoded).first->second;  // equal content is kept once

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <condition_variable>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,18 +25,26 @@ struct AssetBytes {
   double diagonal = 0, deviation = 0;
 };
 
+AssetBytes encode_asset(const GaussianAsset& asset);
+
 // Every asset of the scene, encoded and hashed once, whoever asks and however many objects share it. Any
 // thread.
 class AssetStore {
  public:
+  using Encoder = std::function<AssetBytes(const GaussianAsset&)>;  // any thread; in tests one that takes its time
+  explicit AssetStore(Encoder encoder = encode_asset) : encoder_(std::move(encoder)) {}
+
   // Encodes on the calling thread the first time, and on no other, so that a tick beside it is not held up: see
-  // asset_bench.
+  // asset_bench. Who asks for it meanwhile waits for that.
   std::shared_ptr<const AssetBytes> add(const std::shared_ptr<const GaussianAsset>& asset);
   bool has(const std::shared_ptr<const GaussianAsset>& asset) const;
   std::shared_ptr<const AssetBytes> find(std::string_view hash) const;  // nullptr if unknown
 
  private:
-  mutable std::mutex mutex_;  // guards both maps
+  const Encoder encoder_;
+  mutable std::mutex mutex_;  // guards everything below
+  std::condition_variable encoded_;
+  std::set<const GaussianAsset*> encoding_;  // on some thread, right now
   std::map<std::shared_ptr<const GaussianAsset>, std::shared_ptr<const AssetBytes>> by_asset_;
   std::map<std::string, std::shared_ptr<const AssetBytes>, std::less<>> by_hash_;
 };

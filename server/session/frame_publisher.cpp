@@ -3,6 +3,7 @@
 
 #include <pthread.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "core/clock.h"
@@ -59,7 +60,7 @@ void FramePublisher::run() {
       tick = std::move(waiting_);
       waiting_.reset();
     }
-    if (tick) deliver(*tick);
+    if (tick) deliver(*std::move(tick));
     table_.sweep(now_ns());
   }
 }
@@ -68,49 +69,103 @@ SessionTable::Object FramePublisher::describe(const SceneObject& object) {
   return std::make_shared<const v1::ObjectDescription>(describe_object(object, assets_));
 }
 
-void FramePublisher::encode_ahead(const SceneObject& object) {
-  auto done = std::async(std::launch::async, [this, asset = object.broken->asset] { (void)assets_.add(asset); });
-  encodings_.push_back({object, std::move(done)});
+void FramePublisher::encode(const std::shared_ptr<const GaussianAsset>& asset) {
+  if (assets_.has(asset) || encodings_.contains(asset)) return;
+  encodings_.emplace(asset, std::async(std::launch::async, [this, asset] { (void)assets_.add(asset); }));
 }
 
-std::vector<SessionTable::Object> FramePublisher::encoded_ahead() {
-  std::vector<SessionTable::Object> changed;
-  std::erase_if(encodings_, [&](Encoding& one) {
-    if (one.done.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return false;
-    changed.push_back(describe(one.object));
+void FramePublisher::hold(const SceneObject& object, bool known) {
+  Held& held = held_[object.id];
+  held.object = object;
+  held.known = known;
+  encode(object.asset);
+  if (!known || !last_) return;
+  const auto& before = last_->drivers().objects;
+  const auto shown = std::find_if(before.begin(), before.end(), [&](const ObjectDrivers& one) { return one.object_id == object.id; });
+  if (shown != before.end()) held.shown = *shown;
+}
+
+FramePublisher::Events FramePublisher::take_events(const SteppedTick& tick) {
+  // A future that is dropped before it is ready is waited for.
+  std::erase_if(encodings_, [](const auto& one) { return one.second.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
+  Events events;
+  for (const SceneObject& object : tick.added) {
+    if (assets_.has(object.asset))
+      events.added.push_back(object);
+    else
+      hold(object, false);
+  }
+  for (const SceneObject& object : tick.changed) {
+    if (const auto held = held_.find(object.id); held != held_.end()) {
+      held->second.object = object;
+      encode(object.asset);
+      continue;
+    }
+    // What has just been cut is told of when its other kernels are encoded; by then it may have broken.
+    const bool cut = object.broken && object.rest.revision == 0 && !assets_.has(object.broken->asset);
+    const bool waits = cut && !cut_.contains(object.id);
+    if (cut) {
+      encode(object.broken->asset);
+      cut_.insert_or_assign(object.id, object);
+    } else {
+      cut_.erase(object.id);
+    }
+    if (!assets_.has(object.asset))
+      hold(object, true);
+    else if (!waits)
+      events.changed.push_back(object);
+  }
+  for (const uint32_t id : tick.removed) {
+    cut_.erase(id);
+    const auto held = held_.find(id);
+    const bool known = held == held_.end() || held->second.known;
+    if (held != held_.end()) held_.erase(held);
+    if (known) events.removed.push_back(id);
+  }
+  std::erase_if(held_, [&](const auto& one) {
+    const Held& held = one.second;
+    if (!assets_.has(held.object.asset)) return false;
+    (held.known ? events.changed : events.added).push_back(held.object);
     return true;
   });
-  return changed;
+  std::erase_if(cut_, [&](const auto& one) {
+    if (!assets_.has(one.second.broken->asset)) return false;
+    events.changed.push_back(one.second);
+    return true;
+  });
+  return events;
 }
 
-void FramePublisher::deliver(const SteppedTick& tick) {
-  std::vector<SessionTable::Object> added;
-  for (const SceneObject& object : tick.added) {
-    added.push_back(describe(object));
-  }
-  std::vector<SessionTable::Object> changed = encoded_ahead();
-  for (const SceneObject& object : tick.changed) {
-    // What has just been cut is told of when its other kernels are encoded; by then it may have broken.
-    std::erase_if(encodings_, [&](const Encoding& one) { return one.object.id == object.id; });
-    if (object.broken && object.rest.revision == 0 && !assets_.has(object.broken->asset)) {
-      encode_ahead(object);
-    } else {
-      changed.push_back(describe(object));
-    }
-  }
-  auto published = std::make_shared<PublishedTick>(tick.drivers, record_);
+void FramePublisher::show_held(DriverFrame& drivers) const {
+  if (held_.empty()) return;
+  std::erase_if(drivers.objects, [&](ObjectDrivers& one) {
+    const auto held = held_.find(one.object_id);
+    if (held == held_.end()) return false;
+    if (held->second.shown) one = *held->second.shown;
+    return !held->second.shown;
+  });
+}
+
+void FramePublisher::deliver(SteppedTick tick) {
+  const Events events = take_events(tick);
+  show_held(tick.drivers);
+  std::vector<SessionTable::Object> added, changed;
+  for (const SceneObject& object : events.added) added.push_back(describe(object));
+  for (const SceneObject& object : events.changed) changed.push_back(describe(object));
+  auto published = std::make_shared<PublishedTick>(std::move(tick.drivers), record_);
   published->stepped_ns = tick.stepped_ns;
   published->step_ms = tick.step_ms;
   published->run = tick.run;
-  published->hands = tick.hands;
+  published->hands = std::move(tick.hands);
+  last_ = published;
   {
     std::lock_guard lock(mutex_);
     ++frames_;
   }
-  const uint64_t event_number = table_.deliver(published, added, changed, tick.removed);
-  kernels_.publish(std::move(published), tick.added, tick.changed, tick.removed);
+  const uint64_t event_number = table_.deliver(published, added, changed, events.removed);
+  kernels_.publish(published, events.added, events.changed, events.removed);
   if (fan_out_ && fan_out_->heard())
-    fan_out_->publish({table_.instance(), event_number, tick.stepped_ns, tick.drivers});
+    fan_out_->publish({table_.instance(), event_number, tick.stepped_ns, published->drivers()});
 }
 
 PublisherSummary FramePublisher::summary() const {

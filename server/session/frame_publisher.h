@@ -3,6 +3,7 @@
 
 #include <condition_variable>
 #include <future>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -27,6 +28,10 @@ struct PublisherSummary {
 
 // Between the simulation and the sessions, on a thread of its own: hands each tick to every session, so that neither encoding nor a hundred socket writes lengthen a tick. When it falls behind,
 // the newest tick wins. It also sweeps out sessions that went silent.
+//
+// It waits for nobody, and for no asset: one that has none encoded yet, because it came or broke this moment, is told of
+// when that is done, seconds later if it is large. Until then frames have it as clients know it, at rest where it was last,
+// or not at all; everything else goes on. What is recorded is what was simulated.
 class FramePublisher final : public TickSink {
  public:
   FramePublisher(SessionTable& table, AssetStore& assets);
@@ -43,20 +48,33 @@ class FramePublisher final : public TickSink {
 
  private:
   void run();
-  void deliver(const SteppedTick& tick);
+  void deliver(SteppedTick tick);
   SessionTable::Object describe(const SceneObject& object);
-  // Encodes, on a thread of its own, what an object will be drawn with once it breaks; clients are told when it is done.
-  void encode_ahead(const SceneObject& object);
-  std::vector<SessionTable::Object> encoded_ahead();
+  // On a thread of its own, if it is not done or under way yet.
+  void encode(const std::shared_ptr<const GaussianAsset>& asset);
+
+  // What clients are told with a tick: what happened in it, without what has to wait, and with what waited long enough.
+  struct Events {
+    std::vector<SceneObject> added, changed;
+    std::vector<uint32_t> removed;
+  };
+  Events take_events(const SteppedTick& tick);
+  void hold(const SceneObject& object, bool known);
+  void show_held(DriverFrame& drivers) const;
 
   SessionTable& table_;
   AssetStore& assets_;
   FrameFanOut* fan_out_ = nullptr;
-  struct Encoding {
-    SceneObject object;
-    std::future<void> done;
+  // The publisher's thread only.
+  std::map<std::shared_ptr<const GaussianAsset>, std::future<void>> encodings_;
+  struct Held {
+    SceneObject object;                  // as it is now
+    bool known = false;                  // as it was before, to clients
+    std::optional<ObjectDrivers> shown;  // of that
   };
-  std::vector<Encoding> encodings_;  // the publisher's thread only
+  std::map<uint32_t, Held> held_;        // by id: what is drawn with an asset that is not encoded yet
+  std::map<uint32_t, SceneObject> cut_;  // by id: whole, and told of when what it will break into is encoded
+  std::shared_ptr<const PublishedTick> last_;
   KernelPublisher kernels_{table_};
   std::shared_ptr<EncodingRecord> record_ = std::make_shared<EncodingRecord>();
 

@@ -90,7 +90,7 @@ TEST_F(Encodings, KernelsAreWhereTheDriversHaveThem) {
     scene_.step();
     SteppedTick stepped = tick(number);
     if (number == 3) {
-      stepped.added.push_back(scene_.shoot_ball({0, 1, 1}, {0, 0, -6}));
+      stepped.added.push_back(shoot());
       stepped.drivers = scene_.world().drivers();
       stepped.drivers.tick = number;
     }
@@ -151,6 +151,7 @@ TEST_F(Encodings, ASessionThatComesBackMayAskForAnother) {
   one->encoding = v1::JoinRequest::KERNELS;
   ASSERT_TRUE(one->join(kProtocolVersion, id).ok());
   publish(2);
+  while (server_->session_table().status().tick < 2) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   one->open();
   wait_streaming(1);
   publish(3);

@@ -80,7 +80,7 @@ TEST_F(LiveServerTest, EventsDoNotWaitForTheirTurn) {
   ASSERT_EQ(client.read().tick(), 18u);
   ASSERT_TRUE(client.acknowledge(18));
   SteppedTick stepped = tick(19);
-  const SceneObject& ball = scene_.shoot_ball({0, 1, 1}, {0, 0, -6});
+  const SceneObject& ball = shoot();
   stepped.added.push_back(ball);
   server_->ticks().publish(std::move(stepped));
   const v1::ServerMessage message = client.read();

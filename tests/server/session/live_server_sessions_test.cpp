@@ -86,7 +86,7 @@ TEST_F(LiveServerTest, ACancelledStreamsSessionGoesOn) {
   client.cancel();
   EXPECT_FALSE(client.finish().ok());
   SteppedTick stepped = tick(2);
-  const SceneObject& ball = scene_.shoot_ball({0, 1, 1}, {0, 0, -6});
+  const SceneObject& ball = shoot();
   stepped.added.push_back(ball);
   server_->ticks().publish(std::move(stepped));
   // The ball's tick is taken by the publisher's thread: a client that comes later is told of it.

@@ -99,7 +99,7 @@ TEST_F(LiveServerTest, EventsAreNeverDroppedAndComeInOrder) {
   // The window is shut. Twenty balls come, all but four go; ids never return.
   std::vector<uint32_t> shot;
   for (uint64_t number = 3; number <= 22; ++number) {
-    scene_.shoot_ball({0, 1, 1}, {0, 0, -6});
+    shoot();
     const Scene::Changes changes = scene_.take_changes();
     SteppedTick stepped = tick(number);
     for (uint32_t id : changes.added) {
@@ -139,7 +139,7 @@ TEST_F(LiveServerTest, EventsBetweenJoinAndStreamAreKept) {
   open();
   RawClient client(server_->port());
   ASSERT_TRUE(client.join().ok());
-  const SceneObject& ball = scene_.shoot_ball({0, 1, 1}, {0, 0, -6});
+  const SceneObject& ball = shoot();
   SteppedTick stepped = tick(1);
   stepped.added.push_back(ball);
   server_->ticks().publish(std::move(stepped));
