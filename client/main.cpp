@@ -225,6 +225,10 @@ int main(int argc, char** argv) {
     if (!watched) return report(watched.error());
     std::fputs(livegs::summary_text(*watched).c_str(), stdout);
     std::printf("outputs in %s\n", options.output.c_str());
+    if (watched->stream_error) {
+      report(*watched->stream_error);
+      return 1;
+    }
     return 0;
   }
   livegs::JoinOptions lasting = options;  // for displays that people watch

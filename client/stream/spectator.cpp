@@ -105,13 +105,13 @@ bool Spectator::Connection::follow(const Publication& publication) {
 }
 
 void Spectator::Connection::run() {
-  int64_t heard_ns = now_ns();
+  int64_t heard_ns = 0;  // 0: nothing yet, which cannot be lost
   bool lost = false;
   while (!stopping) {
     zmq::message_t message;
     try {
       if (!frames.recv(message)) {  // nothing for kLookEvery
-        if (!lost && now_ns() - heard_ns > kSilentAfter_ns) {
+        if (!lost && heard_ns > 0 && now_ns() - heard_ns > kSilentAfter_ns) {
           lost = true;
           sink->on_lost("nothing was published for a second");
         }

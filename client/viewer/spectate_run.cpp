@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "viewer/spectate_run.h"
 
+#include <algorithm>
 #include <chrono>
-#include <condition_variable>
 #include <mutex>
+#include <optional>
+#include <string_view>
 #include <thread>
 
 #include "core/clock.h"
@@ -11,6 +13,7 @@
 #include "core/log.h"
 #include "render/choose_camera.h"
 #include "stream/playback_queue.h"
+#include "trust/host_port.h"
 #include "viewer/load_scene.h"
 #include "viewer/player.h"
 #include "viewer/write_pictures.h"
@@ -24,8 +27,8 @@ constexpr std::chrono::milliseconds kLookEvery{50};
 // Everything into the queue of the thread that draws.
 class Watcher final : public StreamSink {
  public:
-  Watcher(AssetLibrary& assets, PlaybackQueue& queue, ReceivedLog log, double seconds)
-      : assets_(assets), queue_(queue), log_(std::move(log)), seconds_(seconds) {}
+  Watcher(AssetLibrary& assets, PlaybackQueue& queue, ReceivedLog log)
+      : assets_(assets), queue_(queue), log_(std::move(log)) {}
 
   void on_lost(const std::string& reason) override { log_warn("%s", reason.c_str()); }
   void on_resumed(const ResumedSession& resumed) override {
@@ -39,7 +42,7 @@ class Watcher final : public StreamSink {
     {
       std::lock_guard lock(mutex_);
       if (first_ns_ == 0) first_ns_ = frame.received_ns;
-      done_ = done_ || (seconds_ > 0 && seconds_from_ns(frame.received_ns - first_ns_) >= seconds_);
+      last_ns_ = frame.received_ns;
       log_.add(frame);
     }
     queue_.add(std::move(frame));
@@ -55,9 +58,13 @@ class Watcher final : public StreamSink {
   void on_object_removed(uint32_t object_id) override { queue_.add(ObjectRemoved{object_id}); }
   void on_draining(const std::string&) override {}
 
-  bool done() const {
+  // Both 0 before the first.
+  struct Heard {
+    int64_t first_ns = 0, last_ns = 0;
+  };
+  Heard heard() const {
     std::lock_guard lock(mutex_);
-    return done_;
+    return {first_ns_, last_ns_};
   }
   ReceivedLog::Summary summary() const {
     std::lock_guard lock(mutex_);
@@ -69,10 +76,20 @@ class Watcher final : public StreamSink {
   PlaybackQueue& queue_;
   mutable std::mutex mutex_;  // guards everything below
   ReceivedLog log_;
-  const double seconds_;
-  int64_t first_ns_ = 0;
-  bool done_ = false;
+  int64_t first_ns_ = 0, last_ns_ = 0;
 };
+
+// Whoever subscribes where nobody publishes hears nothing, and no error either.
+Error nothing_came(const std::string& published, double waited_s) {
+  constexpr std::string_view kTcp = "tcp://";
+  const auto where = published.starts_with(kTcp) ? parse_host_port(published.substr(kTcp.size()))
+                                                 : Result<HostPort>(invalid_argument("begins not with tcp://"));
+  const bool elsewhere = where && !where->loopback;
+  return {ErrorCode::Unavailable,
+          format_text("--subscribe %s: nothing was published there within %.1f s; %s", published.c_str(), waited_s,
+                      elsewhere ? "a server publishes on its own machine only: from others join it with livegs-client HOST:PORT"
+                                : "give what livegs-server --publish says when it starts")};
+}
 
 }  // namespace
 
@@ -102,7 +119,7 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
   if (!drawn_log) return drawn_log.error();
 
   PlaybackQueue queue(kMostBacklogBytes);
-  Watcher watcher(assets, queue, std::move(*received_log), options.seconds);
+  Watcher watcher(assets, queue, std::move(*received_log));
   Player player(view, assets, queue, **display, std::move(*drawn_log), [&](const SceneView& posed) -> Result<void> {
     const Camera chosen = camera.value_or(choose_camera(posed, size.width, size.height));
     (*display)->set_camera(chosen);
@@ -114,13 +131,30 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
     played = player.play();
     play_ended = true;
   });
+  std::optional<Error> ended;
+  const int64_t begun_ns = now_ns();
+  const double patience_s = options.seconds > 0 ? std::min(options.seconds, options.connect_timeout_s) : options.connect_timeout_s;
   (*spectator)->start(watcher);
-  while (!watcher.done() && !interrupted && !play_ended) std::this_thread::sleep_for(kLookEvery);
+  for (; !interrupted && !play_ended; std::this_thread::sleep_for(kLookEvery)) {
+    const int64_t now = now_ns();
+    const Watcher::Heard heard = watcher.heard();
+    if (heard.first_ns == 0) {
+      if (seconds_from_ns(now - begun_ns) < patience_s) continue;
+      ended = nothing_came(published, seconds_from_ns(now - begun_ns));
+    } else if (options.seconds > 0 && seconds_from_ns(now - heard.first_ns) >= options.seconds) {
+      break;
+    } else if (seconds_from_ns(now - heard.last_ns) >= options.reconnect_s) {
+      ended = Error{ErrorCode::Unavailable, format_text("--subscribe %s: the server went away: nothing was published for %.1f s",
+                                                        published.c_str(), seconds_from_ns(now - heard.last_ns))};
+    }
+    if (ended) break;
+  }
   (*spectator)->stop();
   queue.close();
   drawer.join();
   if (auto finished = (*display)->finish(); !finished) log_warn("%s", finished.error().message.c_str());
   if (!played) return played.error();
+  if (ended && watcher.heard().first_ns == 0) return *ended;
   if (auto written = write_pictures(player, options.output); !written) return written.error();
 
   SpectateSummary summary;
@@ -132,6 +166,7 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
   summary.received = watcher.summary();
   summary.drawn = player.summary();
   summary.dropped_frames = queue.dropped_frames();
+  summary.stream_error = ended;
   return summary;
 }
 

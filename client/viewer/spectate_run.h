@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <optional>
 
 #include "stream/spectator.h"
 #include "viewer/offscreen_run.h"
@@ -16,10 +17,12 @@ struct SpectateSummary {
   ReceivedLog::Summary received;
   DrawnLog::Summary drawn;
   uint64_t dropped_frames = 0;
+  std::optional<Error> stream_error;  // that nothing came any more; the outputs are complete up to there
 };
 
 // Watches the frames that a server publishes, tcp://127.0.0.1:PORT, and draws them into options.output as run_offscreen()
-// does; scripts and pokes are nothing to it.
+// does; scripts and pokes are nothing to it. Fails when nothing comes within options.connect_timeout_s, or options.seconds if
+// that is less; ends when nothing came for options.reconnect_s.
 Result<SpectateSummary> run_spectator(const std::string& published, const OffscreenRunOptions& options,
                                       const std::atomic<bool>& interrupted);
 std::string summary_text(const SpectateSummary& summary);
