@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <thread>
@@ -244,7 +245,8 @@ size_t resident_bytes() {
   return resident * static_cast<size_t>(::sysconf(_SC_PAGESIZE));
 }
 
-// One of four takes nothing any more. A server that queued for it would hold 135 frames of 54 kB: 7 MB.
+// One of four takes nothing any more. A server that queued for it would hold 135 frames of 54 kB: 7 MB. A fifth stands still
+// altogether: it is dropped. The bar is 2.5 s, and each of the waits on the way may be late beside other work.
 TEST(SlowClient, HoldsUpNobodyAndCostsNoMemory) {
   NoiseServer noise(9000);
   std::vector<std::unique_ptr<CountingSink>> sinks;
@@ -276,6 +278,31 @@ TEST(SlowClient, HoldsUpNobodyAndCostsNoMemory) {
   sinks[3]->freeze(false);
   for (int i = 0; sinks[3]->frames < frozen_at + 5 && i < 6000; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_GE(sinks[3]->frames, frozen_at + 5);
+
+  RawClient still(noise.port());
+  ASSERT_TRUE(still.join().ok());
+  still.open();
+  v1::ServerMessage first;
+  ASSERT_TRUE(still.read_any(first));
+  ASSERT_EQ(noise.server->streaming_count(), 5u);
+  Lateness lateness;
+  const int64_t still_ns = now_ns();
+  const uint64_t tick = noise.newest;
+  std::array<uint64_t, 4> got{};
+  for (size_t i = 0; i < 4; ++i) got[i] = sinks[i]->frames;
+  while (noise.server->streaming_count() > 4 && now_ns() - still_ns < std::chrono::nanoseconds(kPatience).count())
+    sleep_until_ns(now_ns() + 5'000'000);
+  const double dropped_s = seconds_from_ns(now_ns() - still_ns), late_ms = lateness.p99_ms();
+  const auto made = static_cast<double>(noise.newest - tick);
+  double least = 1;
+  for (size_t i = 0; i < 4; ++i) least = std::min(least, static_cast<double>(sinks[i]->frames - got[i]) / made);
+  std::printf("one that stands still is dropped after %.2f s (bar 2.5); the others got %.2f of the frames or more; the machine is late by %.1f ms\n",
+              dropped_s, least, late_ms);
+  EXPECT_LE(dropped_s, 2.5 + 5e-3 * late_ms);
+  EXPECT_GT(made, 90);
+  EXPECT_GT(least, 0.8 * together);
+  EXPECT_FALSE(still.finish_reading().ok());
+  for (size_t i = 0; i < 3; ++i) EXPECT_EQ(sinks[i]->lost, 0u);
   for (auto& client : clients) EXPECT_TRUE(client->stop());
 }
 
