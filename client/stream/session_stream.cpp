@@ -23,11 +23,16 @@ Eigen::Vector3f vector_of(const google::protobuf::RepeatedField<float>& numbers)
   return numbers.size() == 3 ? Eigen::Vector3f(numbers[0], numbers[1], numbers[2]) : Eigen::Vector3f::Zero();
 }
 
+// The first frame of a stream has waited for the client to be ready.
+constexpr double kOldKernels_ms = 150;
+constexpr size_t kOldKernelsInARow = 3;
+
 }  // namespace
 
 SessionStream::SessionStream(v1::LiveGs::Stub& stub, std::string session_id, double rate_hz, v1::JoinRequest::Encoding encoding,
                              Ends ends)
-    : stub_(stub), session_id_(std::move(session_id)), ends_(ends), frames_(encoding), aim_(rate_hz) {}
+    : stub_(stub), session_id_(std::move(session_id)), ends_(ends), frames_(encoding),
+      of_kernels_(encoding == v1::JoinRequest::KERNELS || encoding == v1::JoinRequest::KERNELS_EXACT), aim_(rate_hz) {}
 
 SessionStream::Outcome SessionStream::run() {
   heard_ns_ = now_ns();
@@ -168,6 +173,17 @@ void SessionStream::take_clock(const v1::ServerMessage& message, int64_t receive
   aim_.arrived(echoed_ns_, message.heard_ns());
 }
 
+void SessionStream::tell_of_old_kernels(const ReceivedFrame& frame) {
+  if (!of_kernels_ || told_ || !frame.clock) return;
+  const double age_ms = milliseconds_from_ns(frame.decoded_ns + frame.clock->offset_ns - frame.stepped_ns);
+  old_frames_ = age_ms > kOldKernels_ms ? old_frames_ + 1 : 0;
+  if (old_frames_ < kOldKernelsInARow) return;
+  told_ = true;
+  log_warn("frames of kernels are %.0f ms old when they can be drawn: moving, packing and sending %.1f MB takes longer than the "
+           "ticks they are of; --encoding drivers is as current as the link",
+           age_ms, 1e-6 * static_cast<double>(frame.bytes));
+}
+
 Result<void> SessionStream::take(v1::ServerMessage& message, int64_t received_ns) {
   take_clock(message, received_ns);
   for (const v1::SessionEvent& event : message.events()) {
@@ -199,6 +215,7 @@ Result<void> SessionStream::take(v1::ServerMessage& message, int64_t received_ns
     frame.bytes = message.frame().size();
     frame.drivers = std::make_shared<const DriverFrame>(std::move(*drivers));
     frame.decoded_ns = now_ns();
+    tell_of_old_kernels(frame);
     ends_.sink.on_frame(std::move(frame));
   } else {
     log_debug("frame %llu: %s", static_cast<unsigned long long>(tick), drivers.error().message.c_str());

@@ -63,6 +63,7 @@ class SessionStream {
   Result<void> take(v1::ServerMessage& message, int64_t received_ns);
   Result<void> take(const v1::SessionEvent& event);
   void take_clock(const v1::ServerMessage& message, int64_t received_ns);
+  void tell_of_old_kernels(const ReceivedFrame& frame);
 
   v1::LiveGs::Stub& stub_;
   const std::string session_id_;
@@ -73,6 +74,9 @@ class SessionStream {
 
   FrameReader frames_;  // the reader's thread only, like the next
   int64_t echoed_ns_ = 0;
+  const bool of_kernels_;
+  size_t old_frames_ = 0;  // one after the other
+  bool told_ = false;
 
   std::mutex mutex_;  // guards everything below
   std::condition_variable to_send_;  // for the writer alone: a thread that is woken for nothing costs as much as a frame

@@ -5,9 +5,17 @@
 
 #include <utility>
 
+#include "core/clock.h"
+#include "core/log.h"
 #include "core/serial_here.h"
 
 namespace livegs {
+namespace {
+
+constexpr int64_t kSlow_ns = 100'000'000;
+constexpr size_t kSlowInARow = 3;
+
+}  // namespace
 
 KernelPublisher::KernelPublisher(SessionTable& table) : table_(table) {
   thread_ = std::thread([this] {
@@ -45,6 +53,15 @@ void KernelPublisher::publish(std::shared_ptr<PublishedTick> tick, std::span<con
   changed_.notify_one();
 }
 
+// The first frame ties kernels to drivers, and says nothing of the next.
+void KernelPublisher::note_time(int64_t took_ns, size_t bytes) {
+  slow_ = took_ns > kSlow_ns ? slow_ + 1 : 0;
+  if (told_ || slow_ < kSlowInARow) return;
+  told_ = true;
+  log_warn("kernels: to move and encode a frame of %.1f MB takes %.0f ms, so that is how old it is at least; drivers are not held up",
+           1e-6 * static_cast<double>(bytes), milliseconds_from_ns(took_ns));
+}
+
 void KernelPublisher::run() {
   for (;;) {
     std::shared_ptr<PublishedTick> tick;
@@ -63,7 +80,10 @@ void KernelPublisher::run() {
     for (const auto& [asked, encoding] : {std::pair{v1::JoinRequest::KERNELS, KernelEncoding::Quantised},
                                           {v1::JoinRequest::KERNELS_EXACT, KernelEncoding::Exact}}) {
       if (!table_.wants(asked)) continue;
-      tick->keep(asked, encode_kernels(poser_.pose(tick->drivers(), encoding), encoding));
+      const int64_t begun_ns = now_ns();
+      std::vector<std::byte> frame = encode_kernels(poser_.pose(tick->drivers(), encoding), encoding);
+      note_time(now_ns() - begun_ns, frame.size());
+      tick->keep(asked, std::move(frame));
       table_.deliver_kernels(tick, asked);
     }
   }

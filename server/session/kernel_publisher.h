@@ -29,9 +29,12 @@ class KernelPublisher {
 
  private:
   void run();
+  void note_time(int64_t took_ns, size_t bytes);
 
   SessionTable& table_;
-  KernelPoser poser_;  // the thread's
+  KernelPoser poser_;  // the thread's, like the next
+  size_t slow_ = 0;    // frames, one after the other, that took long
+  bool told_ = false;  // of them
 
   std::mutex mutex_;  // guards everything below but the thread
   std::condition_variable changed_;
