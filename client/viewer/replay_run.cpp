@@ -69,9 +69,15 @@ AssetLibrary::FetchAsset assets_of_recording(const std::filesystem::path& file) 
   };
 }
 
+Result<void> check_from(const ReplayOptions& options, double length_s) {
+  if (options.from_s <= length_s) return {};
+  return invalid_argument(format_text("--from %g: %s is %.3f s long", options.from_s, options.file.c_str(), length_s));
+}
+
 Result<ReplaySummary> run_replay(const ReplayOptions& options, const std::atomic<bool>& interrupted) {
   auto playback = RecordingPlayback::open(options.file);
   if (!playback) return playback.error();
+  if (auto checked = check_from(options, playback->length_s()); !checked) return checked.error();
   if (options.from_s > 0) {
     if (auto sought = playback->seek(options.from_s); !sought) return sought.error();
   }

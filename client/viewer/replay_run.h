@@ -41,6 +41,9 @@ struct ReplaySummary {
 // The assets of a recording: those of the cache, else those that it holds itself.
 AssetLibrary::FetchAsset assets_of_recording(const std::filesystem::path& file);
 
+// InvalidArgument, with the length, where it has no such moment.
+Result<void> check_from(const ReplayOptions& options, double length_s);
+
 // Draws it into `output`: out.mp4, frame_NNNNN.png, first.png, last.png, last_frame.bin, camera.json and timings.csv as
 // run_offscreen() does, every moment of it, however long drawing takes.
 Result<ReplaySummary> run_replay(const ReplayOptions& options, const std::atomic<bool>& interrupted);

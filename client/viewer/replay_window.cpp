@@ -162,6 +162,7 @@ class ReplayWindow {
 Result<void> run_replay_window(const ReplayOptions& options, const std::atomic<bool>& interrupted) {
   auto playback = RecordingPlayback::open(options.file);
   if (!playback) return playback.error();
+  if (auto checked = check_from(options, playback->length_s()); !checked) return checked;
   const PictureSize size = options.size.value_or(PictureSize{1280, 800});
   auto display = WindowDisplay::open("LiveGS " + options.file.filename().string(), size.width, size.height);
   if (!display) return display.error();

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <cstdio>
+#include <string>
 
 #include "cli/commands.h"
 #include "core/log.h"
@@ -22,6 +24,42 @@ int report(const Error& error) {
 }
 
 }  // namespace livegs
+
+namespace {
+
+const CLI::Option* option_of(const CLI::App* app, const std::string& name) {
+  for (; app != nullptr; app = app->get_parent()) {
+    if (const auto* option = app->get_option_no_throw(name)) return option;
+  }
+  return nullptr;
+}
+
+// What is wrong with the word that stands where a command should; empty if it is none of ours.
+std::string unknown_command(const CLI::App& app, int argc, char** argv) {
+  const CLI::App* at = &app;
+  std::string path = app.get_name();
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (word.size() > 1 && word.front() == '-') {
+      const auto* option = option_of(at, word);  // with `=` it is none, and has its value
+      if (option && option->get_items_expected_max() > 0) ++i;
+      continue;
+    }
+    const auto commands = at->get_subcommands([](const CLI::App*) { return true; });
+    if (commands.empty()) return "";
+    const auto known = std::find_if(commands.begin(), commands.end(), [&](const CLI::App* one) { return one->get_name() == word; });
+    if (known == commands.end()) {
+      std::string names;
+      for (const CLI::App* one : commands) names += (names.empty() ? "" : ", ") + one->get_name();
+      return path + ": there is no \"" + word + "\"; there are " + names;
+    }
+    at = *known;
+    path += " " + at->get_name();
+  }
+  return "";
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app("Gaussian splats that behave like what they show: the LiveGS rooms from the shell.", "livegs");
@@ -54,6 +92,10 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
+    if (const std::string unknown = error.get_exit_code() == 0 ? "" : unknown_command(app, argc, argv); !unknown.empty()) {
+      std::fprintf(stderr, "%s\n", unknown.c_str());
+      return 2;
+    }
     return app.exit(error) == 0 ? 0 : 2;
   }
   return exit_code;

@@ -34,7 +34,17 @@ void print_summary(RecordingReader& recording) {
               count(totals.objects_removed()), count(totals.breaks()));
   std::printf("inputs     %llu samples of hands, %llu changes, %llu resets%s\n", count(totals.inputs()),
               count(totals.changes()), count(totals.resets()),
-              start.whole() ? "; whole: --verify simulates it again" : "");
+              start.whole() ? "; from the beginning: --verify simulates it again" : "");
+}
+
+// Every check sum, up to its end or to where it breaks off.
+Result<void> read_through(RecordingReader& recording) {
+  recording.rewind();
+  for (;;) {
+    const auto next = recording.next();
+    if (!next) return next.error();
+    if (!*next) return {};
+  }
 }
 
 void print_json(const RecordingReader& recording) {
@@ -78,6 +88,8 @@ int replay(const ReplayOptions& options) {
     print_json(*recording);
   else
     print_summary(*recording);
+  if (auto read = read_through(*recording); !read) return report(read.error());
+  if (!options.json) std::printf("whole      every check sum%s\n", recording->ended_in_order() ? "" : " up to there");
   return 0;
 }
 

@@ -46,6 +46,26 @@ TEST_F(Recordings, AreLookedAtWatchedAndSimulatedAgain) {
   EXPECT_TRUE(std::filesystem::exists(folder_ / "watched/last.png"));
   EXPECT_NE(watched.out().find("from 1.0 s"), std::string::npos) << watched.out();
 
+  EXPECT_NE(summary.out().find("whole      every check sum\n"), std::string::npos) << summary.out();
+  Program beyond({LIVEGS_CLIENT, "--display", "offscreen", "--replay", file(), "--from", "500", "--output", folder_ / "beyond"});
+  EXPECT_EQ(beyond.wait(), 2);
+  expect_one_line(beyond, "--from 500: " + file() + " is ");
+
+  // A byte that was changed is told of, wherever it is.
+  std::filesystem::copy_file(file(), folder_ / "flipped.lvgrec");
+  {
+    std::fstream flipped(folder_ / "flipped.lvgrec", std::ios::in | std::ios::out | std::ios::binary);
+    const auto middle = static_cast<std::streamoff>(std::filesystem::file_size(file()) / 2);
+    flipped.seekg(middle);
+    const char changed = static_cast<char>(flipped.get() ^ 1);
+    flipped.seekp(middle);
+    flipped.put(changed);
+  }
+  Program flipped({LIVEGS_TOOL, "ctl", "replay", folder_ / "flipped.lvgrec"});
+  EXPECT_EQ(flipped.wait(), 2);
+  EXPECT_NE(flipped.err().find("its check sum is another"), std::string::npos) << flipped.err();
+  EXPECT_EQ(flipped.out().find("whole"), std::string::npos) << flipped.out();
+
   // A file that was cut has what came before.
   std::filesystem::copy_file(file(), folder_ / "cut.lvgrec");
   std::filesystem::resize_file(folder_ / "cut.lvgrec", std::filesystem::file_size(file()) / 2);

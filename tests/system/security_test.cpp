@@ -213,5 +213,18 @@ TEST_F(SecurePrograms, CtlLooksAfterAServerInTheClearToo) {
   expect_one_line(gone, "no server answers");
 }
 
+TEST(Ctl, NamesACommandThatIsNone) {
+  const auto says = [](std::vector<std::string> words) {
+    words.insert(words.begin(), LIVEGS_TOOL);
+    Program program(words);
+    EXPECT_EQ(program.wait(), 2);
+    return program.err();
+  };
+  EXPECT_EQ(says({"ctl", "--server", "127.0.0.1:1", "frob"}),
+            "livegs ctl: there is no \"frob\"; there are status, clients, kick, health, drain, record, replay, tokens\n");
+  EXPECT_EQ(says({"ctl", "record", "pause"}), "livegs ctl record: there is no \"pause\"; there are start, stop\n");
+  EXPECT_EQ(says({"frob"}).find("livegs: there is no \"frob\"; there are info, "), 0u);
+}
+
 }  // namespace
 }  // namespace livegs
