@@ -5,17 +5,25 @@
 // among them; 6 s at 90 Hz, the first not counted. Then all are let be until they sleep, or for 12 s. Errors of drivers are the
 // largest of all frames. A million kernels ride in the blocks, skinned from the server's drivers and from those that were read,
 // in every 45th frame; encodings of kernels are of these frames alone.
+#include <zstd.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <map>
 #include <memory>
+#include <optional>
+#include <string_view>
 
 #include "bench/arguments.h"
 #include "bench/dragged_blocks.h"
 #include "bench/kernel_errors.h"
 #include "wire/frame_codec.h"
+#include "wire/driver_grid.h"
 #include "wire/frame_stream.h"
+#include "wire/grid_coder.h"
 #include "wire/kernel_codec.h"
 
 using namespace livegs;
@@ -25,6 +33,9 @@ namespace {
 
 constexpr size_t kFirst = 90, kDragged = 540, kEvery = 45;
 constexpr size_t kKernels = 1'000'000 / kBlocks;
+
+// Of what is dragged: bytes p95, Mbit/s, and how far off and turned the worst kernel may be. Asleep, nothing but tick and time.
+constexpr const char* kGoals = "12000,8,0.05,0.1";
 
 struct Sent {
   std::vector<std::byte> bytes;
@@ -62,8 +73,8 @@ void print(const std::string& encoding, const char* phase, Tally& tally) {
   std::printf("\"%s\",%s,%zu,%zu,%zu,%.0f,%.2f,%.4f,%.4f", encoding.c_str(), phase, tally.sizes.size(),
               tally.sizes[tally.sizes.size() / 2], tally.sizes[tally.sizes.size() * 95 / 100], mean, mean * 8 * 90 * 1e-6,
               1e3 * tally.metres, tally.degrees);
-  std::printf(",%.5f,%.5f,%.5f,%.5f,%.5f,%.3f\n", mm.percentile(0.99), mm.largest, deg.percentile(0.99), deg.percentile(0.999),
-              deg.largest, 100 * deg.share_above(0.1));
+  std::printf(",%.5f,%.5f,%.5f,%.5f,%.5f,%.3f,%s\n", mm.percentile(0.99), mm.largest, deg.percentile(0.99), deg.percentile(0.999),
+              deg.largest, 100 * deg.share_above(0.1), std::string_view(phase) == "dragged" ? kGoals : ",,,");
   std::fflush(stdout);
 }
 
@@ -90,6 +101,104 @@ Encoding stream(const std::string& name, const GridPrecision& precision, bool ne
           }};
 }
 
+// What Rice codes are measured against: the same integers less the same prediction from frames before, nodes in Morton order,
+// each channel of all objects as planes of bytes, low ones first and those of zeros left out, and zstd over all. What says which objects
+// they are, and how they are predicted, is left out: it would come on top.
+class BytePlanes {
+ public:
+  explicit BytePlanes(int level) : level_(level) {}
+
+  Sent send(const DriverFrame& frame) {
+    std::array<std::vector<uint32_t>, kMaxGridChannels> left;
+    DriverFrame read{frame.tick, frame.simulated_ns, {}};
+    for (const ObjectDrivers& object : frame.objects) {
+      Past& past = past_[object.object_id];
+      DriverGrid grid = to_grid(object, past.last ? &*past.last : nullptr, {});
+      read.objects.push_back(from_grid(grid));
+      if (past.order.empty()) past.order = morton_order(grid);
+      if (past.last && grid.values == past.last->values) continue;
+      add(grid, past, left);
+      past.earliest = std::exchange(past.earlier, std::exchange(past.last, std::move(grid)));
+    }
+    return {packed(left), std::move(read)};
+  }
+
+ private:
+  struct Past {
+    std::optional<DriverGrid> last, earlier, earliest;
+    std::vector<uint32_t> order;
+  };
+
+  static std::vector<uint32_t> morton_order(const DriverGrid& grid) {
+    const auto spread = [](uint64_t value) {
+      uint64_t bits = 0;
+      for (int bit = 0; bit < 21; ++bit) bits |= (value >> bit & 1) << 3 * bit;
+      return bits;
+    };
+    std::vector<std::pair<uint64_t, uint32_t>> codes;
+    for (uint32_t i = 0; i < grid.count; ++i) {
+      uint64_t code = 0;
+      for (size_t axis = 0; axis < 3; ++axis)
+        code |= spread(static_cast<uint32_t>(grid.values[axis * grid.count + i] + (1 << 19))) << axis;
+      codes.emplace_back(code, i);
+    }
+    std::sort(codes.begin(), codes.end());
+    std::vector<uint32_t> order;
+    for (const auto& [code, index] : codes) order.push_back(index);
+    return order;
+  }
+
+  static void add(const DriverGrid& grid, const Past& past, std::array<std::vector<uint32_t>, kMaxGridChannels>& left) {
+    const auto usable = [&](const std::optional<DriverGrid>& one) { return one && same_form(grid, *one); };
+    const bool has_last = usable(past.last), has_linear = has_last && usable(past.earlier), has_curve = has_linear && usable(past.earliest);
+    GridPast from;
+    if (has_last) from.last = past.last->values.data();
+    if (has_linear) from.earlier = past.earlier->values.data();
+    if (has_curve) from.earliest = past.earliest->values.data();
+    PredictionCosts costs{0, 0, 0};
+    if (has_last) costs = prediction_costs(grid, from, has_linear, has_curve);
+    const bool curve = has_curve && costs.curve <= std::min(costs.linear, costs.last), linear = has_linear && !curve && costs.linear < costs.last;
+    if (curve && grid.kind == DriverKind::Lattice) fit_curve(grid, from);
+    for (size_t channel = 0; channel < grid.channels(); ++channel) {
+      for (const uint32_t node : past.order) {
+        const size_t at = channel * grid.count + node;
+        int64_t predicted = has_last ? from.last[at] : 0;
+        if (linear) predicted += from.last[at] - from.earlier[at];
+        if (curve) {
+          const int64_t v = from.last[at] - from.earlier[at], a = v - (from.earlier[at] - from.earliest[at]);
+          predicted += (from.weight_v * v + from.weight_a * a) >> 8;
+        }
+        const auto off = static_cast<int32_t>(grid.values[at] - predicted);
+        left[channel].push_back(static_cast<uint32_t>(off) << 1 ^ static_cast<uint32_t>(off >> 31));
+      }
+    }
+  }
+
+  std::vector<std::byte> packed(const std::array<std::vector<uint32_t>, kMaxGridChannels>& left) const {
+    std::vector<std::byte> planes;
+    for (const std::vector<uint32_t>& channel : left) {
+      for (int byte = 0; byte < 4; ++byte) {
+        const auto of = [&](uint32_t value) { return static_cast<std::byte>(value >> 8 * byte); };
+        const bool any = std::any_of(channel.begin(), channel.end(), [&](uint32_t value) { return of(value) != std::byte{0}; });
+        planes.push_back(static_cast<std::byte>(any));
+        for (size_t i = 0; any && i < channel.size(); ++i) planes.push_back(of(channel[i]));
+      }
+    }
+    std::vector<std::byte> bytes(ZSTD_compressBound(planes.size()));
+    bytes.resize(ZSTD_compress(bytes.data(), bytes.size(), planes.data(), planes.size(), level_));
+    return bytes;
+  }
+
+  const int level_;
+  std::map<uint32_t, Past> past_;
+};
+
+Encoding byte_planes(int level) {
+  const auto planes = std::make_shared<BytePlanes>(level);
+  return {"byte planes and zstd -" + std::to_string(level) + " in steps of 57.2 um",
+          [planes](const DriverFrame& frame) { return planes->send(frame); }};
+}
+
 std::vector<Encoding> encodings() {
   std::vector<Encoding> all = {self_contained("drivers raw", DriverEncoding::Raw),
                                self_contained("drivers self-contained", DriverEncoding::Quantised)};
@@ -99,6 +208,7 @@ std::vector<Encoding> encodings() {
     all.push_back(stream(name, {2 - std::min(finest, -14), finest, -18}));
   }
   all.push_back(stream("drivers without neighbours in steps of 57.2 um", {}, false));
+  for (const int level : {1, 3}) all.push_back(byte_planes(level));
   return all;
 }
 
@@ -112,7 +222,8 @@ int main(int argc, char** argv) {
   for (uint32_t block = 1; block <= kBlocks; ++block) bound.emplace_back(world.rest_body(block), kKernels, block);
   std::printf(
       "encoding,phase,frames,bytes_p50,bytes_p95,bytes_mean,mbit_s_at_90_hz,driver_largest_mm,driver_largest_deg,"
-      "kernel_p99_mm,kernel_largest_mm,kernel_p99_deg,kernel_p999_deg,kernel_largest_deg,kernels_over_0.1_deg_percent\n");
+      "kernel_p99_mm,kernel_largest_mm,kernel_p99_deg,kernel_p999_deg,kernel_largest_deg,kernels_over_0.1_deg_percent,"
+      "goal_bytes_p95,goal_mbit_s,goal_kernel_largest_mm,goal_kernel_largest_deg\n");
 
   const std::vector<Encoding> all = encodings();
   std::vector<Tally> tallies(all.size());

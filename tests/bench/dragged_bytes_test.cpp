@@ -15,9 +15,10 @@ namespace {
 // The best reached, and a little for motions that come out otherwise when the physics change.
 constexpr double kMostBytesP95 = 12'000, kMostMbit_s = 7.6, kMostOff_mm = 0.0496;
 constexpr double kGoalBytesP95 = 12'000, kGoalMbit_s = 8, kGoalOff_mm = 0.05;
-// Of turns the goal is 0.1 degree for all kernels. Some are in cells that are crushed, where a step of the grid is a large turn: held is
-// what all but a thousandth have. A million kernels in `codec_bench` have 0.079, p99 0.047.
-constexpr double kMostTurnP999_deg = 0.085, kGoalTurn_deg = 0.1;
+// Of turns the goal is 0.1 degree for all kernels, and is missed. Some are in cells that are crushed, where a step of the grid is a large
+// turn: held is what all but a thousandth have, the largest of these 20 000, and how many turn by more. A million kernels in
+// `codec_bench` have p99 0.047, p99.9 0.079 and at most 5.2.
+constexpr double kMostTurnP999_deg = 0.085, kMostTurn_deg = 0.75, kMostTurned_percent = 0.065, kGoalTurn_deg = 0.1;
 constexpr size_t kKernelsABlock = 5000, kLookedAtEvery = 45;
 
 TEST(DraggedBytes, FourTornBlocksAndTwoHundredBoxesFitANarrowLink) {
@@ -57,7 +58,9 @@ TEST(DraggedBytes, FourTornBlocksAndTwoHundredBoxesFitANarrowLink) {
               100 * deg.share_above(kGoalTurn_deg));
   EXPECT_GT(mm.percentile(0.5), 0.0);  // they were looked at
   EXPECT_LE(mm.largest, kGoalOff_mm);
-  EXPECT_LE(deg.percentile(0.999), kMostTurnP999_deg);
+  EXPECT_LE(deg.percentile(0.999), kMostTurnP999_deg) << "degrees; the goal is " << kGoalTurn_deg << " for all";
+  EXPECT_LE(deg.largest, kMostTurn_deg) << "degrees, the best reached; the goal is " << kGoalTurn_deg;
+  EXPECT_LE(100 * deg.share_above(kGoalTurn_deg), kMostTurned_percent) << "% turn by more than " << kGoalTurn_deg << " degrees, the best reached; the goal is none";
   EXPECT_LE(p95, kMostBytesP95);
   EXPECT_LE(mbit_s, kMostMbit_s);
   EXPECT_LE(1e3 * static_cast<double>(off_m), kMostOff_mm);

@@ -9,6 +9,7 @@
 // narrow, long or stall (system/fault_proxy.h), three times as long. With scenes, files or folders of assets, instead: each to 1 and
 // 8 clients. --links: the links alone; --views: the 64 objects alone; --clients N...: noise to so many alone. The first second never counts. The halves are those
 // of a measurement's time: flat is where they are alike.
+// goal_ms_p99 is what decoded_ms_p99 should be at most: 5 for 64 clients, 3 for one over TLS at 32 kB, 60 over 8 Mbit/s.
 // others_cpu_percent is what the rest of the machine did meanwhile: 100 is one core; the links' proxy is in the server's.
 #include <sys/resource.h>
 #include <unistd.h>
@@ -34,7 +35,7 @@ using namespace livegs::bench;
 namespace {
 
 constexpr int64_t kSecond_ns = 1'000'000'000;
-constexpr double kBar_ms = 5;  // for p99 at 64 clients
+constexpr double kBar_ms = 5;  // for p99 at 64 clients; Measured::goal() has the others
 
 double percentile(std::vector<double>& numbers, double share) {
   if (numbers.empty()) return 0;
@@ -126,20 +127,26 @@ struct Measured {
     clients_cpu_ns += window.clients_cpu_ns;
     machine_cpu_ns += window.machine_cpu_ns;
   }
+  // For decoded_ms_p99; empty where there is none.
+  std::string goal() {
+    if (what == "noise over 8 Mbit/s") return "60";
+    if (what.starts_with("noise") && clients == 64) return "5";
+    return what == "noise" && transport == "tls" && clients == 1 && percentile(bytes, 0.5) > 20'000 ? "3" : "";
+  }
   double decoded_p99_ms() { return percentile(decoded_ms, 0.99); }
 
   static void print_head() {
     std::printf(
         "what,transport,clients,client,seconds,frame_bytes_p50,received_hz,missed_frames,encoded_per_frame,received_ms_p50,received_ms_p99,decoded_ms_p50,"
-        "decoded_ms_p95,decoded_ms_p99,decoded_ms_p999,first_half_ms_p99,second_half_ms_p99,server_cpu_percent,clients_cpu_percent,others_cpu_percent,note\n");
+        "decoded_ms_p95,decoded_ms_p99,goal_ms_p99,decoded_ms_p999,first_half_ms_p99,second_half_ms_p99,server_cpu_percent,clients_cpu_percent,others_cpu_percent,note\n");
   }
   void print() {
     const auto percent = [&](int64_t cpu_ns) { return 100 * seconds_from_ns(cpu_ns) / seconds; };
-    std::printf("%s,%s,%d,%s,%.0f,%.0f,%.2f,%llu,%.2f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.1f,%.1f,%.1f,%s\n", what.c_str(), transport.c_str(),
+    std::printf("%s,%s,%d,%s,%.0f,%.0f,%.2f,%llu,%.2f,%.3f,%.3f,%.3f,%.3f,%.3f,%s,%.3f,%.3f,%.3f,%.1f,%.1f,%.1f,%s\n", what.c_str(), transport.c_str(),
                 clients, kind_name(kind), seconds, percentile(bytes, 0.5),
                 static_cast<double>(decoded_ms.size()) / seconds / static_cast<double>(clients),
                 static_cast<unsigned long long>(missed), static_cast<double>(encoded) / static_cast<double>(frames), percentile(received_ms, 0.5), percentile(received_ms, 0.99),
-                percentile(decoded_ms, 0.5), percentile(decoded_ms, 0.95), decoded_p99_ms(), percentile(decoded_ms, 0.999),
+                percentile(decoded_ms, 0.5), percentile(decoded_ms, 0.95), decoded_p99_ms(), goal().c_str(), percentile(decoded_ms, 0.999),
                 percentile(half_ms[0], 0.99), percentile(half_ms[1], 0.99), percent(server_cpu_ns),
                 percent(clients_cpu_ns), percent(machine_cpu_ns - server_cpu_ns - clients_cpu_ns), note.c_str());
     std::fflush(stdout);
