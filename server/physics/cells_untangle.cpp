@@ -138,16 +138,7 @@ void CellsBody::untangle(double frame_s) {
   const Vector3d velocity = motion_.velocity_m_s(), l = motion_.angular_momentum, centre = motion_.centre_m;
   std::vector<Vector3d> was(masses_kg_.size()), now(was.size());
   const std::vector<Vector3d> still(was.size(), Vector3d::Zero());
-  std::vector<Vector3d> was_m_s(was.size());
-  for (size_t i = 0; i < was.size(); ++i) {
-    was[i] = nodes_.position_m(i);
-    was_m_s[i] = nodes_.velocity_m_s(i);
-  }
-  const auto kinetic_j = [&] {
-    double sum = 0.0;
-    for (size_t i = 0; i < was.size(); ++i) sum += 0.5 * masses_kg_[i] * nodes_.velocity_m_s(i).squaredNorm();
-    return sum;
-  };
+  for (size_t i = 0; i < was.size(); ++i) was[i] = nodes_.position_m(i);
   const auto pull = [&](double share) {
     for (size_t i = 0; i < was.size(); ++i) {
       now[i] = was[i] + share * (centre + rotation * (lattice_.node_position_m(i) - rest_centre) - was[i]);
@@ -155,17 +146,10 @@ void CellsBody::untangle(double frame_s) {
     const Vector3d spin = solve_inertia(mass_motion(now, still, masses_kg_).inertia, l);
     for (size_t i = 0; i < now.size(); ++i) nodes_.set_motion(i, now[i], velocity + spin.cross(now[i] - centre));
   };
-  const double before_j = elastic_j(), moving_j = kinetic_j();
+  const double before_j = elastic_j();
   pull(part);
   // A sheet is squashed on the straight way to its shape, and would keep that if something came between: it is there at once.
   if (elastic_j() > kMostGain * before_j) pull(1.0);
-  // What spins is the faster the smaller it is: drawn together by more than it had, it is where it belongs.
-  const double spun_j = kinetic_j();
-  if (spun_j > moving_j && spun_j + elastic_j() > moving_j + before_j) {
-    for (size_t i = 0; i < was.size(); ++i) nodes_.set_motion(i, was[i], was_m_s[i]);
-    untangling_ = false;
-    tangled_s_ = 0.0;
-  }
   restart_motion();
 }
 
