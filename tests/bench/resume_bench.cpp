@@ -4,9 +4,12 @@
 //   resume_bench [TRIALS] > results/<machine>/resume.csv       10 of each when left out
 // back_ms: from starting the process anew until it says that clients may join. The other times count from then, frames_again_ms
 // to the first frame, picture_ms until that is drawn, 320 x 240 on the CPU; `none` where none came within a minute. objects_told:
-// of which the client heard that they are others; assets_fetched: again.
+// of which the client heard that they are others; assets_fetched: again. longest_gap_ms: between frames of the three seconds after the
+// first, of a server that is killed and whose scene has something break in its first second.
 #include <signal.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
@@ -59,21 +62,35 @@ class Watcher {
   }
 
   // Waits for the first frame after the outage, draws it and prints the row.
-  void report(const char* fault, int trial, double outage_s, std::optional<double> start_ms, int64_t back_ns) {
+  void report(const char* fault, int trial, double outage_s, std::optional<double> start_ms, int64_t back_ns, bool gaps = false) {
     std::printf("%s,%d,%.1f,%s,", fault, trial, outage_s, start_ms ? std::to_string(std::lround(*start_ms)).c_str() : "");
     if (!sink_.wait_resumed(1)) {
-      std::printf("none,none,,\n");
+      std::printf("none,none,,,\n");
     } else {
       const SinkLog::State state = sink_.state();
       const ReceivedFrame& frame = state.frames.at(state.resumed_at.front());
       draw(*frame.drivers);
-      std::printf("%.0f,%.0f,%zu,%zu\n", milliseconds_from_ns(frame.received_ns - back_ns), milliseconds_from_ns(now_ns() - back_ns),
-                  state.added.size() + state.changed.size() + state.removed.size(), live_->assets.totals().fetched - fetched_);
+      const double picture_ms = milliseconds_from_ns(now_ns() - back_ns);
+      std::printf("%.0f,%.0f,%zu,%zu,%s\n", milliseconds_from_ns(frame.received_ns - back_ns), picture_ms,
+                  state.added.size() + state.changed.size() + state.removed.size(), live_->assets.totals().fetched - fetched_,
+                  gaps ? std::to_string(std::lround(longest_gap_ms(state.resumed_at.front()))).c_str() : "");
     }
     std::fflush(stdout);
   }
 
  private:
+  // Of three seconds from this frame on; a stream that is cut meanwhile has none.
+  double longest_gap_ms(size_t from) {
+    const int64_t end_ns = now_ns() + 3'000'000'000;
+    sleep_until_ns(end_ns);
+    const SinkLog::State state = sink_.state();
+    int64_t longest_ns = end_ns - state.frames.back().received_ns;
+    for (size_t i = from + 1; i < state.frames.size(); ++i)
+      longest_ns = std::max(longest_ns, state.frames[i].received_ns - state.frames[i - 1].received_ns);
+    if (state.changed.empty()) give_up("nothing broke");
+    return milliseconds_from_ns(longest_ns);
+  }
+
   ScratchFolder folder_;
   SinkLog sink_;
   std::unique_ptr<LiveView> live_;
@@ -104,9 +121,18 @@ void restart(int trial, double outage_s) {
   watcher.report("restart", trial, outage_s, std::nullopt, now_ns());
 }
 
-void kill_server(int trial, double outage_s) {
+// A box that falls for 0.25 s and breaks, beside a soft cube.
+constexpr const char* kFragileScene = R"({
+  "environment": { "colliders": [ { "plane": {} } ] },
+  "objects": [
+    { "name": "box", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } }, "pose": { "position_m": [-0.3, 0.4, 0] },
+      "physics": { "behavior": "RIGID", "mass_kg": 1, "fragile": true, "break_impulse_n_s": 0.5 } },
+    { "name": "cube", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } }, "pose": { "position_m": [0.3, 0.1, 0] },
+      "physics": { "behavior": "ELASTIC", "density_kg_m3": 300, "youngs_modulus_pa": 2e4 } } ] })";
+
+void kill_server(int trial, double outage_s, bool fragile) {
   const ScratchFolder folder;
-  const std::string scene = folder.write("boxes.scene.json", kBoxesScene);
+  const std::string scene = folder.write("boxes.scene.json", fragile ? kFragileScene : kBoxesScene);
   const auto words = [&](const std::string& port) {
     return std::vector<std::string>{LIVEGS_SERVER, scene, "--listen", "127.0.0.1:" + port, "--print-port"};
   };
@@ -122,7 +148,8 @@ void kill_server(int trial, double outage_s) {
   server = std::make_unique<Program>(words(port));
   if (server->first_line() != port) give_up(server->err());
   const int64_t back_ns = now_ns();
-  watcher.report("server killed", trial, outage_s, milliseconds_from_ns(back_ns - started_ns), back_ns);
+  watcher.report(fragile ? "server killed; something breaks" : "server killed", trial, outage_s,
+                 milliseconds_from_ns(back_ns - started_ns), back_ns, fragile);
 }
 
 }  // namespace
@@ -133,11 +160,12 @@ int main(int argc, char** argv) {
   CLI::App app("How long after an outage frames and pictures come again; CSV on standard output", "resume_bench");
   app.add_option("TRIALS", trials, "Of each kind of outage")->check(bench::between(1, 1000))->capture_default_str();
   bench::read_arguments(app, argc, argv);
-  std::printf("fault,trial,outage_s,back_ms,frames_again_ms,picture_ms,objects_told,assets_fetched\n");
+  std::printf("fault,trial,outage_s,back_ms,frames_again_ms,picture_ms,objects_told,assets_fetched,longest_gap_ms\n");
   for (int trial = 1; trial <= trials; ++trial) {
     cut(trial, 5.0);
     restart(trial, 2.0);
-    kill_server(trial, 2.0);
+    kill_server(trial, 2.0, false);
+    kill_server(trial, 2.0, true);
   }
   return 0;
 }
