@@ -109,6 +109,7 @@ class CellsBody final : public ElasticBody {
     NodeSample sample;
     Vector3d force_n;  // world
     PointSpring* spring = nullptr;
+    Vector3d from_m = Vector3d::Zero();  // where it was before the step
   };
   struct SurfaceCell {
     std::array<uint32_t, 8> nodes;
@@ -180,6 +181,7 @@ class CellsBody final : public ElasticBody {
 
   void gather_point_loads(const SubstepContext& context);
   void draw_springs(const SubstepPart& part);
+  double hold_on(const NodeSample& sample) const;  // 0 ... 1, of the force of a hand that holds it there
   bool struck_hard(const SubstepContext& context);
   Ball ball_around(const SurfaceCell& cell) const;
   void find_candidates(const SubstepContext& context);
@@ -338,10 +340,11 @@ class CellsBody final : public ElasticBody {
   bool first_step_ = true, strained_ = false, tangled_ = false, untangling_ = false, touching_ = false, backward_ = false;
   double gravity_m_s2_ = 0.0;  // of the last substep
   Vector3d gravity_ = Vector3d::Zero();
-  // For its energy: the least since it was badly strained, and whether in this frame something that moves pushed it, or it
-  // touched something in the last.
+  // For its energy: the least since it was badly strained, what hands and bodies that move gave it in this frame, and whether
+  // it touched something in the last.
   std::optional<double> bound_j_;
-  bool pushed_ = false, touched_ = false;
+  double work_j_ = 0.0;
+  bool touched_ = false;
   double struck_until_s_ = -1.0;
   bool supported_ = false, forced_ = false, driven_ = false;  // for the sleep test: held up or in no gravity; pushed; moved
   Quaterniond orientation_;  // world from object, of the body as a whole

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What is strained beyond the law that the sweep was made for may gain energy: a limp sheet that spins faster than its waves
-// run, rubber of nu 0.49 that lands. The body as a whole can tell: with gravity and things that do not move alone, its energy
-// never rises. What it rose by is taken out of the motion of its nodes against the body as a whole, which changes neither
-// momentum nor angular momentum. Looked at once a frame, and only while a cell is badly strained: it costs as much as a few
-// substeps.
+// run, rubber of nu 0.49 that lands, leaves that a hand wrings. The body as a whole can tell: its energy never rises by more than
+// hands and bodies that move gave it, force times way; things that do not move give nothing. What it rose by is taken out of the
+// motion of its nodes against the body as a whole, which changes neither momentum nor angular momentum. Looked at once a frame,
+// and only while a cell is badly strained: it costs as much as a few substeps.
 #include <algorithm>
 #include <cmath>
 
@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kStrainedSquared = 0.25;  // |S - I|² of the worst cell, with bending
-// Of the energy that is not of its flight. What is pressed on something reads more for a while than it has.
+// Of the energy that is not of its flight. What is pressed or held reads more for a while than it has.
 constexpr double kMostGainFree = 0.003, kMostGainTouching = 0.3;
 // Of E V, strain of the order of a hundred everywhere, and of what it gets by falling through its own length or by stopping.
 constexpr double kLost = 1e5, kLostOfFall = 1e3;
@@ -25,8 +25,8 @@ constexpr double kLost = 1e5, kLostOfFall = 1e3;
 // Once a frame, before what else changes it between frames. False: it is lost.
 bool CellsBody::bound_energy() {
   const bool touched = std::exchange(touched_, touching_) || touching_;
-  const bool moved_by_others = std::exchange(pushed_, false) || forced_ || driven_ || moved_ || untangling_ || comes_off() ||
-                               !region_loads_.empty();
+  const double work_j = std::exchange(work_j_, 0.0);
+  const bool unknown = driven_ || moved_ || untangling_ || comes_off() || !region_loads_.empty();
   if (std::max(strain_squared_, bent_squared_) < kStrainedSquared) {
     bound_j_.reset();
     return true;
@@ -36,10 +36,10 @@ bool CellsBody::bound_energy() {
   const double fall_j = mass_kg_ * gravity_m_s2_ * reach_m_ + flight_j;
   if (inner_j > kLost * cell_materials_.materials[0].youngs_modulus_pa * volume_m3_ + kLostOfFall * fall_j) return false;
   const double energy_j = kinetic_j_ + stored_j - mass_kg_ * gravity_.dot(centre_m());
-  const double bound_j = bound_j_ && !moved_by_others ? std::min(*bound_j_, energy_j) : energy_j;
+  const double bound_j = bound_j_ && !unknown ? std::min(*bound_j_ + work_j, energy_j) : energy_j;
   bound_j_ = bound_j;
   const double gained_j = energy_j - bound_j;
-  if (gained_j <= (touched ? kMostGainTouching : kMostGainFree) * inner_j) return true;
+  if (gained_j <= (touched || forced_ ? kMostGainTouching : kMostGainFree) * inner_j) return true;
 
   const Vector3d velocity = free() ? motion_.velocity_m_s() : Vector3d::Zero();
   const Vector3d spin = free() ? motion_.angular_velocity_rad_s() : Vector3d::Zero();

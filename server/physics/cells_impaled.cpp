@@ -82,7 +82,6 @@ void CellsBody::see_impalers(double frame_s) {
 
 void CellsBody::push_whole(const Vector3d& impulse_n_s, double step_s) {
   if (asleep()) wake();
-  pushed_ = true;
   const Vector3d gained = impulse_n_s / mass_kg_;
   for (uint32_t i = 0; i < masses_kg_.size(); ++i) {
     if (inverse_masses_[i] == 0.0) continue;

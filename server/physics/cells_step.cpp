@@ -8,6 +8,7 @@
 // same substep, and spin does not leak into the elastic modes. What the nodes lack of it they are owed, and get when
 // they are next predicted. Contact is an impulse to single nodes too: the velocity it gives is kept out of the
 // difference v - v_, which BDF2 would otherwise carry on by thirds (half as much again in the end).
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -27,6 +28,9 @@ constexpr double kSmallVolume = 0.2;          // det F
 // sqrt(g L), L its smallest size: than after a fall of L/200. Contact point by point makes noise, and BDF2 keeps it
 // for minutes.
 constexpr double kQuiet = 0.1;
+
+// Of the stretch of a cell that a hand holds: from here on its grip fades, and here it has none.
+constexpr double kSlips = 2.0, kSlipped = 4.0;
 
 // Of the speed of its waves. At 0.1 a capsule still read 1.3 times its energy while it landed, at 0.05 1.02 times, here 1.01.
 constexpr double kHard = 0.03;
@@ -106,10 +110,23 @@ void CellsBody::draw_springs(const SubstepPart& part) {
     const Vector3d slower = spring.target_velocity_m_s - velocity_of(load.sample);
     const Vector3d stretch = spring.target_m + part.began_s * spring.target_velocity_m_s - origin_m_ - nodes_.position_m(load.sample);
     spring.force_n += (k * (stretch + h * slower) + c * slower - spring.force_n) / (1.0 + w * h * (k * h + c));
-    const double size = spring.force_n.norm();
-    if (size > spring.max_force_n) spring.force_n *= spring.max_force_n / size;
+    const double size = spring.force_n.norm(), most_n = spring.max_force_n * hold_on(load.sample);
+    if (size > most_n) spring.force_n *= most_n / size;
     load.force_n = spring.force_n;
   }
+}
+
+// A hand slips off what it has drawn out: the cell it holds is stretched, by its longest direction, so and so far. One that
+// went on pulling tore leaves out to 120 times their size, and gave 1e4 J a frame to what drew them back.
+double CellsBody::hold_on(const NodeSample& sample) const {
+  Eigen::Matrix3d f = Eigen::Matrix3d::Zero();
+  for (int c = 0; c < 8; ++c) {
+    const Vector3d sign(c & 1 ? 1.0 : -1.0, c & 2 ? 1.0 : -1.0, c & 4 ? 1.0 : -1.0);
+    f += nodes_.position_m(sample.nodes[c]) * sign.transpose();
+  }
+  f *= 0.25 / lattice_.cell_width_m;
+  const double squared = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(f.transpose() * f, Eigen::EigenvaluesOnly).eigenvalues()[2];
+  return std::clamp((kSlipped - std::sqrt(squared)) / (kSlipped - kSlips), 0.0, 1.0);
 }
 
 void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& context) {
@@ -124,6 +141,7 @@ void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& contex
   // one order would drive it sideways; a quiet one keeps one, or it would never be still, and so does a free one, or
   // cells with next to nothing in them would ring.
   backward_ = touching_ && !quiet_ && !backward_;
+  for (Load& load : point_loads_) load.from_m = nodes_.position_m(load.sample);
   draw_springs(part);
   predict(h, context);
   if (moved_) move_regions(time_s, h);
@@ -164,6 +182,7 @@ void CellsBody::end_step(const SubstepPart& part, const SubstepContext& context)
   resolve_colliders(step_of(part.duration_s), context);
   feel_load(part);
   advance(part.duration_s);
+  for (const Load& load : point_loads_) work_j_ += load.force_n.dot(nodes_.position_m(load.sample) - load.from_m);
   lead_followers(part.duration_s, context.gravity_m_s2);
   first_step_ = false;
   in_step_ = false;

@@ -50,13 +50,13 @@ class CellsBody::Taker final : public ContactSide {
   }
   void give(const ContactSpot& spot, const Vector3d& point, const Vector3d& impulse) override {
     if (!body_.in_step_) return body_.push_spot(spot, point, impulse);
-    body_.pushed_ = true;
     body_.nodes_.pull(spot.sample, step_s * impulse);
     body_.contact_impulse_ += impulse;
     body_.contact_moment_ += (point - body_.origin_m_).cross(impulse);
   }
   void count(const ContactSpot& spot, const Vector3d& point, const Vector3d& impulse) override {
     body_.count_contact(point, impulse.norm());
+    body_.work_j_ += impulse.dot(way_m(spot)) / step_s;
     if (!body_.in_step_) return body_.settle_spot(spot, point, impulse);
     body_.spot_touches_.push_back({spot.sample, impulse});
     body_.touching_ = true;
@@ -161,7 +161,6 @@ ContactSpot CellsBody::spot_at(uint32_t element, const Vector3d& point_m) const 
 
 void CellsBody::push_spot(const ContactSpot& spot, const Vector3d& point_m, const Vector3d& impulse_n_s) {
   if (asleep()) wake();
-  pushed_ = true;
   for (int c = 0; c < 8; ++c) {
     const uint32_t node = spot.sample.nodes[c];
     nodes_.change_velocities(node, spot.sample.weights[c] * inverse_masses_[node] * impulse_n_s);

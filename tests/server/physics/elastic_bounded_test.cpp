@@ -80,5 +80,37 @@ TEST_P(ElasticBounded, SoftRubberLandsWithWhatItFell) {
   }
 }
 
+// 100 N, 85 weights of it, at the end of a strip of 100 kPa that a clamp holds: strain 3.3 of its section. What a hand draws out
+// so far slips from it; it went on pulling where cells draw themselves back, and leaves were drawn out to 120 times their size.
+TEST_P(ElasticBounded, AHandSlipsOffWhatItDrawsOut) {
+  ElasticBodyDescription strip = describe(sample_particles(box_mesh({0.4, 0.003, 0.1})), 1e5, 0.3);
+  strip.material.loss_factor = 0.1;
+  strip.regions.push_back(fixed_box({-0.3, -0.1, -0.1}, {-0.15, 0.1, 0.1}));
+  Stage stage;
+  stage.rate_hz = GetParam();
+  stage.make(strip);
+  PointSpring hand;
+  hand.target_m = {5.0, 0.0, 0.0};
+  hand.stiffness_n_m = 2000.0;
+  hand.damping_n_s_m = 20.0;
+  hand.max_force_n = 100.0;
+  stage.forces.push_back({{0.2, 0, 0}, Vector3d::Zero(), &hand});
+  double farthest_m = 0.0, most_j = 0.0;
+  for (int frame = 0; frame < 3.0 * stage.rate_hz; ++frame) {
+    stage.frame();
+    farthest_m = std::max(farthest_m, stage.body->world_point({0.2, 0, 0}).x());
+    const BodyEnergy now = stage.body->energy(kNoGravity);
+    most_j = std::max(most_j, now.kinetic_j + now.elastic_j);
+  }
+  EXPECT_GT(farthest_m, 0.25);  // it is pulled
+  EXPECT_LT(farthest_m, 1.6);   // four times its length from the clamp, which is 1.2 m, and what swings beyond
+  EXPECT_LT(most_j, 60.0);      // strain 3 everywhere has E V 9 / 2 = 54 J
+  stage.forces.clear();
+  stage.run(5.0);
+  EXPECT_LT((stage.body->world_point({0.2, 0, 0}) - Vector3d(-0.15, 0, 0)).norm(), 0.36);
+  EXPECT_LT(stage.total_energy_j(), 0.05 * most_j);
+  EXPECT_EQ(stage.body->accuracy().put_back, 0);
+}
+
 }  // namespace
 }  // namespace livegs::test
