@@ -54,7 +54,8 @@ class ForceStudy {
 // alike are told once. Precondition: there is one.
 std::string sentence_of(std::span<const ForceStudy> studies);
 
-// "OBJECT:X,Y,Z:FX,FY,FZ:SECONDS", the point in the object's rest coordinates. The error says what is wrong.
+// "OBJECT:X,Y,Z:FX,FY,FZ:SECONDS", the point in the object's rest coordinates, for at most a minute, as the server has it. The
+// error says what is wrong.
 Result<v1::Event::Force> parse_force(const std::string& text);
 
 // Yaw about +Y from +Z, pitch upwards; degrees.

@@ -95,6 +95,11 @@ Result<void> StudyRecording::keep(const Image& picture) {
 
 Result<void> StudyRecording::finish() { return video_ ? video_->finish() : Result<void>(); }
 
+void StudyRecording::abandon() {
+  std::error_code ignored;
+  for (const char* ending : {".txt", ".json", "_camera.json"}) std::filesystem::remove(stem_.string() + ending, ignored);
+}
+
 std::string StudyRecording::progress() const {
   if (!drawing_) {
     const double passed_s =

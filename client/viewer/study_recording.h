@@ -41,6 +41,7 @@ class StudyRecording {
   bool acts(size_t study) const;  // in the next picture
   Result<void> keep(const Image& picture);
   Result<void> finish();
+  void abandon();  // removes what begin() wrote; nothing else may follow
 
   const std::vector<ForceStudy>& studies() const { return studies_; }
   std::string sentence() const { return sentence_of(studies_); }

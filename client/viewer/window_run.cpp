@@ -57,7 +57,8 @@ class WindowRun {
   Result<void> begin_recording(std::vector<ForceStudy> studies);
   Result<void> finish_recording();
   bool ends_with_recording() const { return !options_.forces.empty() && options_.seconds == 0; }
-  void take_answers();
+  void abandon_recording();
+  Result<void> take_answers();
   Result<void> picture(const PlannedFrame& planned);
   Result<void> recorded_picture(const PlannedFrame& planned);
   void draw_force(const Eigen::Vector3d& point_m, const Eigen::Vector3d& force_n, uint32_t object_id,
@@ -87,6 +88,7 @@ class WindowRun {
   ObjectPanel panel_;
   ForceStudy study_;
   std::optional<StudyRecording> recording_;
+  bool records_options_ = false;  // recording_ is of the forces that were given at the start
   std::string recorded_;  // where the last recording is
   std::optional<SceneView::Picked> pointed_;  // what the mouse is over
   bool was_left_ = false, panels_shown_ = true;
@@ -115,6 +117,8 @@ Result<void> WindowRun::first_frame() {
   const Eigen::Vector3d eye = camera->world_from_camera.position_m;
   if (!options_.poke.empty())
     script_.emplace(poke_script(options_.poke), ScriptedHands::Settings{eye, client_.scene().ball_speed_m_s});
+  if (!options_.select.empty() && !named(options_.select))
+    return not_found("--select: the scene has no object \"" + options_.select + "\"");
   panel_.select(options_.select);
   begun_ns_ = now_ns();
   if (options_.forces.empty()) return {};
@@ -125,6 +129,7 @@ Result<void> WindowRun::first_frame() {
     studies.push_back(*std::move(study));
   }
   study_ = studies.back();
+  records_options_ = true;
   return begin_recording(std::move(studies));
 }
 
@@ -225,11 +230,11 @@ Result<void> WindowRun::begin_recording(std::vector<ForceStudy> studies) {
   return {};
 }
 
-// What a person did to the panels of the last picture, or on the keyboard.
 Result<void> WindowRun::finish_recording() {
   auto finished = recording_->finish();
   const std::filesystem::path video = recording_->video_path();
   recording_.reset();
+  records_options_ = false;
   if (finished && std::filesystem::exists(video)) {  // not if its first picture failed
     recorded_ = video;
     log_info("recorded %s", recorded_.c_str());
@@ -237,6 +242,14 @@ Result<void> WindowRun::finish_recording() {
   return finished;
 }
 
+void WindowRun::abandon_recording() {
+  if (!recording_) return;
+  recording_->abandon();
+  recording_.reset();
+  stream_.keep_all(false);
+}
+
+// What a person did to the panels of the last picture, or on the keyboard.
 void WindowRun::act(const WindowInput& input) {
   const PanelActions& actions = display_.actions();
   for (ObjectCall& call : panel_.act(actions, objects_)) {
@@ -266,7 +279,7 @@ void WindowRun::act(const WindowInput& input) {
   }
 }
 
-void WindowRun::take_answers() {
+Result<void> WindowRun::take_answers() {
   for (const ControlCalls::Answer& answer : calls_.take()) {
     const std::string why = answer.refused ? answer.refused->message : "";
     switch (answer.kind) {
@@ -282,7 +295,9 @@ void WindowRun::take_answers() {
       case ControlCalls::Answer::Kind::Force:
         refusal_ = why;
         if (answer.refused) {
-          recording_.reset();
+          abandon_recording();
+          // Nobody is there to choose another; what was asked for could not be done, whatever the reason.
+          if (records_options_) return Error{ErrorCode::Unavailable, "--force: " + why};
           break;
         }
         force_until_tick_ = answer.tick + static_cast<uint64_t>(study_.duration_s() * client_.scene().rate_hz);
@@ -293,6 +308,7 @@ void WindowRun::take_answers() {
   if (recording_ && recording_->wants_force()) {
     for (const ForceStudy& study : recording_->studies()) calls_.apply_force(study.message());
   }
+  return {};
 }
 
 void WindowRun::draw_force(const Eigen::Vector3d& point_m, const Eigen::Vector3d& force_n, uint32_t object_id,
@@ -415,7 +431,7 @@ Result<void> WindowRun::run(const std::atomic<bool>& interrupted) {
   int64_t second_ns = now_ns(), last_ns = now_ns();
   while (!interrupted) {
     if (auto taken = take_news(); !taken) return taken;
-    take_answers();
+    if (auto taken = take_answers(); !taken) return taken;
     bool records = recording_ && recording_->next();
     const Eigen::Vector2i size = display_.size_px();
     const auto scaled = [&](int pixels) { return records ? pixels : scale_.of(pixels); };

@@ -272,13 +272,18 @@ TEST_F(WindowClicks, PauseStepShootPull) {
 
   // A drag on the box pulls it: up, with an arrow.
   const Eigen::Vector2d box = pixel({-0.3, 0.1, 0.1});
-  act({[&, box] { hands_->move(box.x(), box.y()); }, [] {}, [&] { hands_->press(); }, [] {}});
+  act({[&, box] { hands_->move(box.x(), box.y()); }, [] {}, [] {}});
+  keep("before");
+  act({[&] { hands_->press(); }, [] {}});
   for (int i = 1; i <= 8; ++i) act({[&, box, i] { hands_->move(box.x(), box.y() - 15 * i); }});
   step("a box that is drawn up", [&](const Image&) { return watcher_.seen().places["box"].y() > 0.16; });
   step("an arrow", [&](const Image& shown) { return force_pixels(shown) > 100; });
   keep("pulled");
   act({[&] { hands_->release(); }});
   step("no arrow", [&](const Image& shown) { return force_pixels(shown) == 0; });
+  step("the box on the floor", [&](const Image&) { return watcher_.seen().places["box"].y() < 0.105; });
+  act({[] {}, [] {}, [] {}});
+  keep("after");
 
   step("before the ball", [&](const Image&) { return added = watcher_.seen().added, true; });
   act({[&] { hands_->move(640, 300); }, [] {}, [&] { hands_->key("space", true); }, [] {}, [&] { hands_->key("space", false); }});

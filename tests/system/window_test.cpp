@@ -187,6 +187,49 @@ TEST_F(WindowOnADisplay, RecordsForcesOnSeveralPoints) {
   EXPECT_GT(std::filesystem::file_size(study / "study_001.mp4"), 2000u);
 }
 
+// Nobody is at the window to choose another: it ends, and leaves nothing half written.
+TEST_F(WindowOnADisplay, EndsWhenTheServerRefusesItsForce) {
+  size_ = "480x300";
+  const std::filesystem::path study = folder_ / "study";
+  Program window(window_words(display_, port_, {"--force", "cube:0,0.1,0:1,0,0:0.3", "--force", "cube:0,0.1,0:2e5,0,0:0.3",
+                                                "--output", study.string(), "--renderer", "cpu"}));
+  EXPECT_EQ(window.wait(), 1);
+  expect_one_line(window, "force.force_n: is too large");
+  for (const auto& entry : std::filesystem::directory_iterator(study))
+    EXPECT_EQ(entry.path().filename().string().find("study_"), std::string::npos) << entry.path();
+}
+
+TEST_F(WindowOnADisplay, EndsWhenItMayOnlyWatch) {
+  size_ = "480x300";
+  const std::filesystem::path study = folder_ / "study";
+  const std::string state = folder_ / "state";
+  Program guarded(server_words({"--tls", "on", "--state-dir", state}));
+  const std::string port = guarded.first_line();
+  ASSERT_NE(port, "") << guarded.err();
+  const auto ctl = [&](std::vector<std::string> more) {
+    std::vector<std::string> words = {LIVEGS_TOOL, "ctl", "--server", "127.0.0.1:" + port, "--state-dir", state};
+    words.insert(words.end(), more.begin(), more.end());
+    Program program(words);
+    EXPECT_EQ(program.wait(), 0) << program.err();
+    return program.out();
+  };
+  const std::string token = folder_.write("watcher", ctl({"tokens", "add", "watcher", "--scope", "view"}));
+  const std::string status = ctl({"status"});
+  const size_t code = status.find("pairing code  ");
+  ASSERT_NE(code, std::string::npos) << status;
+  Program window(window_words(display_, port, {"--force", "cube:0,0.1,0:1,0,0:0.3", "--output", study.string(), "--token-file", token,
+                                               "--pair", status.substr(code + 14, 29), "--state-dir", folder_ / "pins"}));
+  EXPECT_EQ(window.wait(), 1);
+  EXPECT_NE(window.err().find("--force: "), std::string::npos) << window.err();
+  EXPECT_FALSE(std::filesystem::exists(study / "study_001.txt"));
+}
+
+TEST_F(WindowOnADisplay, SaysThatThereIsNoSuchObjectToSelect) {
+  Program window(window_words(display_, port_, {"--select", "nosuch", "--renderer", "cpu"}));
+  EXPECT_EQ(window.wait(), 2);
+  expect_one_line(window, "--select: the scene has no object \"nosuch\"");
+}
+
 // Pixels of the panel on the left in the ink of what is out of order, its soft edges included.
 size_t notice_pixels(const Image& image) {
   size_t count = 0;
@@ -329,6 +372,14 @@ TEST_F(Window, AForceOffscreenIsOneLineAndCodeTwo) {
   Program client({LIVEGS_CLIENT, "127.0.0.1:1", "--display", "offscreen", "--force", "cube:0,0,0:1,0,0:1"});
   EXPECT_EQ(client.wait(), 2);
   expect_one_line(client, "--display window");
+}
+
+TEST_F(Window, AForceWithoutATimeIsOneLineAndCodeTwo) {
+  for (const char* force : {"cube:0,0,0:1,0,0:0", "cube:0,0,0:1,0,0:61", "cube:0,0,0:1,nan,0:1"}) {
+    Program window(window_words("", "1", {"--force", force}));
+    EXPECT_EQ(window.wait(), 2) << force;
+    expect_one_line(window, force);
+  }
 }
 
 TEST_F(Window, AForceThatCannotBeReadIsOneLineAndCodeTwo) {

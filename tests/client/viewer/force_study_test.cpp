@@ -60,6 +60,13 @@ TEST(ForceStudy, ReadsAForceFromAWord) {
     ASSERT_FALSE(refused) << bad;
     EXPECT_NE(refused.error().message.find("OBJECT:X,Y,Z:FX,FY,FZ:SECONDS"), std::string::npos);
   }
+  for (const char* bad : {"hat:0,nan,0:1,2,3:1", "hat:0,0,0:1,inf,3:1", "hat:0,0,0:1,2,3:0", "hat:0,0,0:1,2,3:-1",
+                          "hat:0,0,0:1,2,3:61", "hat:0,0,0:1,2,3:nan", "hat:0,0,0:1,2,3:inf"}) {
+    const auto refused = parse_force(bad);
+    ASSERT_FALSE(refused) << bad;
+    EXPECT_EQ(refused.error().code, ErrorCode::InvalidArgument);
+  }
+  EXPECT_TRUE(parse_force("hat:0,0,0:1,2,3:60"));
 }
 
 TEST(FrameMeter, CountsASecondAndTheWayOfAHand) {
