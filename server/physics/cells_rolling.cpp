@@ -62,15 +62,15 @@ void CellsBody::resist_rolling(size_t first_touch, double step_s) {
   contact_moment_ -= std::min(rolling_couple(pushes, axis, material_.loss_factor), part * inertia * speed) * axis;
 }
 
-// Of rigid bodies against this one, by the rows that it listed. A body that is held takes its part. The spin ends as soon as the
-// couple can end it: what was let to go on for kGripTime_s crept off in seconds.
+// Of balls against this one, by the rows that it listed: what has faces rests on them, and a box that leans on a block and a floor
+// would tremble between them. A body that is held takes its part. The spin ends as soon as the couple can end it: what was let to
+// go on for kGripTime_s crept off in seconds.
 void CellsBody::resist_rolling(std::span<const TouchRow> rows) {
   if (!quiet_) return;
   std::vector<MovingBody*> met;
   for (const TouchRow& row : rows) {
-    if (row.rigid && row.normal_impulse_n_s > 0.0 && std::find(met.begin(), met.end(), row.rigid) == met.end()) {
-      met.push_back(row.rigid);
-    }
+    const bool rolls = row.rigid && row.rigid->shape->is_ball() && row.normal_impulse_n_s > 0.0;
+    if (rolls && std::find(met.begin(), met.end(), row.rigid) == met.end()) met.push_back(row.rigid);
   }
   const double patch_m2 = extent_.box_edge_m * extent_.box_edge_m / 12.0;
   std::vector<Push> pushes;
