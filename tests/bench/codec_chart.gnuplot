@@ -23,7 +23,7 @@ do for [panel = 1:2] {
   set lmargin at screen (panel == 1 ? 0.075 : 0.565)
   set rmargin at screen (panel == 1 ? 0.485 : 0.975)
   set ylabel (panel == 1 ? 'kernel off by, mm (99 of 100 and largest)' : 'kernel turned by, degrees (99 of 100, largest)') offset 1,0
-  set yrange [(panel == 1 ? 2e-5 : 1e-5):(panel == 1 ? 1 : 100)]
+  set yrange [(panel == 1 ? 2e-5 : 1e-5):(panel == 1 ? 1 : 1000)]
   set format y '10^{%T}'
   bar = panel == 1 ? 0.05 : 0.1
   least = panel == 1 ? 2.6e-5 : 1.3e-5
