@@ -11,13 +11,17 @@
 namespace livegs {
 namespace {
 
-std::string megabytes(uint64_t bytes) { return format_text("%.1f", 1e-6 * static_cast<double>(bytes)); }
+// "3.1 of 12.4 MB", "8 of 40 kB".
+std::string share_text(uint64_t arrived_bytes, uint64_t bytes) {
+  const auto arrived = static_cast<double>(arrived_bytes), all = static_cast<double>(bytes);
+  return bytes < 1'000'000 ? format_text("%.0f of %.0f kB", 1e-3 * arrived, 1e-3 * all) : format_text("%.1f of %.1f MB", 1e-6 * arrived, 1e-6 * all);
+}
 
 std::string text_of(const AssetLibrary::Progress& progress) {
   if (progress.object.empty()) return "putting the scene together";
   const std::string count = format_text("\n%zu of %zu assets are here", progress.ready, progress.assets);
   if (progress.object_arrived_bytes >= progress.object_bytes) return progress.object + ": reading it" + count;
-  return progress.object + ": " + megabytes(progress.object_arrived_bytes) + " of " + megabytes(progress.object_bytes) + " MB" + count;
+  return progress.object + ": " + share_text(progress.object_arrived_bytes, progress.object_bytes) + count;
 }
 
 }  // namespace
