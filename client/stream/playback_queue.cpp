@@ -47,6 +47,16 @@ void PlaybackQueue::close() {
   changed_.notify_all();
 }
 
+void PlaybackQueue::abandon() {
+  {
+    std::lock_guard lock(mutex_);
+    closed_ = true;
+    items_.clear();
+    bytes_ = 0;
+  }
+  changed_.notify_all();
+}
+
 std::optional<StreamItem> PlaybackQueue::take() {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return closed_ || !items_.empty(); });

@@ -20,6 +20,8 @@ class PlaybackQueue final : public ItemSource {
   void add(StreamItem item);
   // No more will come; take() gives what waits and then nothing.
   void close();
+  // The same, and what waits is not wanted either.
+  void abandon();
   // The oldest item, waiting for one. Nothing when closed and empty.
   std::optional<StreamItem> take() override;
 

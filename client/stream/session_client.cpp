@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <functional>
 #include <limits>
@@ -38,6 +39,8 @@ constexpr int64_t kAskAgainAfter_ns = 100'000'000;  // a server that builds its 
 // what has arrived is kept for the next attempt.
 constexpr std::chrono::seconds kFetchPatience{10};
 constexpr uint64_t kSlowestFetch_bytes_s = 1 << 20;
+// So many streams of kernels one after the other may be given up without a frame, each after twice as long as the one before.
+constexpr int kMostSilentStreams = 3;
 // Streams that bring no frame are opened less and less often, down to once in so long.
 constexpr int64_t kLongestFruitlessPause_ns = 2'000'000'000;
 
@@ -70,6 +73,7 @@ struct SessionClient::Connection {
   std::string session_id, server_instance;
   double rate_hz = 0;
   v1::JoinRequest::Encoding encoding = v1::JoinRequest::DRIVERS;
+  int silent_streams = 0;  // without a frame, one after the other
   StreamSink* sink = nullptr;
   std::thread thread;
   std::atomic<bool> ended{false};
@@ -95,6 +99,7 @@ struct SessionClient::Connection {
   void run();
   Result<v1::JoinReply> join(int64_t give_up_ns);
   Result<void> resume(const SessionStream::Outcome& lost);
+  int64_t first_silence_ns() const;
   SessionStream::Outcome stream_once();
 
   // Last, so that it is gone before what it touches.
@@ -301,10 +306,16 @@ void SessionClient::look(const ViewCone& view) {
   if (stream) stream->look(view);
 }
 
+int64_t SessionClient::Connection::first_silence_ns() const {
+  const bool kernels = encoding == v1::JoinRequest::KERNELS || encoding == v1::JoinRequest::KERNELS_EXACT;
+  const double first_s = std::ldexp(kernels ? options.first_kernels_s : seconds_from_ns(kServerSilentAfter_ns), std::min(silent_streams, 8));
+  return std::min(after(0, first_s), kLongestSilence_ns);
+}
+
 SessionStream::Outcome SessionClient::Connection::stream_once() {
   const auto used = stub_now();
   const auto opened =
-      std::make_shared<SessionStream>(*used, session_id, rate_hz, encoding, SessionStream::Ends{*sink, clock, objects});
+      std::make_shared<SessionStream>(*used, session_id, rate_hz, encoding, first_silence_ns(), SessionStream::Ends{*sink, clock, objects});
   {
     std::lock_guard lock(mutex);
     if (stopping) opened->stop();
@@ -328,6 +339,13 @@ void SessionClient::Connection::run() {
     const SessionStream::Outcome done = stream_once();
     if (done.error) return end(Error{done.error->code, address + ": " + done.error->message});
     if (wait(0) || (done.drained && !options.outlive_draining)) return end({});
+    silent_streams = done.silent && done.frames == 0 ? silent_streams + 1 : 0;
+    const bool kernels = encoding == v1::JoinRequest::KERNELS || encoding == v1::JoinRequest::KERNELS_EXACT;
+    if (kernels && silent_streams >= kMostSilentStreams) {
+      return end(Error{ErrorCode::Unavailable, address + format_text(": no frame of kernels came whole in %d tries: they are larger than the "
+                                                                     "link carries; ask for --encoding drivers",
+                                                                     silent_streams)});
+    }
     if (!may_pass(done.status)) return end(error_from(done.status, address));
     log_warn("%s: %s; connecting again", address.c_str(), done.reason.c_str());
     sink->on_lost(done.reason);

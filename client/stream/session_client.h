@@ -15,6 +15,9 @@
 
 namespace livegs {
 
+// So long a program that is to end by itself (--seconds) waits for its first frame, if it is not to run for longer anyway.
+inline constexpr double kFirstFrame_s = 10;
+
 struct ConnectOptions {
   double timeout_s = 5.0;  // for the server to be there and its scene to be built
   std::string client_name = "livegs-client";
@@ -23,6 +26,7 @@ struct ConnectOptions {
   double rate_hz = 0;      // frames a second that it has a use for, 5 or more; 0: one each tick
   uint32_t position_bits = 16;  // of elastic objects' positions along their longest side: 16, 18 or 20
   v1::JoinRequest::Encoding encoding = v1::JoinRequest::DRIVERS;  // of frames
+  double first_kernels_s = 10;  // the first frame of kernels may take; twice as long for each stream that brought none, up to 30 s
   // How long a server that went away is looked for before the session is over; infinity: until stop().
   double reconnect_s = 10.0;
   // Whether a server that said goodbye is looked for, too.
@@ -32,9 +36,9 @@ struct ConnectOptions {
   std::stop_token stop;
 };
 
-// One session with a server, which outlives its connections: when the stream breaks, or nothing came for a second, it
-// connects again (stream/retry_schedule.h), joins with its session's id, tells the sink what has changed meanwhile and
-// opens a new stream. Errors name the address and the remedy.
+// One session with a server, which outlives its connections: when the stream breaks, or nothing came for a second
+// (longer with frames of kernels, session_stream.h), it connects again (stream/retry_schedule.h), joins with its session's id, tells the sink what has changed meanwhile and
+// opens a new stream. Kernels that are too large for the link end it after three streams without a frame. Errors name the address and the remedy.
 class SessionClient {
  public:
   // Connects and joins. Tries again until the time is up while nobody answers or the scene is being built; not when the

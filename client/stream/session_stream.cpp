@@ -3,11 +3,13 @@
 
 #include <pthread.h>
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 #include <utility>
 
 #include "core/clock.h"
+#include "core/format_text.h"
 #include "core/log.h"
 #include "stream/input_message.h"
 
@@ -16,6 +18,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kSignOfLife{50};
 constexpr std::chrono::milliseconds kLookEvery{50};  // whether the server is silent
+constexpr int64_t kSilentGaps = 5;  // of the longest time that a frame of kernels took to come
 constexpr int64_t kHalfClosePatience_ns = 1'000'000'000;
 constexpr size_t kSamplesPerMessage = 3;
 
@@ -30,8 +33,8 @@ constexpr size_t kOldKernelsInARow = 3;
 }  // namespace
 
 SessionStream::SessionStream(v1::LiveGs::Stub& stub, std::string session_id, double rate_hz, v1::JoinRequest::Encoding encoding,
-                             Ends ends)
-    : stub_(stub), session_id_(std::move(session_id)), ends_(ends), frames_(encoding),
+                             int64_t first_silence_ns, Ends ends)
+    : stub_(stub), session_id_(std::move(session_id)), ends_(ends), first_silence_ns_(first_silence_ns), frames_(encoding),
       of_kernels_(encoding == v1::JoinRequest::KERNELS || encoding == v1::JoinRequest::KERNELS_EXACT), aim_(rate_hz) {}
 
 SessionStream::Outcome SessionStream::run() {
@@ -52,8 +55,14 @@ SessionStream::Outcome SessionStream::run() {
       over_.wait_for(lock, kLookEvery, [&] { return ended_; });
       const int64_t now = now_ns();
       if (stopping_ && stopping_ns == 0) stopping_ns = now;
-      const bool silent = now - heard_ns_ > kServerSilentAfter_ns;
-      if (silent && outcome_.reason.empty()) outcome_.reason = "nothing came from it for a second";
+      const int64_t most_ns = longest_silence_ns();
+      const bool silent = now - heard_ns_ > most_ns;
+      if (silent && !outcome_.silent) {
+        outcome_.silent = true;
+        outcome_.reason = most_ns <= kServerSilentAfter_ns ? "nothing came from it for a second"
+                                                           : format_text("nothing came from it for %.1f s", seconds_from_ns(most_ns));
+        if (of_kernels_ && outcome_.frames == 0) outcome_.reason += "; frames of kernels may be larger than the link carries";
+      }
       if (silent || (stopping_ns != 0 && now - stopping_ns > kHalfClosePatience_ns)) context_.TryCancel();
     }
   }
@@ -63,6 +72,11 @@ SessionStream::Outcome SessionStream::run() {
   if (outcome_.reason.empty()) outcome_.reason = outcome_.status.error_message();
   if (outcome_.reason.empty()) outcome_.reason = "the stream ended";
   return std::move(outcome_);
+}
+
+int64_t SessionStream::longest_silence_ns() const {
+  if (outcome_.frames == 0) return first_silence_ns_;
+  return of_kernels_ ? std::clamp(kSilentGaps * longest_gap_ns_, kServerSilentAfter_ns, kLongestSilence_ns) : kServerSilentAfter_ns;
 }
 
 void SessionStream::send(const InputSample& sample) {
@@ -119,6 +133,7 @@ void SessionStream::read() {
   Result<void> taken;
   while (stream_->Read(&message)) {
     const int64_t received_ns = now_ns();
+    longest_gap_ns_ = std::max<int64_t>(longest_gap_ns_, received_ns - heard_ns_);
     heard_ns_ = received_ns;
     taken = take(message, received_ns);
     if (!taken) {

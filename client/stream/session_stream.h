@@ -26,6 +26,9 @@ namespace livegs {
 // A server that says nothing for so long is not there: it says something every quarter of a second. A Wi-Fi that stalls
 // for 300 ms is waited out.
 inline constexpr int64_t kServerSilentAfter_ns = 1'000'000'000;
+// Nor while a message is on its way, though, and a frame of kernels may take seconds over a slow link. So before its first
+// frame more is waited for, and between frames of kernels some times what the longest took; so much at most.
+inline constexpr int64_t kLongestSilence_ns = 30'000'000'000;
 
 // One Stream rpc of a session, from its opening to its status. gRPC types: for session_client.cpp only.
 class SessionStream {
@@ -37,13 +40,15 @@ class SessionStream {
     ClockOffset& clock;
     KnownObjects& objects;
   };
-  // `encoding`: of its frames, as Join said.
-  SessionStream(v1::LiveGs::Stub& stub, std::string session_id, double rate_hz, v1::JoinRequest::Encoding encoding, Ends ends);
+  // `encoding`: of its frames, as Join said. `first_silence_ns`: how long nothing may come before the first frame.
+  SessionStream(v1::LiveGs::Stub& stub, std::string session_id, double rate_hz, v1::JoinRequest::Encoding encoding,
+                int64_t first_silence_ns, Ends ends);
 
   struct Outcome {
     grpc::Status status;
     std::optional<Error> error;  // what came cannot be used; no other stream would bring anything better
     std::string reason;          // why it broke, for a person
+    bool silent = false;         // nothing came for too long
     bool drained = false;        // the server said that it would
     uint64_t frames = 0;
     int64_t heard_ns = 0;  // when the last message came; or its opening
@@ -60,6 +65,7 @@ class SessionStream {
  private:
   void read();
   void write();
+  int64_t longest_silence_ns() const;  // under the lock
   Result<void> take(v1::ServerMessage& message, int64_t received_ns);
   Result<void> take(const v1::SessionEvent& event);
   void take_clock(const v1::ServerMessage& message, int64_t received_ns);
@@ -71,6 +77,8 @@ class SessionStream {
   grpc::ClientContext context_;
   std::unique_ptr<grpc::ClientReaderWriter<v1::ClientMessage, v1::ServerMessage>> stream_;
   std::atomic<int64_t> heard_ns_{0};
+  std::atomic<int64_t> longest_gap_ns_{0};  // between messages, or from the opening to the first
+  const int64_t first_silence_ns_;
 
   FrameReader frames_;  // the reader's thread only, like the next
   int64_t echoed_ns_ = 0;

@@ -233,6 +233,7 @@ Result<void> HeadsetRun::draw(PlannedFrame& planned) {
 
 Result<void> HeadsetRun::run(const std::atomic<bool>& interrupted) {
   client_.start(stream_);
+  const int64_t begun_ns = now_ns();
   while (!interrupted) {
     if (auto taken = take_news(); !taken) return taken;
     auto planned = display_.wait_frame();
@@ -241,7 +242,8 @@ Result<void> HeadsetRun::run(const std::atomic<bool>& interrupted) {
     display_.set_notice(notice_.text(run_message_.empty() ? view_.notice() : run_message_));
     if (placed_) send_hands(planned->display_time_ns);
     if (auto done = planned->views.empty() || !placed_ ? display_.submit(*planned, {}) : draw(*planned); !done) return done;
-    if (options_.seconds > 0 && placed_ && seconds_from_ns(now_ns() - placed_ns_) >= options_.seconds) break;
+    const double shown_s = seconds_from_ns(now_ns() - (placed_ ? placed_ns_ : begun_ns));
+    if (options_.seconds > 0 && shown_s >= (placed_ ? options_.seconds : std::max(options_.seconds, kFirstFrame_s))) break;
   }
   return {};
 }

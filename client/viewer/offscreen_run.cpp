@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "viewer/offscreen_run.h"
 
+#include <chrono>
 #include <map>
 #include <thread>
 
@@ -20,6 +21,7 @@ namespace livegs {
 namespace {
 
 constexpr double kWaitSlice_s = 0.05;
+constexpr std::chrono::milliseconds kLookEvery{10};
 
 // What can be wrong before a server is asked.
 struct Prepared {
@@ -144,7 +146,10 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
   }
   const Result<void> streamed = client.stop();
   queue.close();
-  if (!play_ended) log_info("the stream has ended; drawing what is left of it");
+  if (!play_ended && !interrupted) log_info("the stream has ended; drawing what is left of it");
+  for (; !play_ended; std::this_thread::sleep_for(kLookEvery)) {
+    if (interrupted) queue.abandon();
+  }
   drawer.join();
   auto finished = (*display)->finish();
   if (!finished) log_warn("%s", finished.error().message.c_str());
@@ -172,6 +177,8 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
     summary.stream_error = played.error();
   else if (!streamed)
     summary.stream_error = streamed.error();
+  else if (recorder.gave_up())
+    summary.stream_error = Error{ErrorCode::Unavailable, options.address + ": no frame came within " + format_text("%.0f s", recorder.patience_s())};
   return summary;
 }
 

@@ -11,6 +11,8 @@
 namespace livegs {
 namespace {
 
+constexpr double kLastFrame_s = 1;  // later than it is to be
+
 std::optional<Eigen::Vector3d> middle_of(const DriverFrame& frame, uint32_t object_id) {
   const auto object = std::find_if(frame.objects.begin(), frame.objects.end(),
                                    [&](const ObjectDrivers& one) { return one.object_id == object_id; });
@@ -125,7 +127,16 @@ void Recorder::begin_script(ScriptedHands hands, std::map<std::string, Target> t
 
 bool Recorder::wait_done(double seconds) {
   std::unique_lock lock(mutex_);
-  return changed_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return done_; });
+  changed_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return done_; });
+  if (done_ || seconds_ == 0) return done_;
+  gave_up_ = first_ns_ == 0 && seconds_from_ns(now_ns() - made_ns_) >= patience_s();
+  done_ = gave_up_ || (first_ns_ != 0 && seconds_from_ns(now_ns() - first_ns_) >= seconds_ + kLastFrame_s);
+  return done_;
+}
+
+bool Recorder::gave_up() const {
+  std::lock_guard lock(mutex_);
+  return gave_up_;
 }
 
 std::string Recorder::draining_reason() const {

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <condition_variable>
 #include <map>
 #include <mutex>
 #include <optional>
 #include <string>
 
+#include "core/clock.h"
 #include "stream/playback_queue.h"
 #include "stream/scripted_hands.h"
 #include "stream/session_client.h"
@@ -19,7 +21,8 @@ namespace livegs {
 // against it, and puts it into the queue of the thread that draws.
 class Recorder final : public StreamSink {
  public:
-  // All outlive the recorder's last call. `seconds` after the first frame the recording is done; 0: never.
+  // All outlive the recorder's last call. `seconds` after the first frame the recording is done, or a little later where none
+  // comes then; and so it is when there was none for patience_s(). 0: never.
   Recorder(SessionClient& client, AssetLibrary& assets, PlaybackQueue& queue, ReceivedLog log, double seconds)
       : client_(client), assets_(assets), queue_(queue), log_(std::move(log)), seconds_(seconds) {}
 
@@ -40,6 +43,8 @@ class Recorder final : public StreamSink {
 
   // Waits, at most so long, until the recording is done or the server drains. True when it is.
   bool wait_done(double seconds);
+  double patience_s() const { return std::max(seconds_, kFirstFrame_s); }
+  bool gave_up() const;  // no frame came
   std::string draining_reason() const;
   // How often the stream was gone, and the time until it was joined again.
   struct Outages {
@@ -70,7 +75,8 @@ class Recorder final : public StreamSink {
   double last_time_s_ = 0;           // and its time_s()
   bool ticks_begin_again_ = false;   // with the next frame
   Outages outages_;
-  bool done_ = false;
+  const int64_t made_ns_ = now_ns();
+  bool done_ = false, gave_up_ = false;
   std::string draining_reason_;
   std::map<uint32_t, StreamedObject> changed_objects_;
   std::optional<ScriptedHands> hands_;

@@ -134,6 +134,8 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
   std::optional<Error> ended;
   const int64_t begun_ns = now_ns();
   const double patience_s = options.seconds > 0 ? std::min(options.seconds, options.connect_timeout_s) : options.connect_timeout_s;
+  // Nothing comes between two frames, however healthy the server is.
+  const double silence_s = std::max({options.reconnect_s, 1.0, 3 / std::max((*spectator)->scene().rate_hz, 0.1)});
   (*spectator)->start(watcher);
   for (; !interrupted && !play_ended; std::this_thread::sleep_for(kLookEvery)) {
     const int64_t now = now_ns();
@@ -143,7 +145,7 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
       ended = nothing_came(published, seconds_from_ns(now - begun_ns));
     } else if (options.seconds > 0 && seconds_from_ns(now - heard.first_ns) >= options.seconds) {
       break;
-    } else if (seconds_from_ns(now - heard.last_ns) >= options.reconnect_s) {
+    } else if (seconds_from_ns(now - heard.last_ns) >= silence_s) {
       ended = Error{ErrorCode::Unavailable, format_text("--subscribe %s: the server went away: nothing was published for %.1f s",
                                                         published.c_str(), seconds_from_ns(now - heard.last_ns))};
     }
@@ -151,6 +153,9 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
   }
   (*spectator)->stop();
   queue.close();
+  for (; !play_ended; std::this_thread::sleep_for(kLookEvery)) {
+    if (interrupted) queue.abandon();
+  }
   drawer.join();
   if (auto finished = (*display)->finish(); !finished) log_warn("%s", finished.error().message.c_str());
   if (!played) return played.error();

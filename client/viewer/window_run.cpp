@@ -480,7 +480,7 @@ Result<void> WindowRun::run(const std::atomic<bool>& interrupted) {
       }
     }
     // Counted from the first frame, if there is to be one.
-    const bool counts = options_.seconds > 0 && (camera_ || client_.ended());
+    const bool counts = options_.seconds > 0 && (camera_ || client_.ended() || seconds_from_ns(now - begun_ns_) >= kFirstFrame_s);
     if (counts && seconds_from_ns(now - begun_ns_) >= options_.seconds) break;
   }
   return {};

@@ -231,7 +231,8 @@ void Scene::begin_cut(const SceneObject& object) {
   drawn(object.id).fragility = fragility;
   FragileOptions options;
   options.object_from_asset = object.rest.object_from_asset;
-  options.pieces.seed = options_.seed + object.id;
+  // By its place in the scene: a scene that is loaded anew, with other ids, is cut into the same pieces.
+  options.pieces.seed = options_.seed + (object.id - options_.first_object_id) + 1;
   Cuttable& cuttable = cuttable_.at(object.id);
   cuttable.pieces = material.fracture_pieces;
   cuttable.interior_rgb = material.interior_rgb;

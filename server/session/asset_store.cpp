@@ -50,11 +50,10 @@ std::shared_ptr<const AssetBytes> AssetStore::add(const std::shared_ptr<const Ga
   encoding_.erase(asset.get());
   encoded_.notify_all();
   if (failed) std::rethrow_exception(failed);
-  // Those of a scene that another has taken the place of are nobody's any more; their bytes stay for clients that fetch.
-  std::erase_if(by_asset_, [](const auto& known) { return known.first.use_count() == 1; });
-  const auto kept = by_hash_.try_emplace(encoded->hash, encoded).first->second;  // equal content is kept once
-  by_asset_.emplace(asset, kept);
-  return kept;
+  Kept& kept = by_hash_.try_emplace(encoded->hash, encoded, std::nullopt).first->second;  // equal content is kept once
+  kept.unused_since_ns.reset();
+  by_asset_.emplace(asset, kept.bytes);
+  return kept.bytes;
 }
 
 bool AssetStore::has(const std::shared_ptr<const GaussianAsset>& asset) const {
@@ -65,7 +64,31 @@ bool AssetStore::has(const std::shared_ptr<const GaussianAsset>& asset) const {
 std::shared_ptr<const AssetBytes> AssetStore::find(std::string_view hash) const {
   std::lock_guard lock(mutex_);
   const auto found = by_hash_.find(hash);
-  return found == by_hash_.end() ? nullptr : found->second;
+  return found == by_hash_.end() ? nullptr : found->second.bytes;
+}
+
+void AssetStore::drop_unused(const std::set<std::string>& told, int64_t now_ns) {
+  std::lock_guard lock(mutex_);
+  // Those of a scene that another has taken the place of are nobody's any more.
+  std::erase_if(by_asset_, [](const auto& known) { return known.first.use_count() == 1; });
+  std::set<std::string_view> used;
+  for (const auto& [asset, bytes] : by_asset_) used.insert(bytes->hash);
+  for (auto& [hash, kept] : by_hash_) {
+    const bool needed = used.contains(hash) || told.contains(hash);
+    if (needed) kept.unused_since_ns.reset();
+    if (!needed && !kept.unused_since_ns) kept.unused_since_ns = now_ns;
+  }
+  std::erase_if(by_hash_, [&](const auto& one) {
+    const auto& since_ns = one.second.unused_since_ns;
+    return since_ns && now_ns - *since_ns >= kDroppedAfter_ns;
+  });
+}
+
+std::vector<std::string> AssetStore::hashes() const {
+  std::lock_guard lock(mutex_);
+  std::vector<std::string> all;
+  for (const auto& [hash, kept] : by_hash_) all.push_back(hash);
+  return all;
 }
 
 }  // namespace livegs

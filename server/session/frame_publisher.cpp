@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
+#include <utility>
 
 #include "core/clock.h"
+#include "core/log.h"
 #include "scene/fragile_object.h"
 #include "session/describe_object.h"
 
@@ -15,6 +18,10 @@ namespace {
 
 // How often silent sessions are looked for when no tick comes.
 constexpr std::chrono::milliseconds kSweepInterval{100};
+// How often assets that nobody needs are looked for.
+constexpr int64_t kDropInterval_ns = 1'000'000'000;
+// When an asset that could not be encoded is tried again.
+constexpr int64_t kEncodeAgainAfter_ns = 1'000'000'000;
 
 }  // namespace
 
@@ -61,7 +68,11 @@ void FramePublisher::run() {
       waiting_.reset();
     }
     if (tick) deliver(*std::move(tick));
-    table_.sweep(now_ns());
+    const int64_t now = now_ns();
+    table_.sweep(now);
+    if (now - dropped_ns_ < kDropInterval_ns) continue;
+    dropped_ns_ = now;
+    assets_.drop_unused(table_.asset_hashes(), now);
   }
 }
 
@@ -69,16 +80,55 @@ SessionTable::Object FramePublisher::describe(const SceneObject& object) {
   return std::make_shared<const v1::ObjectDescription>(describe_object(object, assets_));
 }
 
-void FramePublisher::encode(const std::shared_ptr<const GaussianAsset>& asset) {
-  if (assets_.has(asset) || encodings_.contains(asset)) return;
-  encodings_.emplace(asset, std::async(std::launch::async, [this, asset] { (void)assets_.add(asset); }));
+void FramePublisher::encode(const std::shared_ptr<const GaussianAsset>& asset, bool stands_still) {
+  if (assets_.has(asset) || asset == encoded_) return;
+  const auto waiting = std::find(to_encode_.begin(), to_encode_.end(), asset);
+  if (waiting != to_encode_.end() && !stands_still) return;
+  if (waiting != to_encode_.end()) to_encode_.erase(waiting);
+  // What is seen to stand still goes before what may break some day.
+  to_encode_.insert(stands_still ? to_encode_.begin() : to_encode_.end(), asset);
+}
+
+// Never waits: while one is encoded the others stand in line. Memory or threads that are short now may not be later.
+void FramePublisher::encode_next() {
+  if (encoding_.valid()) {
+    if (encoding_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+    if (const std::string failed = encoding_.get(); !failed.empty()) note_failed(failed);
+    encoded_.reset();
+  }
+  if (now_ns() < encode_after_ns_) return;
+  // What another has encoded meanwhile, and what nobody draws any more.
+  std::erase_if(to_encode_, [&](const auto& asset) { return asset.use_count() == 1 || assets_.has(asset); });
+  if (to_encode_.empty()) return;
+  encoded_ = std::move(to_encode_.front());
+  to_encode_.pop_front();
+  try {
+    encoding_ = std::async(std::launch::async, [this, asset = encoded_]() -> std::string {
+      try {
+        (void)assets_.add(asset);
+        return {};
+      } catch (const std::exception& error) {
+        return error.what();
+      }
+    });
+  } catch (const std::exception& error) {  // there is no thread for it
+    note_failed(error.what());
+    encoded_.reset();
+  }
+}
+
+void FramePublisher::note_failed(const std::string& why) {
+  to_encode_.push_back(encoded_);
+  encode_after_ns_ = now_ns() + kEncodeAgainAfter_ns;
+  if (std::exchange(told_of_failure_, true)) return;
+  log_warn("an object's kernels cannot be encoded: %s; clients see it as it was; trying again each second", why.c_str());
 }
 
 void FramePublisher::hold(const SceneObject& object, bool known) {
   Held& held = held_[object.id];
   held.object = object;
   held.known = known;
-  encode(object.asset);
+  encode(object.asset, true);
   if (!known || !last_) return;
   const auto& before = last_->drivers().objects;
   const auto shown = std::find_if(before.begin(), before.end(), [&](const ObjectDrivers& one) { return one.object_id == object.id; });
@@ -86,8 +136,7 @@ void FramePublisher::hold(const SceneObject& object, bool known) {
 }
 
 FramePublisher::Events FramePublisher::take_events(const SteppedTick& tick) {
-  // A future that is dropped before it is ready is waited for.
-  std::erase_if(encodings_, [](const auto& one) { return one.second.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
+  encode_next();
   Events events;
   for (const SceneObject& object : tick.added) {
     if (assets_.has(object.asset))
@@ -98,14 +147,14 @@ FramePublisher::Events FramePublisher::take_events(const SteppedTick& tick) {
   for (const SceneObject& object : tick.changed) {
     if (const auto held = held_.find(object.id); held != held_.end()) {
       held->second.object = object;
-      encode(object.asset);
+      encode(object.asset, true);
       continue;
     }
     // What has just been cut is told of when its other kernels are encoded; by then it may have broken.
     const bool cut = object.broken && object.rest.revision == 0 && !assets_.has(object.broken->asset);
     const bool waits = cut && !cut_.contains(object.id);
     if (cut) {
-      encode(object.broken->asset);
+      encode(object.broken->asset, false);
       cut_.insert_or_assign(object.id, object);
     } else {
       cut_.erase(object.id);
@@ -133,6 +182,7 @@ FramePublisher::Events FramePublisher::take_events(const SteppedTick& tick) {
     events.changed.push_back(one.second);
     return true;
   });
+  encode_next();
   return events;
 }
 

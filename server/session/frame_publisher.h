@@ -2,10 +2,12 @@
 #pragma once
 
 #include <condition_variable>
+#include <deque>
 #include <future>
 #include <map>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -50,8 +52,10 @@ class FramePublisher final : public TickSink {
   void run();
   void deliver(SteppedTick tick);
   SessionTable::Object describe(const SceneObject& object);
-  // On a thread of its own, if it is not done or under way yet.
-  void encode(const std::shared_ptr<const GaussianAsset>& asset);
+  // On a thread of its own, one after the other, if it is not done or under way yet.
+  void encode(const std::shared_ptr<const GaussianAsset>& asset, bool stands_still);
+  void encode_next();
+  void note_failed(const std::string& why);
 
   // What clients are told with a tick: what happened in it, without what has to wait, and with what waited long enough.
   struct Events {
@@ -66,7 +70,12 @@ class FramePublisher final : public TickSink {
   AssetStore& assets_;
   FrameFanOut* fan_out_ = nullptr;
   // The publisher's thread only.
-  std::map<std::shared_ptr<const GaussianAsset>, std::future<void>> encodings_;
+  std::deque<std::shared_ptr<const GaussianAsset>> to_encode_;  // without the next
+  std::shared_ptr<const GaussianAsset> encoded_;                // right now, or null
+  std::future<std::string> encoding_;                           // of it: why it failed, or nothing
+  int64_t encode_after_ns_ = 0;
+  bool told_of_failure_ = false;
+  int64_t dropped_ns_ = 0;
   struct Held {
     SceneObject object;                  // as it is now
     bool known = false;                  // as it was before, to clients

@@ -350,6 +350,16 @@ SessionTable::Totals SessionTable::totals() const {
   return totals_;
 }
 
+std::set<std::string> SessionTable::asset_hashes() const {
+  std::lock_guard lock(mutex_);
+  std::set<std::string> hashes;
+  for (const Object& object : objects_) {
+    hashes.insert(object->asset_hash());
+    if (!object->broken_asset_hash().empty()) hashes.insert(object->broken_asset_hash());
+  }
+  return hashes;
+}
+
 std::vector<std::shared_ptr<ClientSession>> SessionTable::sessions_now() const {
   std::lock_guard lock(mutex_);
   std::vector<std::shared_ptr<ClientSession>> sessions;

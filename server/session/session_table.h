@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -92,6 +93,8 @@ class SessionTable {
   Result<Described> described() const;
   Object object(std::string_view name) const;  // nullptr if unknown
   std::vector<std::string> object_names() const;
+  // Of what clients may fetch now.
+  std::set<std::string> asset_hashes() const;
   std::vector<std::shared_ptr<ClientSession>> sessions_now() const;
   // Nothing of a session that may only look.
   void hear(const ClientSession& session, std::span<const InputSample> samples);

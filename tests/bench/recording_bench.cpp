@@ -4,7 +4,7 @@
 // six seconds at a time, or always, and stand still else; one person's two tracked hands are recorded all the time. The six
 // seconds are simulated once and played forwards and backwards. A seek is to a random moment: objects and the frame there,
 // ready to be drawn; 200 of them, in wall time and in
-// processor time, which says what it takes where nothing else runs. The file is read from the page cache.
+// processor time, which says what it takes where nothing else runs. goal_seek_ms_max is what it should take at most. The file is read from the page cache.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -118,9 +118,9 @@ void report(const std::vector<DriverFrame>& motion, const std::vector<v1::Sessio
   }
   std::filesystem::resize_file(folder / "a.lvgrec", std::filesystem::file_size(folder / "a.lvgrec") - 8);
   opened(open_cut_ms);
-  std::printf("%.0f,%.1f,%s,%.1f,%.1f,%.3f,%.3f,%.2f,%.0f,%.1f,%.1f,%.1f,%.1f,%.0f\n", 100 * activity, minutes,
+  std::printf("%.0f,%.1f,%s,%.1f,%.1f,%.3f,%.3f,%.2f,%.0f,%.1f,%.1f,%s,%.1f,%.1f,%.0f\n", 100 * activity, minutes,
               inputs_only ? "inputs" : "frames and inputs", megabytes, megabytes / minutes * 60, share_of(write_ms, 0.5),
-              share_of(write_ms, 0.99), open_ms, open_cut_ms, share_of(seek_ms, 0.5), share_of(seek_ms, 1.0),
+              share_of(write_ms, 0.99), open_ms, open_cut_ms, share_of(seek_ms, 0.5), share_of(seek_ms, 1.0), inputs_only ? "" : "200",
               share_of(seek_cpu_ms, 0.5), share_of(seek_cpu_ms, 1.0), share_of(decoded, 1.0));
   std::fflush(stdout);
 }
@@ -148,7 +148,7 @@ int main(int argc, char** argv) {
     object.set_rest_body(rest.data(), rest.size());
   }
   std::printf(
-      "activity_percent,minutes,holds,mb,mb_an_hour,write_ms_p50,write_ms_p99,open_ms,open_cut_ms,seek_ms_p50,seek_ms_max,"
+      "activity_percent,minutes,holds,mb,mb_an_hour,write_ms_p50,write_ms_p99,open_ms,open_cut_ms,seek_ms_p50,seek_ms_max,goal_seek_ms_max,"
       "seek_cpu_ms_p50,seek_cpu_ms_max,frames_decoded_max\n");
   report(motion, objects, 0.1, minutes, false);
   report(motion, objects, 1.0, minutes, false);

@@ -52,7 +52,7 @@ TEST_F(Programs, ASpectatorWhoseServerDiesEndsWithOneLine) {
   const std::string said = server.err(), key = "publishing on ";
   const size_t at = said.find(key) + key.size();
   const std::string where = said.substr(at, said.find('\n', at) - at);
-  Program spectator(client_words(port, {"--subscribe", where, "--seconds", "0", "--reconnect", "0.9", "--every", "1"}));
+  Program spectator(client_words(port, {"--subscribe", where, "--seconds", "0", "--reconnect", "0", "--every", "1"}));
   const auto pictures = [&] {
     std::error_code none_yet;
     const auto files = std::filesystem::directory_iterator(folder_ / "view", none_yet);

@@ -100,6 +100,38 @@ TEST_F(Resume, AfterACutTheFirstConnectionBringsTheFrames) {
   EXPECT_EQ(served_->server->sessions().sessions, 1u);
 }
 
+// A second is what a silent server gets; a frame on its way takes longer.
+TEST(NarrowLink, FramesOfKernelsThatTakeSecondsAreShown) {
+  ServedScene served(box_scene());
+  FaultProxy proxy(served.port());
+  ConnectOptions options;
+  options.timeout_s = options.reconnect_s = 60;
+  options.encoding = v1::JoinRequest::KERNELS;
+  const auto join = [&] { return SessionClient::join("127.0.0.1:" + std::to_string(proxy.port()), options); };
+  size_t bytes = 0;
+  {
+    SinkLog sink;
+    auto client = join();
+    ASSERT_TRUE(client) << client.error().message;
+    (*client)->start(sink);
+    ASSERT_TRUE(sink.wait_frames(1));
+    EXPECT_TRUE((*client)->stop());
+    bytes = sink.state().frames.front().bytes;
+  }
+  SinkLog sink;
+  auto client = join();
+  ASSERT_TRUE(client) << client.error().message;
+  proxy.set_link({.mbit_s = 8e-6 * static_cast<double>(bytes) / 2.5});
+  const int64_t begun_ns = now_ns();
+  (*client)->start(sink);
+  EXPECT_TRUE(sink.wait_frames(3));
+  EXPECT_TRUE((*client)->stop());
+  const SinkLog::State state = sink.state();
+  EXPECT_TRUE(state.lost.empty()) << state.lost.front();
+  ASSERT_FALSE(state.frames.empty());
+  EXPECT_GT(seconds_from_ns(state.frames.front().received_ns - begun_ns), 1.5);
+}
+
 TEST(RetrySchedule, LeavesNoPauseLongerThanTheBarsAllow) {
   for (int64_t outage_s = 0; outage_s < 3600; ++outage_s) {
     int64_t least_ns = kLongRetryPause_ns, most_ns = 0;

@@ -66,5 +66,14 @@ TEST(PlaybackQueue, WakesWhoWaits) {
   EXPECT_FALSE(queue.take());
 }
 
+TEST(PlaybackQueue, GivesNothingOnceItIsAbandoned) {
+  PlaybackQueue queue(1000'000);
+  for (uint64_t tick = 1; tick <= 10; ++tick) queue.add(frame(tick, 1));
+  queue.close();
+  EXPECT_TRUE(queue.take());
+  queue.abandon();
+  EXPECT_FALSE(queue.take());
+}
+
 }  // namespace
 }  // namespace livegs

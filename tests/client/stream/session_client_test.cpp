@@ -12,6 +12,7 @@
 
 #include "client/stream/scripted_server.h"
 #include "client/stream/sink_log.h"
+#include "core/clock.h"
 #include "wire/frame_stream.h"
 
 namespace livegs {
@@ -83,6 +84,50 @@ TEST(FirstStream, ThatFailsIsTriedAgain) {
   EXPECT_TRUE(sink.wait([](const SinkLog::State& state) { return !state.frames.empty(); }));
   EXPECT_TRUE((*joined)->stop());
   EXPECT_EQ(resumed, (std::vector<std::string>{"", "0123456789abcdef", "0123456789abcdef"}));
+}
+
+// Frames of kernels that are larger than the link carries: each stream is given more time, and after three it is said what helps.
+TEST(SilentStream, OfKernelsEndsTheSessionWithTheRemedy) {
+  ScriptedServer server;
+  server.on_join = [](int, const v1::JoinRequest& request, v1::JoinReply& reply) {
+    reply = welcome();
+    reply.set_encoding(request.encoding());
+    return grpc::Status::OK;
+  };
+  std::mutex mutex;
+  std::vector<double> lasted_s;
+  server.on_stream = [&](int, ScriptedServer::ServerStream& stream) {
+    const int64_t begun_ns = now_ns();
+    v1::ClientMessage incoming;
+    while (stream.Read(&incoming)) {
+    }
+    std::lock_guard lock(mutex);
+    lasted_s.push_back(seconds_from_ns(now_ns() - begun_ns));
+    return grpc::Status::OK;
+  };
+  server.start();
+  ConnectOptions options = patient();
+  options.encoding = v1::JoinRequest::KERNELS;
+  options.first_kernels_s = 0.2;
+  auto joined = SessionClient::join(server.address(), options);
+  ASSERT_TRUE(joined) << joined.error().message;
+  SinkLog sink;
+  (*joined)->start(sink);
+  while (!(*joined)->ended()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  const auto stopped = (*joined)->stop();
+  ASSERT_FALSE(stopped);
+  EXPECT_NE(stopped.error().message.find("--encoding drivers"), std::string::npos) << stopped.error().message;
+  const SinkLog::State state = sink.state();
+  ASSERT_EQ(state.lost.size(), 2u);
+  EXPECT_NE(state.lost.front().find("larger than the link carries"), std::string::npos) << state.lost.front();
+  for (int i = 0; i < 1000; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    std::lock_guard lock(mutex);
+    if (lasted_s.size() == 3) break;
+  }
+  std::lock_guard lock(mutex);
+  ASSERT_EQ(lasted_s.size(), 3u);
+  for (size_t i = 0; i < 3; ++i) EXPECT_GE(lasted_s[i], 0.8 * 0.2 * (1 << i));
 }
 
 // A frame whose bytes are not what was sent: refused, and a key frame asked for, which the stream goes on with.
