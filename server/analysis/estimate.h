@@ -37,6 +37,9 @@ struct ObjectFacts {
   bool solid = false;        // given as what takes up room (a shape, a list of points), not captured from outside
 };
 
+// How much of an estimate's confidence a guessed scale leaves.
+inline constexpr double kGuessedScaleTrust = 0.8;
+
 // Always answers. Every value carries low <= best <= high, its source and a reason. Pure; any thread.
 v1::PhysicalParameters estimate_offline(const ObjectFacts& facts);
 

@@ -127,7 +127,7 @@ v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
   const MaterialRow& material = *guess.material;
   answer.set_label(by_name ? kinds.match.alias : "object");
   answer.set_material(material.name);
-  answer.set_confidence(facts.scale_known ? guess.confidence : 0.8 * guess.confidence);
+  answer.set_confidence(facts.scale_known ? guess.confidence : kGuessedScaleTrust * guess.confidence);
   answer.set_fragile(material.fragile);
   const Span3 wall_m = facts.solid ? Span3{} : guess.wall_m;
   answer.set_fill(facts.solid ? v1::Physics::SOLID : row.fill);

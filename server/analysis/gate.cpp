@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/gate_prior.h"
 #include "core/format_text.h"
 #include "physics/material.h"
 
-// Prior and fusion: steps 8 and 9 of the gate.
+// Fusion: step 9 of the gate, whose outcome step 8 (gate_prior.h) then judges.
 
 namespace livegs {
 namespace {
@@ -15,11 +16,8 @@ namespace {
 using v1::EstimatedValue;
 using v1::Physics;
 
-constexpr double kFarFromPrior = 8.0;
 // A guessed scale may be off by as much.
 constexpr double kFarFromSize = 2.0;
-// Below this the estimate is by looks alone, and says nothing of the material.
-constexpr double kTellingConfidence = 0.4;
 // A 90 % range reaches 1.645 standard deviations to each side. Models give ranges that are too narrow, so
 // none counts as better than 10 % in mass; a single number as good to a third.
 constexpr double kRangeDeviations = 3.29;
@@ -90,6 +88,19 @@ void set_parts(const Answer& answer, v1::PhysicalParameters& result) {
   }
 }
 
+// How far friction (as a factor), restitution and plasticity of a thing are from its material's: finish and wear.
+constexpr double kFrictionReach = 2.0, kRestitutionReach = 0.3, kPlasticityReach = 0.4;
+
+// What is told of a value, brought within reach of the material's.
+double within_reach(double told, double low, double high, const char* field, const MaterialRow& material,
+                    std::vector<std::string>& changes) {
+  const double kept = std::clamp(told, low, high);
+  if (kept != told)
+    changes.push_back(format_text("%s: %.3g was brought to %.3g, as near as %s comes to it", field, told, kept,
+                                  material.name.c_str()));
+  return kept;
+}
+
 // What the answer comes to, put in place of all that is not locked. Whether E is held against the prior
 // depends on whether both speak of the same material.
 v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
@@ -149,16 +160,22 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
         told.best < 1 ? "the model's: thin or hollow things bend more easily than their material" : "bulk");
   }
   if (!locked(result.plasticity())) {
-    if (answer.plasticity)
-      set(*result.mutable_plasticity(), around(*answer.plasticity), kUnitRange, "by the model");
-    else if (!same_class)
+    if (answer.plasticity) {
+      const double kept = within_reach(*answer.plasticity, material.plasticity - kPlasticityReach,
+                                       material.plasticity + kPlasticityReach, "plasticity", material, changes);
+      set(*result.mutable_plasticity(), around(kept), kUnitRange, "by the model");
+    } else if (!same_class)
       set(*result.mutable_plasticity(), around(material.plasticity), kUnitRange, material.name);
   }
   if (!locked(result.friction()) && answer.friction) {
-    set(*result.mutable_friction(), around(*answer.friction), kFrictionRange, "by the model");
+    const double kept = within_reach(*answer.friction, material.friction / kFrictionReach,
+                                     material.friction * kFrictionReach, "friction", material, changes);
+    set(*result.mutable_friction(), around(kept), kFrictionRange, "by the model");
   }
   if (!locked(result.restitution()) && answer.restitution) {
-    set(*result.mutable_restitution(), around(*answer.restitution), kUnitRange, "by the model");
+    const double kept = within_reach(*answer.restitution, material.restitution - kRestitutionReach,
+                                     material.restitution + kRestitutionReach, "restitution", material, changes);
+    set(*result.mutable_restitution(), around(kept), kUnitRange, "by the model");
   }
   if (!same_class && !locked(result.poisson_ratio())) {
     set(*result.mutable_poisson_ratio(), around(material.poisson_ratio), {0, 0.49}, material.name);
@@ -219,41 +236,6 @@ std::vector<std::string> remarks_of(const Answer& answer, const ObjectFacts& fac
   return remarks;
 }
 
-// Why it is too far from what was known; empty when it is not.
-std::string far_from_prior(const Answer& answer, const v1::PhysicalParameters& offline) {
-  const EstimatedValue& mass = offline.mass_kg();
-  const auto far = [](double value, const EstimatedValue& prior) {
-    const bool within = value >= prior.low() && value <= prior.high();
-    return !within && std::abs(std::log(value / prior.best())) > std::log(kFarFromPrior);
-  };
-  if (!locked(mass) && mass.best() > 0 && far(answer.mass_kg.best, mass)) {
-    return format_text(
-        "mass_g.best: %.4g g is more than %g times away from the %.4g g that size and kind suggest",
-        answer.mass_kg.best * 1e3, kFarFromPrior, mass.best() * 1e3);
-  }
-  const EstimatedValue& young = offline.youngs_modulus_pa();
-  if (!locked(young) && answer.youngs_modulus_pa && offline.confidence() >= kTellingConfidence &&
-      young.best() > 0) {
-    // Held against each other as E* = s E: what one calls thin, the other calls soft.
-    const double told = answer.youngs_modulus_pa->best *
-                        (answer.structure_coefficient ? answer.structure_coefficient->best : 1.0);
-    EstimatedValue prior;
-    const EstimatedValue& s = offline.structure_coefficient();
-    prior.set_low(young.low() * s.low());
-    prior.set_best(young.best() * s.best());
-    prior.set_high(young.high() * s.high());
-    // Above E* = 200 MPa all things are rigid, and how much above does not matter.
-    const bool both_rigid = told > 200e6 && prior.best() > 200e6;
-    if (prior.best() > 0 && !both_rigid && far(told, prior)) {
-      return format_text(
-          "young_mpa.best: s E = %.3g MPa is more than %g times away from the %.3g MPa that its kind "
-          "suggests",
-          told * 1e-6, kFarFromPrior, prior.best() * 1e-6);
-    }
-  }
-  return "";
-}
-
 }  // namespace
 
 Judgement weigh_answer(const Answer& answer, const ObjectFacts& facts,
@@ -262,7 +244,7 @@ Judgement weigh_answer(const Answer& answer, const ObjectFacts& facts,
   judgement.changes = answer.changes;
   judgement.remarks = remarks_of(answer, facts);
   judgement.proposal = fused(answer, facts, offline, judgement.changes);
-  judgement.message = far_from_prior(answer, offline);
+  judgement.message = far_from_prior(answer, facts, offline, judgement.proposal);
   judgement.verdict = judgement.message.empty() ? Verdict::Accepted : Verdict::NeedsReview;
   judgement.parameters = judgement.message.empty() ? judgement.proposal : offline;
   return judgement;

@@ -10,14 +10,14 @@
 
 // The acceptance gate: nothing a language model says reaches an object but through here. An answer is read
 // (analysis/answer.h: parse, schema, order, hard ranges), examined (units, physics, consistency) and held
-// against what was known before (prior, fusion). The deformation resistance is computed here from E* = s E,
+// against what was known before (prior: gate_prior.h, fusion). The deformation resistance is computed here from E* = s E,
 // never taken from the answer.
 
 namespace livegs {
 
 enum class Verdict {
   Accepted,
-  NeedsReview,  // possible, but far from what was known: kept as a proposal, the object keeps its values
+  NeedsReview,  // possible, but far from what was known or at odds with itself: kept as a proposal, the object keeps its values
   Refused,
 };
 

@@ -31,6 +31,11 @@ std::string number_text(double value) {
   return text;
 }
 
+// Of a field's numbers, as a repair turn tells it.
+std::string unit_of(const std::string& field) {
+  return field.starts_with("mass_g") ? " grams" : field.starts_with("young_mpa") ? " MPa" : "";
+}
+
 class Reader {
  public:
   explicit Reader(const json& object) : object_(object) {}
@@ -63,7 +68,7 @@ class Reader {
     if (!std::isfinite(number)) return fail(field + ": is not finite; give a number"), std::nullopt;
     if (!range.holds(number * factor)) {
       return fail(field + ": is " + number_text(number) + "; it must lie between " +
-                  number_text(range.low / factor) + " and " + number_text(range.high / factor)),
+                  number_text(range.low / factor) + " and " + number_text(range.high / factor) + unit_of(field)),
              std::nullopt;
     }
     return number * factor;
@@ -93,7 +98,8 @@ class Reader {
       numbers[i] = *one;
     }
     if (!(numbers[0] <= numbers[1] && numbers[1] <= numbers[2])) {
-      return fail(field + ": low <= best <= high does not hold; give them in order"), std::nullopt;
+      return fail(field + ": low <= best <= high does not hold; give them in order" +
+                  (unit_of(field).empty() ? "" : ", in" + unit_of(field))), std::nullopt;
     }
     if (numbers[2] > kWidestRatio * numbers[0]) {
       return fail(field + ": high is more than " + number_text(kWidestRatio) +
@@ -212,19 +218,33 @@ class Reader {
     if (!answer.plasticity && !failed())
       answer.changes.push_back("plasticity_level: is not of the ladder, left out");
   }
+  // No value rests on these four: what will not do of them is left out and the answer stands.
   void size() {
     const json* value = find("size_m");
     if (!value || failed()) return;
-    if (!value->is_array() || value->size() != 3) return fail("size_m: give three numbers");
     double longest = 0;
-    for (size_t i = 0; i < 3; ++i) {
-      const auto side = number((*value)[i], "size_m[" + std::to_string(i) + "]", kSizeRange_m);
-      if (!side) return;
-      longest = std::max(longest, *side);
+    bool sound = value->is_array() && value->size() == 3;
+    for (size_t i = 0; sound && i < 3; ++i) {
+      const json& side = (*value)[i];
+      sound = side.is_number() && kSizeRange_m.holds(side.get<double>());
+      if (sound) longest = std::max(longest, side.get<double>());
     }
-    answer.longest_side_m = longest;
+    if (sound) {
+      answer.longest_side_m = longest;
+    } else {
+      answer.changes.push_back("size_m: is not three lengths in metres, left out");
+    }
   }
-  // No value rests on these two: what will not do of them is left out and the answer stands.
+  void confidence() {
+    const json* value = find("confidence");
+    if (!value || failed()) return;
+    const double number = value->is_number() ? value->get<double>() : -1;
+    if (kUnitRange.holds(number)) {
+      answer.confidence = number;
+    } else {
+      answer.changes.push_back("confidence: is no number from 0 to 1, left out");
+    }
+  }
   void name_confidence() {
     const json* value = find("name_confidence");
     if (!value || failed()) return;
@@ -319,7 +339,7 @@ Result<Answer> read_answer(std::string_view text) {
   read.fill();
   read.behaviour();
   read.parts();
-  if (const json* mass = read.require("mass_g", "{low, best, high}"); mass && !read.failed()) {
+  if (const json* mass = read.require("mass_g", "{low, best, high} in grams"); mass && !read.failed()) {
     answer.mass_kg = read.span(*mass, "mass_g", kMassRange_kg, 1e-3).value_or(Span3{});
   }
   if (const json* young = read.find("young_mpa"); young && !read.failed()) {
@@ -335,7 +355,7 @@ Result<Answer> read_answer(std::string_view text) {
   answer.replica = read.boolean("is_replica");
   answer.friction = read.optional_number("friction", kFrictionRange);
   answer.restitution = read.optional_number("restitution", kUnitRange);
-  answer.confidence = read.optional_number("confidence", kUnitRange).value_or(answer.confidence);
+  read.confidence();
   read.size();
   read.sources();
   read.ignored_fields();

@@ -40,6 +40,37 @@ inline ObjectFacts pillow_facts() {
   return facts;
 }
 
+// A kitchen sponge of 11 x 3 x 7 cm.
+inline ObjectFacts sponge_facts() {
+  ObjectFacts facts;
+  facts.name = "sponge";
+  facts.scale_known = true;
+  facts.mesh.size_m = {0.11, 0.03, 0.07};
+  facts.mesh.principal_size_m = {0.11, 0.07, 0.03};
+  facts.mesh.volume_m3 = 2e-4;
+  facts.mesh.area_m2 = 0.026;
+  facts.mesh.mean_wall_m = 0.03;
+  facts.mesh.hull_volume_m3 = 2.2e-4;
+  facts.mesh.solidity = 0.91;
+  facts.mesh.piece_count = 1;
+  return facts;
+}
+
+// A tennis ball, named by its file.
+inline ObjectFacts tennis_ball_facts() {
+  ObjectFacts facts;
+  facts.name = "056_tennis_ball";
+  facts.scale_known = true;
+  facts.mesh.size_m = facts.mesh.principal_size_m = {0.066, 0.066, 0.066};
+  facts.mesh.volume_m3 = 1.5e-4;
+  facts.mesh.area_m2 = 0.0137;
+  facts.mesh.mean_wall_m = 0.06;
+  facts.mesh.hull_volume_m3 = 1.5e-4;
+  facts.mesh.solidity = 1;
+  facts.mesh.piece_count = 1;
+  return facts;
+}
+
 inline nlohmann::json mug_answer() {
   return nlohmann::json::parse(R"({
     "description": "a glazed stoneware mug with a handle", "evidence": "glossy glaze, bare ring at the foot",
@@ -50,6 +81,16 @@ inline nlohmann::json mug_answer() {
     "young_mpa": {"low": 40000, "best": 60000, "high": 75000}, "structure_s": 1.0,
     "plasticity_level": "glass", "plasticity": 0.0, "fragile": true, "friction": 0.5, "restitution": 0.3,
     "confidence": 0.9, "kb_ids": ["stoneware"]})");
+}
+
+inline nlohmann::json sponge_answer() {
+  return nlohmann::json::parse(R"({
+    "description": "a yellow sponge", "evidence": "open pores", "name": "sponge", "name_confidence": 0.9,
+    "is_replica": false, "fill": "solid",
+    "parts": [{"name": "all", "material_id": "kitchen sponge", "share": 1, "thickness_mm": null}],
+    "behaviour": "elastic", "size_m": [0.11, 0.03, 0.07], "mass_g": {"low": 5, "best": 7, "high": 11},
+    "young_mpa": {"low": 0.03, "best": 0.05, "high": 0.1}, "structure_s": 1, "plasticity_level": "rubber",
+    "plasticity": 0.1, "fragile": false, "friction": 0.6, "restitution": 0.2, "confidence": 0.8, "kb_ids": []})");
 }
 
 inline nlohmann::json pillow_answer() {

@@ -385,8 +385,12 @@ TEST_F(PhysicsFileTest, AKillBetweenAnyTwoWritesLosesNothing) {
     }
     return kg;
   };
+  const auto waiting_kg = [&] {
+    const auto waits = open_proposal(read_decisions(path));
+    return waits ? waits->physics().mass_kg().best() : 0;
+  };
   const auto now_kg = [&] { return mass_kg(); };
-  enum class From { Nothing, Edited, EditedByHand, Undone, Deleted };
+  enum class From { Nothing, Edited, EditedByHand, Undone, Deleted, Proposed };
   struct Kill {
     const char* name;
     From from;
@@ -410,6 +414,10 @@ TEST_F(PhysicsFileTest, AKillBetweenAnyTwoWritesLosesNothing) {
       {"proposal", From::Edited,
        [&](auto& step) { return log_proposal(path, analysed(9), record_of("s"), step).has_value(); }, proposed_kg, 0,
        9},
+      {"accepted proposal", From::Proposed, [&](auto& step) { return accept_proposal(path, step).has_value(); },
+       analysed_kg, 0.31, 9},
+      {"declined proposal", From::Proposed, [&](auto& step) { return decline_proposal(path, step).has_value(); },
+       waiting_kg, 9, 0},
       {"analysis after the sidecar was deleted", From::Deleted,
        [&](auto& step) { return apply_analysis(path, analysed(0.4), record_of("s"), step).has_value(); },
        analysed_kg, 0, 0.4},
@@ -420,6 +428,10 @@ TEST_F(PhysicsFileTest, AKillBetweenAnyTwoWritesLosesNothing) {
   ASSERT_TRUE(apply_analysis(path, analysed(0.31), record_of("s")));
   ASSERT_TRUE(edit_physics(path, edit_of_mass(0.25)));
   const auto edited = contents();
+  ASSERT_TRUE(log_proposal(path, analysed(9), record_of("s")));
+  const auto proposed = contents();
+  folder.write("mug.physics.json", edited.first);
+  folder.write("mug.physics.log", edited.second);
   ASSERT_TRUE(undo_physics(path));
   const auto undone = contents();
   for (const char* name : {"mug.physics.json", "mug.physics.log"}) std::filesystem::remove(folder / name);
@@ -429,7 +441,10 @@ TEST_F(PhysicsFileTest, AKillBetweenAnyTwoWritesLosesNothing) {
     for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
       std::filesystem::remove(entry.path());
     if (from == From::Nothing) return;
-    const auto& [sidecar, log] = from == From::Undone ? undone : from == From::Deleted ? first : edited;
+    const auto& [sidecar, log] = from == From::Undone     ? undone
+                                 : from == From::Deleted  ? first
+                                 : from == From::Proposed ? proposed
+                                                          : edited;
     if (from != From::Deleted) folder.write("mug.physics.json", sidecar);
     folder.write("mug.physics.log", log);
     if (from == From::EditedByHand) edit_by_hand("/physics/friction/best", 0.77);
