@@ -17,6 +17,9 @@ using Eigen::Vector3d;
 constexpr double kStrainedSquared = 0.25;  // |S - I|² of the worst cell, with bending
 // Of the energy that is not of its flight. What is pressed or held reads more for a while than it has.
 constexpr double kMostGainFree = 0.003, kMostGainTouching = 0.3;
+// Beyond it (steps that a study gives, none that a body chooses) it shows next to nothing of its modulus, and its energy, which
+// is reckoned with all of it, says nothing.
+constexpr double kMostCourant = 1.0;
 // Of E V, strain of the order of a hundred everywhere, and of what it gets by falling through its own length or by stopping.
 constexpr double kLost = 1e5, kLostOfFall = 1e3;
 
@@ -27,7 +30,7 @@ bool CellsBody::bound_energy() {
   const bool touched = std::exchange(touched_, touching_) || touching_;
   const double work_j = std::exchange(work_j_, 0.0);
   const bool unknown = driven_ || moved_ || untangling_ || comes_off() || !region_loads_.empty();
-  if (std::max(strain_squared_, bent_squared_) < kStrainedSquared) {
+  if (choice_.courant > kMostCourant || std::max(strain_squared_, bent_squared_) < kStrainedSquared) {
     bound_j_.reset();
     return true;
   }
