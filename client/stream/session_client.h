@@ -36,9 +36,10 @@ struct ConnectOptions {
   std::stop_token stop;
 };
 
-// One session with a server, which outlives its connections: when the stream breaks, or nothing came for a second
-// (longer with frames of kernels, session_stream.h), it connects again (stream/retry_schedule.h), joins with its session's id, tells the sink what has changed meanwhile and
-// opens a new stream. Kernels that are too large for the link end it after three streams without a frame. Errors name the address and the remedy.
+// One session with a server, which outlives its connections: when the stream breaks, or nothing came for a second (longer with
+// frames of kernels, session_stream.h), it connects again (stream/retry_schedule.h), joins with its session's id, tells the sink
+// what has changed meanwhile and opens a new stream. Kernels that are too large for the link end it after three streams without
+// a frame. Errors name the address and the remedy.
 class SessionClient {
  public:
   // Connects and joins. Tries again until the time is up while nobody answers or the scene is being built; not when the
