@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "analysis/knowledge.h"
+#include "analysis/prompt_words.h"
 #include "core/result.h"
 
 // What a language model answers about one object, in the schema `livegs.analysis/1`, read without trusting a
@@ -62,9 +63,9 @@ struct Answer {
 };
 
 // The object in the text, also among prose or in a fence, checked: UTF-8, size, depth, types, enumerators,
-// finite, low <= best <= high, within kWidestRatio, within the ranges above. The error is one line that names
-// the field and tells the model how to mend it. Pure; any bytes; any thread.
-Result<Answer> read_answer(std::string_view text);
+// finite, low <= best <= high, within kWidestRatio, within the ranges above. The error is one line of
+// prompts/complaints.json that names the field and tells the model how to mend it. Pure; any bytes; any thread.
+Result<Answer> read_answer(std::string_view text, const PromptWords& words = PromptWords::built_in());
 
 // Text of a model, fit to be shown: control characters and broken UTF-8 gone, at most `characters` long.
 std::string shown_text(std::string_view text, size_t characters);

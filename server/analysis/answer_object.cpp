@@ -36,13 +36,12 @@ bool is_utf8(std::string_view text) {
 
 }  // namespace
 
-Result<json> answer_object(std::string_view text) {
+Result<json> answer_object(std::string_view text, const PromptWords& words) {
   if (text.size() > kMaxAnswerBytes) {
-    return Error{ErrorCode::TooLarge, "the answer has " + std::to_string(text.size()) + " bytes; at most " +
-                                          std::to_string(kMaxAnswerBytes) +
-                                          " are read: give the JSON object alone"};
+    return Error{ErrorCode::TooLarge, words.say("too_long", {{"bytes", std::to_string(text.size())},
+                                                             {"most", std::to_string(kMaxAnswerBytes)}})};
   }
-  if (!is_utf8(text)) return invalid_data("the answer is not UTF-8: give the JSON object alone, in UTF-8");
+  if (!is_utf8(text)) return invalid_data(words.say("not_utf8"));
   std::optional<json> found;
   bool too_deep = false;
   // Each search for a closing brace may run to the end, so their number is bounded.
@@ -58,8 +57,7 @@ Result<json> answer_object(std::string_view text) {
         next = end;
         if (object.contains("mass_g")) {
           if (found && *found != object) {
-            return invalid_data(
-                "the answer holds more than one object with a mass_g: give exactly one JSON object");
+            return invalid_data(words.say("many_objects"));
           }
           found = std::move(object);
         }
@@ -68,9 +66,7 @@ Result<json> answer_object(std::string_view text) {
     at = text.find('{', next);
   }
   if (found) return std::move(*found);
-  if (too_deep) return invalid_data("the answer is nested too deep: give one flat JSON object of the schema");
-  return invalid_data(
-      "the answer holds no complete JSON object with a mass_g: give exactly one JSON object of the schema");
+  return invalid_data(words.say(too_deep ? "too_deep" : "no_object"));
 }
 
 }  // namespace livegs

@@ -4,12 +4,14 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "analysis/prompt_words.h"
 #include "core/result.h"
 
 namespace livegs {
 
 // The one JSON object with a "mass_g" in a text, which may stand among prose or in a fence. Any bytes.
-// Errors: too long, not UTF-8, nested too deep, no such object, more than one that differ.
-Result<nlohmann::json> answer_object(std::string_view text);
+// Errors, in the words of prompts/complaints.json: too long, not UTF-8, nested too deep, no such object, more than one
+// that differ.
+Result<nlohmann::json> answer_object(std::string_view text, const PromptWords& words = PromptWords::built_in());
 
 }  // namespace livegs

@@ -63,10 +63,10 @@ void add_to(v1::AnalysisRecord& record, const RawAnswer& answer) {
 }
 
 // Steps 1 to 7 of the gate.
-Result<Answer> read_and_examine(const std::string& json, const AnalysisTarget& target) {
-  auto answer = read_answer(json);
+Result<Answer> read_and_examine(const std::string& json, const AnalysisTarget& target, const PromptWords& words) {
+  auto answer = read_answer(json, words);
   if (!answer) return answer.error();
-  return examine_answer(std::move(*answer), *target.facts, target.offline);
+  return examine_answer(std::move(*answer), *target.facts, target.offline, words);
 }
 
 }  // namespace
@@ -89,7 +89,7 @@ void ask_model(const AnalysisTarget& target, const std::vector<SceneObjectFacts>
   for (const TargetView& look : *looks) {
     if (stop.stop_requested()) break;
     AnalysisQuestion question;
-    question.slots = fact_slots(*target.facts, target.offline, neighbours);
+    question.slots = fact_slots(*target.facts, target.offline, neighbours, endpoint.words());
     question.slots.insert(look.slots.begin(), look.slots.end());
     question.images = look.images;
     const std::string key = question_hash(question, target, neighbours, state, options.prompt_version);
@@ -100,7 +100,7 @@ void ask_model(const AnalysisTarget& target, const std::vector<SceneObjectFacts>
       turn.question = std::move(asked);
       turn.repair = std::move(repair);
       turn.answer = raw;
-      auto answer = read_and_examine(raw.json, target);
+      auto answer = read_and_examine(raw.json, target, endpoint.words());
       if (!answer) turn.error = answer.error().message;
       if (answer && raw.blind) {
         answer->blind = true;
@@ -132,7 +132,7 @@ void ask_model(const AnalysisTarget& target, const std::vector<SceneObjectFacts>
     }
     all_cached = false;
     staged(AnalysisStage::Asked);
-    const auto exchange = endpoint.start(ToolBox(*target.facts, neighbours));
+    const auto exchange = endpoint.start(ToolBox(*target.facts, neighbours, endpoint.words()));
     auto raw = exchange->ask(question, stop);
     if (!raw) {
       update.cancelled = stop.stop_requested();

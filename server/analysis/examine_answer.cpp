@@ -103,22 +103,22 @@ void mend_units(Answer& answer, const ObjectFacts& facts, const v1::PhysicalPara
   }
 }
 
-std::optional<Error> check_physics(const Answer& answer, const ObjectFacts& facts) {
+std::string general(double value) { return format_text("%g", value); }
+std::string short_text(double value) { return format_text("%.3g", value); }
+
+std::optional<Error> check_physics(const Answer& answer, const ObjectFacts& facts, const PromptWords& words) {
   const double slack = facts.scale_known ? 1.0 : kGuessedVolume;
   const double solid_m3 = std::max(facts.mesh.volume_m3, facts.mesh.hull_volume_m3);
   const double box_m3 = facts.mesh.size_m.prod();
   const double most_kg = kDensest_kg_m3 * solid_m3 * slack, least_kg = kLightest_kg_m3 * box_m3 / slack;
+  const std::string told = general(answer.mass_kg.best * 1e3);
   if (solid_m3 > 0 && answer.mass_kg.best > most_kg) {
-    return invalid_data(
-        format_text("mass_g.best: %g g in %.3g cm3 is denser than any material; at most %.3g g is possible. "
-                    "Check the unit and the size",
-                    answer.mass_kg.best * 1e3, solid_m3 * 1e6, most_kg * 1e3));
+    return invalid_data(words.say(
+        "too_dense", {{"mass", told}, {"volume", short_text(solid_m3 * 1e6)}, {"most", short_text(most_kg * 1e3)}}));
   }
   if (box_m3 > 0 && answer.mass_kg.best < least_kg) {
-    return invalid_data(
-        format_text("mass_g.best: %g g in a box of %.3g cm3 is lighter than air; at least %.3g g is needed. "
-                    "Check the unit and the size",
-                    answer.mass_kg.best * 1e3, box_m3 * 1e6, least_kg * 1e3));
+    return invalid_data(words.say(
+        "too_light", {{"mass", told}, {"volume", short_text(box_m3 * 1e6)}, {"least", short_text(least_kg * 1e3)}}));
   }
   return std::nullopt;
 }
@@ -131,15 +131,14 @@ bool brittle(const MaterialRow& material) {
   return material.fragile;
 }
 
-std::optional<Error> make_consistent(Answer& answer) {
+std::optional<Error> make_consistent(Answer& answer, const PromptWords& words) {
   const Span3 material = youngs_of(answer.parts);
   const std::string& name = answer.parts.front().material->name;
   if (answer.youngs_modulus_pa && !within(answer.youngs_modulus_pa->best, material, kMaterialSlack)) {
-    return invalid_data("young_mpa.best: " +
-                        format_text("%g MPa does not fit the materials named, which have %.3g to %.3g MPa",
-                                    answer.youngs_modulus_pa->best * 1e-6, material.low * 1e-6,
-                                    material.high * 1e-6) +
-                        " (" + name + "); thinness belongs in structure_s");
+    return invalid_data(words.say("young_of_others", {{"young", general(answer.youngs_modulus_pa->best * 1e-6)},
+                                                      {"low", short_text(material.low * 1e-6)},
+                                                      {"high", short_text(material.high * 1e-6)},
+                                                      {"material", name}}));
   }
   // Where no modulus is given, the stiffest part holds the rest.
   double stiffest = 0;
@@ -153,18 +152,13 @@ std::optional<Error> make_consistent(Answer& answer) {
         format_text("behaviour: elastic was changed to rigid, since s E = %.3g MPa is above %g MPa",
                     stiffness * 1e-6, kRigidYoungs_pa * 1e-6));
   } else if (answer.behavior == Physics::RIGID && stiffness < 0.05 * kSoftYoungs_pa && !answer.fragile) {
-    return invalid_data("behaviour: " +
-                        format_text("rigid does not fit s E = %.3g MPa, which a hand deforms (below %g MPa)",
-                                    stiffness * 1e-6, 0.05 * kSoftYoungs_pa * 1e-6) +
-                        "; say elastic, or give the stiffness of what makes it rigid");
+    return invalid_data(words.say("rigid_yet_soft", {{"stiffness", short_text(stiffness * 1e-6)},
+                                                     {"least", general(0.05 * kSoftYoungs_pa * 1e-6)}}));
   }
   if (answer.fragile) {
     const bool any = std::any_of(answer.parts.begin(), answer.parts.end(),
                                  [](const AnswerPart& part) { return brittle(*part.material); });
-    if (!any) {
-      return invalid_data("fragile: true does not fit " + name +
-                          ", which does not shatter; say false, or name the " + "brittle part's material");
-    }
+    if (!any) return invalid_data(words.say("fragile_yet_tough", {{"material", name}}));
     if (answer.behavior == Physics::ELASTIC) {
       answer.fragile = false;
       answer.changes.push_back("fragile: cleared, since what bends visibly does not shatter");
@@ -176,10 +170,10 @@ std::optional<Error> make_consistent(Answer& answer) {
 }  // namespace
 
 Result<Answer> examine_answer(Answer answer, const ObjectFacts& facts,
-                              const v1::PhysicalParameters& offline) {
+                              const v1::PhysicalParameters& offline, const PromptWords& words) {
   mend_units(answer, facts, offline);
-  if (auto wrong = check_physics(answer, facts)) return *wrong;
-  if (auto wrong = make_consistent(answer)) return *wrong;
+  if (auto wrong = check_physics(answer, facts, words)) return *wrong;
+  if (auto wrong = make_consistent(answer, words)) return *wrong;
   return answer;
 }
 

@@ -81,6 +81,8 @@ class ModelEndpoint {
   // fails here is told by ask().
   virtual void get_ready(std::stop_token) {}
   virtual EndpointState state() const = 0;
+  // What an object's facts, complaints and tools are worded with; lives as long as this.
+  virtual const PromptWords& words() const { return PromptWords::built_in(); }
 };
 
 }  // namespace livegs

@@ -15,15 +15,12 @@ namespace {
 constexpr size_t kNearestMaterials = 3;
 constexpr size_t kLongestMaterial = 60, kLongestReason = 600;
 
-constexpr const char* kScaleKnown = "metric";
+using Words = const PromptWords&;
 
-std::string size_text(const Eigen::Vector3d& size_m) {
-  return format_text("%.3g x %.3g x %.3g m", size_m.x(), size_m.y(), size_m.z());
-}
-
-std::string range(const v1::EstimatedValue& value, double factor, const char* unit) {
-  return format_text("%.4g %s (%.4g to %.4g)", factor * value.best(), unit, factor * value.low(),
-                     factor * value.high());
+std::string size_text(const Eigen::Vector3d& size_m, Words words) {
+  return words.say("size", {{"length", format_text("%.3g", size_m.x())},
+                            {"height", format_text("%.3g", size_m.y())},
+                            {"depth", format_text("%.3g", size_m.z())}});
 }
 
 // A text of a line of its own, whatever it holds: what ends a line or imitates a quote is gone.
@@ -33,64 +30,80 @@ std::string inside_line(std::string_view text, size_t longest) {
 }
 
 // What a person or the scene's author told, by its field.
-std::string told_text(const v1::PhysicalParameters& known) {
+std::string told_text(const v1::PhysicalParameters& known, Words words) {
   std::string line;
   for (const PhysicsValue& value : physics_values()) {
     const v1::EstimatedValue& one = (known.*value.get)();
     if (one.source() != v1::EstimatedValue::PERSON && one.source() != v1::EstimatedValue::SCENE) continue;
-    line += (line.empty() ? "" : ", ") + format_text("%s %.4g", value.name, one.best());
+    line += (line.empty() ? "" : ", ") +
+            words.say("told", {{"field", value.name}, {"value", format_text("%.4g", one.best())}});
   }
   return line;
 }
 
-std::string mesh_text(const MeshFacts& mesh) {
+std::string mesh_text(const MeshFacts& mesh, Words words) {
   const Eigen::Vector3d box_cm = 100 * sorted_box_m(mesh);
-  std::string line = format_text(
-      "smallest box %.3g x %.3g x %.3g cm, encloses %.4g cm3, surface %.4g cm2, mean wall 2V/A %.3g mm, "
-      "%.0f %% of its convex hull",
-      box_cm[0], box_cm[1], box_cm[2], 1e6 * mesh.volume_m3, 1e4 * mesh.area_m2, 1e3 * mesh.mean_wall_m,
-      100 * mesh.solidity);
-  if (mesh.openness > 0.15) line += format_text(", %.0f %% open", 100 * mesh.openness);
-  if (mesh.thin_sheet > 0.3) line += ", thin sheet";
-  if (mesh.rod > 0.3) line += ", rod";
-  if (mesh.piece_count > 1) line += format_text(", %d pieces", mesh.piece_count);
-  return line;
+  std::string more;
+  if (mesh.openness > 0.15) more += words.say("mesh_open", {{"share", format_text("%.0f", 100 * mesh.openness)}});
+  if (mesh.thin_sheet > 0.3) more += words.say("mesh_sheet");
+  if (mesh.rod > 0.3) more += words.say("mesh_rod");
+  if (mesh.piece_count > 1) more += words.say("mesh_pieces", {{"count", std::to_string(mesh.piece_count)}});
+  return words.say("mesh", {{"long", format_text("%.3g", box_cm[0])},
+                            {"middle", format_text("%.3g", box_cm[1])},
+                            {"short", format_text("%.3g", box_cm[2])},
+                            {"volume", format_text("%.4g", 1e6 * mesh.volume_m3)},
+                            {"area", format_text("%.4g", 1e4 * mesh.area_m2)},
+                            {"wall", format_text("%.3g", 1e3 * mesh.mean_wall_m)},
+                            {"solidity", format_text("%.0f", 100 * mesh.solidity)},
+                            {"more", more}});
 }
 
-std::string looks_text(const AppearanceFacts& look) {
-  return format_text(
-      "mean colour #%02x%02x%02x, saturation %.2f, spread of hue %.2f rad, opacity %.2f, gloss %.2f",
-      static_cast<int>(255 * look.mean_rgb.x() + 0.5f), static_cast<int>(255 * look.mean_rgb.y() + 0.5f),
-      static_cast<int>(255 * look.mean_rgb.z() + 0.5f), look.saturation, look.hue_spread, look.mean_opacity,
-      look.gloss);
+std::string looks_text(const AppearanceFacts& look, Words words) {
+  const auto byte = [](float channel) { return static_cast<int>(255 * channel + 0.5f); };
+  return words.say("looks", {{"rgb", format_text("%02x%02x%02x", byte(look.mean_rgb.x()), byte(look.mean_rgb.y()),
+                                                 byte(look.mean_rgb.z()))},
+                             {"saturation", format_text("%.2f", look.saturation)},
+                             {"hue_spread", format_text("%.2f", look.hue_spread)},
+                             {"opacity", format_text("%.2f", look.mean_opacity)},
+                             {"gloss", format_text("%.2f", look.gloss)}});
 }
 
-std::string neighbours_text(std::span<const SceneObjectFacts> neighbours) {
+std::string neighbours_text(std::span<const SceneObjectFacts> neighbours, Words words) {
   std::string lines;
   const size_t told = std::min(neighbours.size(), kToldNeighbours);
   for (size_t i = 0; i < told; ++i) {
     const SceneObjectFacts& other = neighbours[neighbours.size() - 1 - i];  // newest first
-    if (!lines.empty()) lines += '\n';
-    lines += "- " + quoted_text(other.name) + ": ";
-    if (other.mass_kg > 0) lines += format_text("%.4g g, ", 1e3 * other.mass_kg);
+    std::string known;
+    if (other.mass_kg > 0) known += words.say("neighbour_mass", {{"mass", format_text("%.4g", 1e3 * other.mass_kg)}});
     // A sidecar may say anything.
-    if (!other.material.empty()) lines += inside_line(other.material, kLongestMaterial) + ", ";
-    if (!other.behavior.empty()) lines += inside_line(other.behavior, kLongestMaterial) + ", ";
-    lines += format_text("%.3g x %.3g x %.3g m, %.3g m away%s", other.size_m.x(), other.size_m.y(),
-                         other.size_m.z(), other.distance_m, other.analysed ? "" : " (estimated offline)");
+    for (const std::string& word : {other.material, other.behavior}) {
+      if (!word.empty()) known += words.say("neighbour_word", {{"word", inside_line(word, kLongestMaterial)}});
+    }
+    lines += (lines.empty() ? "" : "\n") +
+             words.say("neighbour", {{"name", quoted_text(other.name)},
+                                     {"known", known},
+                                     {"size", size_text(other.size_m, words)},
+                                     {"distance", format_text("%.3g", other.distance_m)},
+                                     {"estimated", other.analysed ? "" : words.say("neighbour_estimated")}});
   }
   return lines;
 }
 
-std::string material_line(const MaterialRow& row) {
-  return format_text("- %s (%s): %.4g to %.4g kg/m3, Young's modulus %.3g MPa (%.3g to %.3g), plasticity %.2g%s",
-                     row.name.c_str(), row.material_class.c_str(), row.density_kg_m3.low, row.density_kg_m3.high,
-                     1e-6 * row.youngs_modulus_pa.best, 1e-6 * row.youngs_modulus_pa.low,
-                     1e-6 * row.youngs_modulus_pa.high, row.plasticity, row.fragile ? ", fragile" : "");
+std::string material_line(const MaterialRow& row, Words words) {
+  const Span3 &density = row.density_kg_m3, &young = row.youngs_modulus_pa;
+  return words.say("material", {{"name", row.name},
+                                {"class", row.material_class},
+                                {"density_low", format_text("%.4g", density.low)},
+                                {"density_high", format_text("%.4g", density.high)},
+                                {"young", format_text("%.3g", 1e-6 * young.best)},
+                                {"young_low", format_text("%.3g", 1e-6 * young.low)},
+                                {"young_high", format_text("%.3g", 1e-6 * young.high)},
+                                {"plasticity", format_text("%.2g", row.plasticity)},
+                                {"fragile", row.fragile ? words.say("material_fragile") : ""}});
 }
 
 // The materials of the likely kinds, likeliest first.
-std::string materials_text(const Kinds& kinds) {
+std::string materials_text(const Kinds& kinds, Words words) {
   std::vector<const MaterialRow*> nearest;
   for (const Kind& kind : kinds.kinds) {
     const MaterialRow* material = kind.material ? kind.material : &material_row(kind.row->material);
@@ -100,62 +113,44 @@ std::string materials_text(const Kinds& kinds) {
   std::string lines;
   for (const MaterialRow* row : nearest) {
     if (!lines.empty()) lines += '\n';
-    lines += material_line(*row);
+    lines += material_line(*row, words);
   }
   return lines;
 }
 
-std::string offline_text(const v1::PhysicalParameters& offline) {
-  return format_text("%s of %s, mass %s, %s, confidence %.2f; ",
-                     inside_line(offline.label(), kLongestMaterial).c_str(),
-                     inside_line(offline.material(), kLongestMaterial).c_str(),
-                     range(offline.mass_kg(), 1e3, "g").c_str(),
-                     v1::Physics::Behavior_Name(offline.behavior()).c_str(), offline.confidence()) +
-         inside_line(offline.mass_kg().reason(), kLongestReason);
+std::string offline_text(const v1::PhysicalParameters& offline, Words words) {
+  const v1::EstimatedValue& mass = offline.mass_kg();
+  return words.say("offline", {{"label", inside_line(offline.label(), kLongestMaterial)},
+                               {"material", inside_line(offline.material(), kLongestMaterial)},
+                               {"mass", format_text("%.4g", 1e3 * mass.best())},
+                               {"mass_low", format_text("%.4g", 1e3 * mass.low())},
+                               {"mass_high", format_text("%.4g", 1e3 * mass.high())},
+                               {"behaviour", v1::Physics::Behavior_Name(offline.behavior())},
+                               {"confidence", format_text("%.2f", offline.confidence())},
+                               {"reason", inside_line(mass.reason(), kLongestReason)}});
 }
 
 }  // namespace
 
 std::map<std::string, std::string> fact_slots(const ObjectFacts& facts, const v1::PhysicalParameters& offline,
-                                              std::span<const SceneObjectFacts> neighbours) {
+                                              std::span<const SceneObjectFacts> neighbours,
+                                              const PromptWords& words) {
   std::map<std::string, std::string> slots;
   if (!facts.name.empty()) slots["name"] = facts.name;
-  slots["size"] = size_text(facts.mesh.size_m);
+  slots["size"] = size_text(facts.mesh.size_m, words);
   if (facts.scale_known) {
-    slots["scale"] = kScaleKnown;
+    slots["scale"] = words.say("scale_known");
   } else {
     slots["scale_off"] = "2";
     slots["mass_off"] = "8";
   }
-  slots["mesh"] = mesh_text(facts.mesh);
-  if (facts.appearance.mean_opacity > 0) slots["looks"] = looks_text(facts.appearance);
-  if (!neighbours.empty()) slots["neighbours"] = neighbours_text(neighbours);
-  slots["materials"] = materials_text(object_kinds(facts));
-  slots["offline"] = offline_text(offline);
-  if (std::string told = told_text(offline); !told.empty()) slots["told"] = std::move(told);
+  slots["mesh"] = mesh_text(facts.mesh, words);
+  if (facts.appearance.mean_opacity > 0) slots["looks"] = looks_text(facts.appearance, words);
+  if (!neighbours.empty()) slots["neighbours"] = neighbours_text(neighbours, words);
+  slots["materials"] = materials_text(object_kinds(facts), words);
+  slots["offline"] = offline_text(offline, words);
+  if (std::string told = told_text(offline, words); !told.empty()) slots["told"] = std::move(told);
   return slots;
-}
-
-std::string fact_words() {
-  MeshFacts mesh;
-  mesh.openness = mesh.thin_sheet = mesh.rod = 1;
-  mesh.piece_count = 2;
-  MaterialRow row{};
-  row.fragile = true;
-  v1::PhysicalParameters known;
-  for (const PhysicsValue& value : physics_values()) {
-    (known.*value.mutable_value)()->set_source(v1::EstimatedValue::PERSON);
-  }
-  SceneObjectFacts other;
-  other.mass_kg = 1;
-  other.material = other.behavior = "x";
-  const SceneObjectFacts others[] = {other};
-  std::string words;
-  for (const std::string& text : {size_text({1, 2, 3}), std::string(kScaleKnown), mesh_text(mesh), looks_text({}), neighbours_text(others), material_line(row),
-                                  offline_text(known), told_text(known)}) {
-    words += text + "\n";
-  }
-  return words;
 }
 
 }  // namespace livegs

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "analysis/estimate.h"
+#include "analysis/prompt_words.h"
 #include "analysis/tool_box.h"
 
 namespace livegs {
@@ -18,11 +19,9 @@ inline constexpr size_t kToldNeighbours = 12;
 // left out. Sizes in metres and centimetres, masses in grams, moduli in MPa, as a model is asked to answer.
 // `neighbours` in the order they were analysed, oldest first: the newest kToldNeighbours are told, a line
 // each, its name quoted. The object's own name is as given: who fills the prompt quotes it.
+// The words between the figures are those of prompts/facts.json.
 std::map<std::string, std::string> fact_slots(const ObjectFacts& facts, const v1::PhysicalParameters& offline,
-                                              std::span<const SceneObjectFacts> neighbours);
-
-// Every word that fact_slots puts between figures, around made-up ones. It is part of a prompt's version as the files
-// of prompts/ are, and of what was judged: who changes a word here changes the prompt.
-std::string fact_words();
+                                              std::span<const SceneObjectFacts> neighbours,
+                                              const PromptWords& words = PromptWords::built_in());
 
 }  // namespace livegs

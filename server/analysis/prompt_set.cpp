@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "analysis/prompt_set.h"
 
-#include "analysis/fact_slots.h"
 #include "analysis/knowledge.h"
 #include "analysis/prompt_text.h"
 #include "analysis/tool_box.h"
@@ -9,12 +8,15 @@
 #include "answer_in_text.md.h"
 #include "answer_turn.md.h"
 #include "captions.json.h"
+#include "complaints.json.h"
 #include "core/content_hash.h"
 #include "core/file.h"
 #include "examples.json.h"
+#include "facts.json.h"
 #include "repair.md.h"
 #include "search.md.h"
 #include "system.md.h"
+#include "tool_words.json.h"
 #include "tools.json.h"
 #include "tools_turn.md.h"
 #include "user.md.h"
@@ -42,6 +44,9 @@ constexpr BuiltIn kBuiltIn[] = {{"system.md", kSystemPrompt, nullptr},
                                 {"captions.json", kCaptionsPrompt, nullptr},
                                 {"repair.md", kRepairPrompt, "{{problem}}"},
                                 {"search.md", kSearchPrompt, "{{name}}"},
+                                {"facts.json", kFactsPrompt, nullptr},
+                                {"complaints.json", kComplaintsPrompt, nullptr},
+                                {"tool_words.json", kToolWordsPrompt, nullptr},
                                 {"answer.schema.json", kAnswerSchemaPrompt, "{{material_ids}}"},
                                 {"version.txt", kVersionPrompt, nullptr}};
 
@@ -104,6 +109,11 @@ Result<PromptSet> PromptSet::load(const std::filesystem::path& folder) {
     }
   }
   set.examples_ = std::move(*examples);
+  std::map<std::string, std::string> words;
+  for (const char* file : PromptWords::kFiles) words[file] = set.text(file);
+  auto read_words = PromptWords::read(words);
+  if (!read_words) return read_words.error();
+  set.words_ = std::move(*read_words);
   auto captions = parse_json(set.text("captions.json"));
   if (!captions) return invalid_data("prompts/captions.json: " + captions.error().message);
   set.captions_ = std::move(*captions);
@@ -121,7 +131,6 @@ Result<PromptSet> PromptSet::load(const std::filesystem::path& folder) {
                             {"parameters", OrderedJson::parse(tool.parameters)}}}});
     everything += tool.name + tool.parameters;
   }
-  everything += fact_words();
   for (const MaterialRow& row : material_table()) everything += row.name + "\n";
   std::string number = plain_text(set.text("version.txt"), 20);
   while (!number.empty() && number.back() == '\n') number.pop_back();

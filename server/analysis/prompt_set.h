@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "analysis/json_text.h"
+#include "analysis/prompt_words.h"
 #include "core/result.h"
 
 namespace livegs {
@@ -29,6 +30,7 @@ class PromptSet {
   std::string caption(const std::string& name) const;  // of a picture: its words, or the name where there are none
   std::string search(const std::map<std::string, std::string>& slots) const;
 
+  const PromptWords& words() const { return words_; }
   const OrderedJson& answer_schema() const { return schema_; }
   const std::vector<std::string>& answer_fields() const { return fields_; }
   const OrderedJson& tools() const { return tools_; }  // as a request has them
@@ -39,6 +41,7 @@ class PromptSet {
 
   std::map<std::string, std::string> texts_;
   std::string version_;
+  PromptWords words_ = PromptWords::built_in();
   OrderedJson schema_, tools_, examples_;
   Json captions_;
   std::vector<std::string> fields_;

@@ -31,14 +31,9 @@ std::string number_text(double value) {
   return text;
 }
 
-// Of a field's numbers, as a repair turn tells it.
-std::string unit_of(const std::string& field) {
-  return field.starts_with("mass_g") ? " grams" : field.starts_with("young_mpa") ? " MPa" : "";
-}
-
 class Reader {
  public:
-  explicit Reader(const json& object) : object_(object) {}
+  Reader(const json& object, const PromptWords& words) : object_(object), words_(words) {}
 
   // Each gives nothing and keeps the first error where the field will not do.
   const json* find(const char* field) const {
@@ -47,7 +42,7 @@ class Reader {
   }
   const json* require(const char* field, const char* form) {
     const json* value = find(field);
-    if (!value) fail(std::string(field).append(": is missing; give ").append(form));
+    if (!value) fail("missing", {{"field", field}, {"form", words_.say(form)}});
     return value;
   }
   std::optional<double> number(const json& value, const std::string& field, ValueRange range,
@@ -59,16 +54,19 @@ class Reader {
       const auto& text = value.get_ref<const std::string&>();
       const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
       if (text.empty() || parsed.ec != std::errc() || parsed.ptr != text.data() + text.size()) {
-        return fail(field + ": is text; give a number without its unit"), std::nullopt;
+        return fail("text_for_number", {{"field", field}}), std::nullopt;
       }
       answer.changes.push_back(field + ": the text \"" + shown_text(text, 24) + "\" was read as a number");
     } else {
-      return fail(field + ": is a " + value.type_name() + "; give a number"), std::nullopt;
+      return other_type(value, field, "form_number"), std::nullopt;
     }
-    if (!std::isfinite(number)) return fail(field + ": is not finite; give a number"), std::nullopt;
+    if (!std::isfinite(number)) return fail("not_finite", {{"field", field}}), std::nullopt;
     if (!range.holds(number * factor)) {
-      return fail(field + ": is " + number_text(number) + "; it must lie between " +
-                  number_text(range.low / factor) + " and " + number_text(range.high / factor) + unit_of(field)),
+      return fail("outside", {{"field", field},
+                              {"told", number_text(number)},
+                              {"low", number_text(range.low / factor)},
+                              {"high", number_text(range.high / factor)},
+                              {"unit", unit_of(field)}}),
              std::nullopt;
     }
     return number * factor;
@@ -85,26 +83,25 @@ class Reader {
       answer.changes.push_back(field + ": a single number was read as its best value, without a range");
       return Span3{*one, *one, *one};
     }
-    if (!value.is_object())
-      return fail(field + ": is a " + value.type_name() + "; give {low, best, high}"), std::nullopt;
+    if (!value.is_object()) return other_type(value, field, "form_range"), std::nullopt;
     double numbers[3] = {};
     constexpr const char* kNames[] = {"low", "best", "high"};
     for (int i = 0; i < 3; ++i) {
       const auto found = value.find(kNames[i]);
+      const std::string member = field + "." + kNames[i];
       if (found == value.end())
-        return fail(field + "." + kNames[i] + ": is missing; give a number"), std::nullopt;
-      const auto one = number(*found, field + "." + kNames[i], range, factor);
+        return fail("missing", {{"field", member}, {"form", words_.say("form_number")}}), std::nullopt;
+      const auto one = number(*found, member, range, factor);
       if (!one) return std::nullopt;
       numbers[i] = *one;
     }
     if (!(numbers[0] <= numbers[1] && numbers[1] <= numbers[2])) {
-      return fail(field + ": low <= best <= high does not hold; give them in order" +
-                  (unit_of(field).empty() ? "" : ", in" + unit_of(field))), std::nullopt;
+      const std::string unit = unit_of(field);
+      return fail("out_of_order", {{"field", field}, {"in_unit", unit.empty() ? "" : words_.say("in_unit", {{"unit", unit}})}}),
+             std::nullopt;
     }
     if (numbers[2] > kWidestRatio * numbers[0]) {
-      return fail(field + ": high is more than " + number_text(kWidestRatio) +
-                  " times low; give the range you would bet nine to one on"),
-             std::nullopt;
+      return fail("too_wide", {{"field", field}, {"most", number_text(kWidestRatio)}}), std::nullopt;
     }
     return Span3{numbers[0], numbers[1], numbers[2]};
   }
@@ -115,12 +112,12 @@ class Reader {
   std::optional<bool> boolean(const char* field) {
     const json* value = find(field);
     if (!value || failed()) return std::nullopt;
-    if (!value->is_boolean()) return fail(std::string(field) + ": give true or false"), std::nullopt;
+    if (!value->is_boolean()) return fail("no_boolean", {{"field", field}}), std::nullopt;
     return value->get<bool>();
   }
 
   void fill() {
-    const json* value = require("fill", "solid, shell, open_shell, filled or assembly");
+    const json* value = require("fill", "form_fill");
     if (!value || failed()) return;
     const std::string word = value->is_string() ? value->get<std::string>() : "";
     if (word == "solid")
@@ -132,10 +129,10 @@ class Reader {
     else if (word == "filled")
       answer.fill = Physics::FILLED;
     else if (word != "assembly")
-      fail("fill: give one of solid, shell, open_shell, filled, assembly");
+      fail("fill_word");
   }
   void behaviour() {
-    const json* value = find("behavior") ? find("behavior") : require("behaviour", "rigid or elastic");
+    const json* value = find("behavior") ? find("behavior") : require("behaviour", "form_behaviour");
     if (!value || failed()) return;
     const std::string word = value->is_string() ? value->get<std::string>() : "";
     if (word == "rigid")
@@ -143,22 +140,20 @@ class Reader {
     else if (word == "elastic")
       answer.behavior = Physics::ELASTIC;
     else
-      fail("behaviour: give rigid or elastic");
+      fail("behaviour_word");
   }
   void parts() {
-    const json* value = require("parts", "at least one part with its material_id");
+    const json* value = require("parts", "form_parts");
     if (!value || failed()) return;
-    if (!value->is_array() || value->empty()) return fail("parts: give a list with at least one part");
-    if (value->size() > kMaxAnswerParts)
-      return fail("parts: give the few parts that make up most of the mass");
+    if (!value->is_array() || value->empty()) return fail("parts_none");
+    if (value->size() > kMaxAnswerParts) return fail("parts_many");
     double sum = 0;
     for (size_t i = 0; i < value->size() && !failed(); ++i) {
       part((*value)[i], "parts[" + std::to_string(i) + "]");
       if (!failed()) sum += answer.parts.back().share;
     }
     if (failed()) return;
-    if (!(sum > 0))
-      return fail("parts: the shares add up to nothing; give each part's share of the mass, 1 in all");
+    if (!(sum > 0)) return fail("parts_no_share");
     if (std::abs(sum - 1) > 0.02) {
       answer.changes.push_back("parts: the shares added up to " + number_text(sum) +
                                " and were brought to 1");
@@ -168,14 +163,13 @@ class Reader {
                      [](const AnswerPart& a, const AnswerPart& b) { return a.share > b.share; });
   }
   void part(const json& value, const std::string& field) {
-    if (!value.is_object()) return fail(field + ": give {name, material_id, share, thickness_mm}");
+    if (!value.is_object()) return fail("part_form", {{"field", field}});
     AnswerPart part;
     const auto name = value.find("name");
     if (name != value.end() && name->is_string())
       part.name = shown_text(name->get_ref<const std::string&>(), 40);
     const auto id = value.find("material_id");
-    if (id == value.end() || !id->is_string())
-      return fail(field + ".material_id: give a material of the table");
+    if (id == value.end() || !id->is_string()) return fail("part_material", {{"field", field}});
     const auto& material = id->get_ref<const std::string&>();
     part.material = find_material_row(material);
     if (!part.material && material.size() <= 64) {
@@ -185,10 +179,7 @@ class Reader {
                                  part.material->name);
       }
     }
-    if (!part.material) {
-      return fail(field + ".material_id: \"" + shown_text(material, 40) +
-                  "\" is not in the table; give a name from it");
-    }
+    if (!part.material) return fail("part_unknown", {{"field", field}, {"told", shown_text(material, 40)}});
     const auto share = value.find("share");
     if (share == value.end() || share->is_null()) {
       part.share = 1;
@@ -282,8 +273,9 @@ class Reader {
     }
   }
 
-  void fail(std::string message) {
-    if (!error_) error_ = invalid_data(std::move(message));
+  // By a line of prompts/complaints.json.
+  void fail(std::string_view line, std::initializer_list<std::pair<std::string_view, std::string_view>> slots = {}) {
+    if (!error_) error_ = invalid_data(words_.say(line, slots));
   }
   bool failed() const { return error_.has_value(); }
   const Error& error() const { return *error_; }
@@ -291,7 +283,17 @@ class Reader {
   Answer answer;
 
  private:
+  void other_type(const json& value, const std::string& field, const char* form) {
+    fail("other_type", {{"field", field}, {"type", value.type_name()}, {"form", words_.say(form)}});
+  }
+  // Of a field's numbers.
+  std::string unit_of(const std::string& field) const {
+    if (field.starts_with("mass_g")) return words_.say("unit_mass");
+    return field.starts_with("young_mpa") ? words_.say("unit_young") : "";
+  }
+
   const json& object_;
+  const PromptWords& words_;
   std::optional<Error> error_;
 };
 
@@ -328,10 +330,10 @@ std::string shown_text(std::string_view text, size_t characters) {
   return shown;
 }
 
-Result<Answer> read_answer(std::string_view text) {
-  const auto object = answer_object(text);
+Result<Answer> read_answer(std::string_view text, const PromptWords& words) {
+  const auto object = answer_object(text, words);
   if (!object) return object.error();
-  Reader read(*object);
+  Reader read(*object, words);
   Answer& answer = read.answer;
   answer.name = read.text("name", 80);
   answer.description = read.text("description", 240);
@@ -339,7 +341,7 @@ Result<Answer> read_answer(std::string_view text) {
   read.fill();
   read.behaviour();
   read.parts();
-  if (const json* mass = read.require("mass_g", "{low, best, high} in grams"); mass && !read.failed()) {
+  if (const json* mass = read.require("mass_g", "form_mass"); mass && !read.failed()) {
     answer.mass_kg = read.span(*mass, "mass_g", kMassRange_kg, 1e-3).value_or(Span3{});
   }
   if (const json* young = read.find("young_mpa"); young && !read.failed()) {
@@ -349,7 +351,7 @@ Result<Answer> read_answer(std::string_view text) {
     answer.structure_coefficient = read.span(*structure, "structure_s", kStructureRange, 1);
   }
   read.plasticity();
-  if (read.require("fragile", "true or false") && !read.failed())
+  if (read.require("fragile", "form_boolean") && !read.failed())
     answer.fragile = read.boolean("fragile").value_or(false);
   read.name_confidence();
   answer.replica = read.boolean("is_replica");

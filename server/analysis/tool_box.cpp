@@ -8,6 +8,7 @@
 #include "analysis/knowledge_search.h"
 #include "analysis/prompt_text.h"
 #include "analysis/unit_conversion.h"
+#include "core/format_text.h"
 
 namespace livegs {
 namespace {
@@ -72,12 +73,12 @@ Answer describe(const KnowledgeHit& hit) {
 // The arguments of one call, read with guards; the first thing that is wrong is kept for the answer.
 class Arguments {
  public:
-  explicit Arguments(const Json& object) : object_(object) {}
+  Arguments(const Json& object, const PromptWords& words) : object_(object), words_(words) {}
 
   // A number in low … high; also one written as text, as small models do.
   double number(const char* name, double low, double high) {
     const std::optional<double> value = optional_number(name, low, high);
-    if (!value && error_.empty()) error_ = std::string(name) + ": a number is needed";
+    if (!value) wrong("number_needed", {{"argument", name}});
     return value.value_or(low);
   }
   std::optional<double> optional_number(const char* name, double low, double high) {
@@ -92,29 +93,33 @@ class Arguments {
       if (end == text.c_str() || *end != '\0') read = NAN;
     }
     if (std::isfinite(read) && read >= low && read <= high) return read;
-    char limits[80];
-    std::snprintf(limits, sizeof limits, ": not a number from %g to %g", low, high);
-    if (error_.empty()) error_ = name + std::string(limits);
+    wrong("number_outside",
+          {{"argument", name}, {"low", format_text("%g", low)}, {"high", format_text("%g", high)}});
     return std::nullopt;
   }
   std::string text(const char* name) {
     const std::string value = text_member(object_, name);
-    if (value.empty() && error_.empty()) error_ = std::string(name) + ": a text is needed";
+    if (value.empty()) wrong("text_needed", {{"argument", name}});
     return value.substr(0, 200);
   }
   const Json* array(const char* name) {
     const Json* value = member(object_, name);
     if (value && value->is_array()) return value;
-    if (error_.empty()) error_ = std::string(name) + ": an array is needed";
+    wrong("array_needed", {{"argument", name}});
     return nullptr;
   }
-  void wrong(std::string what) {
-    if (error_.empty()) error_ = std::move(what);
+  // By a line of prompts/tool_words.json.
+  void wrong(std::string_view line, std::initializer_list<std::pair<std::string_view, std::string_view>> slots = {}) {
+    if (error_.empty()) error_ = words_.say(line, slots);
+  }
+  void wrong_as(std::string text) {
+    if (error_.empty()) error_ = std::move(text);
   }
   const std::string& error() const { return error_; }
 
  private:
   const Json& object_;
+  const PromptWords& words_;
   std::string error_;
 };
 
@@ -131,7 +136,7 @@ Answer material_search(const ToolBox&, Arguments& in) {
 Answer kb_get(const ToolBox&, Arguments& in) {
   const KnowledgeHit hit = find_knowledge(in.text("id"));
   if (!hit.material && !hit.object) {
-    in.wrong("id: no such row; material_search finds rows by words");
+    in.wrong("no_row");
     return {};
   }
   return describe(hit);
@@ -167,7 +172,7 @@ Answer category_prior(const ToolBox& box, Arguments& in) {
     }
     facts.scale_known = true;
   } else if (!measured) {
-    in.wrong("length_m, width_m, height_m: needed, nothing was measured");
+    in.wrong("no_size");
     return {};
   }
   const v1::PhysicalParameters estimate = estimate_offline(facts);
@@ -184,26 +189,26 @@ Answer category_prior(const ToolBox& box, Arguments& in) {
   return answer;
 }
 
-Answer mass_from_parts(const ToolBox&, Arguments& in) {
+Answer mass_from_parts(const ToolBox& box, Arguments& in) {
   const Json* parts = in.array("parts");
   if (!parts) return {};
   if (parts->empty() || parts->size() > kMostParts) {
-    in.wrong("parts: 1 to 32 of them");
+    in.wrong("part_count", {{"most", std::to_string(kMostParts)}});
     return {};
   }
   Answer list = Answer::array();
   Span3 total;
   for (std::size_t i = 0; i < parts->size(); ++i) {
-    Arguments part((*parts)[i]);
+    Arguments part((*parts)[i], box.words());
     const KnowledgeHit hit = find_knowledge(part.text("material_id"));
-    if (!hit.material) part.wrong("material_id: not in the table; material_search finds it");
+    if (!hit.material) part.wrong("no_material");
     const std::optional<double> volume_cm3 = part.optional_number("volume_cm3", 0, 1e9);
     const std::optional<double> area_cm2 = part.optional_number("area_cm2", 0, 1e7);
     const std::optional<double> thickness_mm = part.optional_number("thickness_mm", 0, 1e4);
     if (!volume_cm3 && !(area_cm2 && thickness_mm))
-      part.wrong("volume_cm3, or area_cm2 and thickness_mm, are needed");
+      part.wrong("part_no_volume");
     if (!part.error().empty()) {
-      in.wrong("parts[" + std::to_string(i) + "]." + part.error());
+      in.wrong("part_wrong", {{"index", std::to_string(i)}, {"problem", part.error()}});
       return {};
     }
     const double volume_m3 = volume_cm3 ? *volume_cm3 * 1e-6 : *area_cm2 * 1e-4 * *thickness_mm * 1e-3;
@@ -222,13 +227,13 @@ Answer shell_mass(const ToolBox&, Arguments& in) {
   return {{"mass_g", rounded(area_m2 * thickness_mm * 1e-3 * density_kg_m3 * 1e3)}};
 }
 
-Answer convert_units(const ToolBox&, Arguments& in) {
+Answer convert_units(const ToolBox& box, Arguments& in) {
   const double value = in.number("value", -1e15, 1e15);
   const std::string from = in.text("from"), to = in.text("to");
   if (!in.error().empty()) return {};
-  const Result<double> converted = convert_unit(value, from, to);
+  const Result<double> converted = convert_unit(value, from, to, box.words());
   if (!converted) {
-    in.wrong(converted.error().message);
+    in.wrong_as(converted.error().message);
     return {};
   }
   return {{"value", *converted}, {"unit", to}};
@@ -246,11 +251,11 @@ Answer resistance(const ToolBox&, Arguments& in) {
 Answer mesh_facts_of(const ToolBox& box, Arguments& in) {
   const MeshFacts& mesh = box.object().mesh;
   if (!(mesh.volume_m3 > 0)) {
-    in.wrong("nothing was measured");
+    in.wrong("not_measured");
     return {};
   }
   return {{"size_m", {rounded(mesh.size_m.x()), rounded(mesh.size_m.y()), rounded(mesh.size_m.z())}},
-          {"scale", box.object().scale_known ? "known" : "a guess"},
+          {"scale", box.words().say(box.object().scale_known ? "measured_scale_known" : "measured_scale_guessed")},
           {"enclosed_volume_cm3", rounded(mesh.volume_m3 * 1e6)},
           {"hull_volume_cm3", rounded(mesh.hull_volume_m3 * 1e6)},
           {"area_cm2", rounded(mesh.area_m2 * 1e4)},
@@ -275,7 +280,7 @@ Answer list_scene_objects(const ToolBox& box, Arguments&) {
       line["size_m"] = {rounded(object.size_m.x()), rounded(object.size_m.y()), rounded(object.size_m.z())};
     }
     if (std::isfinite(object.distance_m)) line["distance_m"] = rounded(object.distance_m);
-    line["source"] = object.analysed ? "analysed" : "offline estimate";
+    line["source"] = box.words().say(object.analysed ? "object_analysed" : "object_estimated");
     list.push_back(std::move(line));
   }
   return {{"objects", list}, {"count", scene.size()}};
@@ -351,8 +356,8 @@ std::string error_text(const std::string& what) { return dump_json(OrderedJson{{
 
 }  // namespace
 
-ToolBox::ToolBox(ObjectFacts object, std::vector<SceneObjectFacts> scene)
-    : object_(std::move(object)), scene_(std::move(scene)) {}
+ToolBox::ToolBox(ObjectFacts object, std::vector<SceneObjectFacts> scene, const PromptWords& words)
+    : object_(std::move(object)), scene_(std::move(scene)), words_(&words) {}
 
 const std::vector<ToolDescriptor>& ToolBox::descriptors() {
   static const std::vector<ToolDescriptor> all = [] {
@@ -369,19 +374,19 @@ std::string ToolBox::call(std::string_view name, std::string_view arguments) con
   if (tool == tools().end()) {
     std::string known;
     for (const Tool& one : tools()) known += (known.empty() ? "" : ", ") + std::string(one.name);
-    return error_text("no such tool; there are " + known);
+    return error_text(words_->say("no_tool", {{"tools", known}}));
   }
-  if (arguments.size() > kLongestArguments) return error_text("the arguments are too long");
+  if (arguments.size() > kLongestArguments) return error_text(words_->say("arguments_too_long"));
   Result<Json> parsed = arguments.empty() ? Result<Json>(Json::object()) : parse_json(arguments);
   if (parsed && parsed->is_null()) parsed = Json::object();
   // Some servers wrap the object in one more text.
   if (parsed && parsed->is_string()) parsed = parse_json(parsed->get<std::string>());
-  if (!parsed || !parsed->is_object()) return error_text("the arguments are not a JSON object");
-  Arguments in(*parsed);
+  if (!parsed || !parsed->is_object()) return error_text(words_->say("arguments_no_object"));
+  Arguments in(*parsed, *words_);
   const Answer answer = tool->function(*this, in);
   if (!in.error().empty()) return error_text(in.error());
   std::string result = dump_json(answer);
-  if (result.size() > kLongestResult) return error_text("the result is too long; ask for less");
+  if (result.size() > kLongestResult) return error_text(words_->say("result_too_long"));
   return result;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "analysis/estimate.h"
+#include "analysis/prompt_words.h"
 
 // The functions a language model may call while it looks at one object. Every one is total: any arguments, however
 // wrong, give a JSON object back, {"error": ...} where they make no sense. They read the tables and what is known of
@@ -34,7 +35,9 @@ struct ToolDescriptor {
 class ToolBox {
  public:
   ToolBox() = default;
-  explicit ToolBox(ObjectFacts object, std::vector<SceneObjectFacts> scene = {});
+  // `words` outlives it.
+  explicit ToolBox(ObjectFacts object, std::vector<SceneObjectFacts> scene = {},
+                   const PromptWords& words = PromptWords::built_in());
 
   static const std::vector<ToolDescriptor>& descriptors();
 
@@ -43,10 +46,12 @@ class ToolBox {
 
   const ObjectFacts& object() const { return object_; }
   const std::vector<SceneObjectFacts>& scene() const { return scene_; }
+  const PromptWords& words() const { return *words_; }
 
  private:
   ObjectFacts object_;
   std::vector<SceneObjectFacts> scene_;
+  const PromptWords* words_ = &PromptWords::built_in();
 };
 
 }  // namespace livegs

@@ -75,14 +75,14 @@ const Unit* find_unit(std::string_view name) {
 
 }  // namespace
 
-Result<double> convert_unit(double value, std::string_view from, std::string_view to) {
+Result<double> convert_unit(double value, std::string_view from, std::string_view to, const PromptWords& words) {
   const Unit* source = find_unit(from);
   const Unit* target = find_unit(to);
-  if (!source) return invalid_argument("from: a unit that is not known");
-  if (!target) return invalid_argument("to: a unit that is not known");
-  if (source->quantity != target->quantity) return invalid_argument("from and to measure different things");
+  if (!source) return invalid_argument(words.say("from_unknown"));
+  if (!target) return invalid_argument(words.say("to_unknown"));
+  if (source->quantity != target->quantity) return invalid_argument(words.say("other_quantity"));
   const double converted = value * source->in_si / target->in_si;
-  if (!std::isfinite(converted)) return invalid_argument("value: too large");
+  if (!std::isfinite(converted)) return invalid_argument(words.say("value_too_large"));
   return converted;
 }
 

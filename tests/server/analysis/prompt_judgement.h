@@ -23,9 +23,6 @@ struct PromptFiles {
 };
 Result<PromptFiles> prompt_files(const std::filesystem::path& folder);
 
-// SHA-256 of the words between the facts, which stand in code: livegs::fact_words().
-std::string fact_words_sha256();
-
 // The text of judged.json for prompts `after`, compared with `before`. Fails for answers that were made up.
 Result<std::string> judgement_text(const std::filesystem::path& before_folder,
                                    const std::filesystem::path& after_folder, const PromptTrial& before,
