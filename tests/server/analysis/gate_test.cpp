@@ -385,6 +385,96 @@ TEST(Gate, WhatIsOfAnotherStuffOrBehaviourThanTheNameSaysIsKeptAsAProposal) {
   }
 }
 
+// A lump of 1000 cm3 has 1/4 of that of its stuff at least, a wall 1/8 of its thickness times its area.
+TEST(Gate, TooLittleOfTheStuffThatItNamesIsKeptAsAProposal) {
+  ObjectFacts lump;
+  lump.scale_known = true;
+  lump.mesh.size_m = lump.mesh.principal_size_m = lump.mesh.box_m = {0.1, 0.1, 0.1};
+  lump.mesh.volume_m3 = lump.mesh.hull_volume_m3 = 1e-3;
+  lump.mesh.area_m2 = 0.06;
+  lump.mesh.mean_wall_m = 2e-3 / 0.06;
+  lump.mesh.solidity = 1;
+  lump.mesh.piece_count = 1;
+  const auto verdict = [&](const ObjectFacts& facts, const char* fill, const char* material, const json& wall_mm, double mass_g) {
+    json answer = with_fields(mug_answer(), {{"name", "thing"}, {"fill", fill}, {"parts", all_of(material)}, {"mass_g", mass_g},
+                                             {"young_mpa", nullptr}, {"structure_s", nullptr}, {"fragile", false}});
+    answer["parts"][0]["thickness_mm"] = wall_mm;
+    const Judgement judgement = judge_answer(answer.dump(), facts, v1::PhysicalParameters());
+    EXPECT_NE(judgement.verdict, Verdict::Refused) << judgement.message;
+    if (judgement.verdict == Verdict::NeedsReview) {
+      EXPECT_TRUE(judgement.message.starts_with("mass_g.best")) << judgement.message;
+    }
+    return judgement.verdict;
+  };
+  const double steel = 1e-3 * material_row("carbon steel").density_kg_m3.low;  // g/cm3
+  EXPECT_EQ(verdict(lump, "solid", "carbon steel", nullptr, 255 * steel), Verdict::Accepted);
+  EXPECT_EQ(verdict(lump, "solid", "carbon steel", nullptr, 245 * steel), Verdict::NeedsReview);
+  // 600 cm2 of 2 mm are 120 cm3.
+  EXPECT_EQ(verdict(lump, "shell", "carbon steel", 2, 16 * steel), Verdict::Accepted);
+  EXPECT_EQ(verdict(lump, "shell", "carbon steel", 2, 14 * steel), Verdict::NeedsReview);
+  // Half of that where it was captured inside and out; no more than was enclosed.
+  EXPECT_EQ(verdict(lump, "open_shell", "carbon steel", 2, 8 * steel), Verdict::Accepted);
+  EXPECT_EQ(verdict(lump, "open_shell", "carbon steel", 2, 7 * steel), Verdict::NeedsReview);
+  EXPECT_EQ(verdict(lump, "shell", "carbon steel", 200, 126 * steel), Verdict::Accepted);
+  // Nothing is said of walls that are not told, of contents, of what is put together, of what holds air, of branching things
+  // and of what is thinner than its surface is drawn; and of a guessed scale an eighth.
+  for (const char* fill : {"shell", "open_shell", "filled", "assembly"})
+    EXPECT_EQ(verdict(lump, fill, "carbon steel", nullptr, 2 * steel), Verdict::Accepted) << fill;
+  for (const char* material : {"corrugated cardboard", "wicker", "leaf"})
+    EXPECT_EQ(verdict(lump, "solid", material, nullptr, 2), Verdict::Accepted) << material;
+  ObjectFacts other = lump;
+  other.mesh.solidity = 0.6;
+  EXPECT_EQ(verdict(other, "solid", "carbon steel", nullptr, 2 * steel), Verdict::Accepted);
+  other = lump;
+  other.mesh.mean_wall_m = 0.005;
+  EXPECT_EQ(verdict(other, "solid", "carbon steel", nullptr, 2 * steel), Verdict::Accepted);
+  other = lump;
+  other.scale_known = false;
+  EXPECT_EQ(verdict(other, "solid", "carbon steel", nullptr, 32 * steel), Verdict::Accepted);
+  EXPECT_EQ(verdict(other, "solid", "carbon steel", nullptr, 31 * steel), Verdict::NeedsReview);
+}
+
+// A takeaway cup of 11 g, a basket of wicker and a teddy bear are as light as that.
+TEST(Gate, WhatIsRightlyLightGoesThrough) {
+  const auto asked = [](const char* name, const Eigen::Vector3d& size_m, double volume_m3, double area_m2, double openness,
+                        const json& fields) {
+    ObjectFacts facts;
+    facts.name = name;
+    facts.scale_known = true;
+    facts.mesh.size_m = facts.mesh.principal_size_m = facts.mesh.box_m = size_m;
+    facts.mesh.volume_m3 = volume_m3;
+    facts.mesh.area_m2 = area_m2;
+    facts.mesh.mean_wall_m = 2 * volume_m3 / area_m2;
+    facts.mesh.openness = openness;
+    facts.mesh.hull_volume_m3 = 0.7 * size_m.prod();
+    facts.mesh.solidity = volume_m3 / facts.mesh.hull_volume_m3;
+    facts.mesh.piece_count = 1;
+    const json answer = with_fields(with_fields(mug_answer(), {{"name", name}, {"young_mpa", nullptr}, {"structure_s", nullptr},
+                                                               {"plasticity", nullptr}, {"fragile", false}}),
+                                    fields);
+    const Judgement judgement = judge_answer(answer.dump(), facts, estimate_offline(facts));
+    EXPECT_EQ(judgement.verdict, Verdict::Accepted) << name << ": " << judgement.message;
+  };
+  const auto walls = [](const char* material, double wall_mm) {
+    json parts = all_of(material);
+    parts[0]["thickness_mm"] = wall_mm;
+    return parts;
+  };
+  // A cup of 0.4 mm drawn 3 mm thick; of polypropylene too.
+  asked("paper cup", {0.09, 0.11, 0.09}, 9e-5, 0.06, 0.8, {{"parts", walls("paperboard", 0.5)}, {"mass_g", 11}});
+  asked("plastic cup", {0.09, 0.11, 0.09}, 9e-5, 0.06, 0.8, {{"parts", walls("polypropylene", 1)}, {"mass_g", 12}});
+  // 450 g, told as 8 mm of weave; captured as full of air.
+  asked("wicker basket", {0.4, 0.24, 0.3}, 6e-3, 0.9, 0.5, {{"parts", walls("wicker", 8)}, {"mass_g", 450}, {"behaviour", "elastic"}});
+  // 26 x 20 x 18 cm, and its cover of cotton told as what it is made of throughout.
+  for (const auto& [material, s] : {std::pair("plush", 0.5), std::pair("cotton fabric", 0.001)}) {
+    asked("teddy bear", {0.2, 0.26, 0.18}, 4.5e-3, 0.19, 0,
+          {{"fill", "solid"}, {"parts", all_of(material)}, {"mass_g", 180}, {"behaviour", "elastic"}, {"structure_s", s}});
+  }
+  // A sphere of glass for a tree: 8 cm, 0.8 mm, told as 2.
+  asked("christmas ball", {0.08, 0.08, 0.08}, 2.6e-4, 0.02, 0,
+        {{"fill", "shell"}, {"parts", walls("soda-lime glass", 2)}, {"mass_g", 28}, {"fragile", true}});
+}
+
 TEST(Gate, WhatTheNameMayMeanIsAcceptedOfAnotherStuffToo) {
   const json plain = with_fields(mug_answer(), {{"young_mpa", nullptr}, {"structure_s", nullptr}, {"fragile", false}});
   for (const char* material : {"stainless steel", "polypropylene"}) {
