@@ -474,6 +474,12 @@ const SceneObject* Scene::find(uint32_t object_id) const {
   return found == objects_.end() || found->id != object_id ? nullptr : &*found;
 }
 
+const std::shared_ptr<const GaussianAsset>& Scene::ball_asset() {
+  static const std::shared_ptr<const GaussianAsset> asset =
+      std::make_shared<GaussianAsset>(mesh_asset(sphere_mesh(kBallRadius_m, 3), kBallRgb, 1500));
+  return asset;
+}
+
 const SceneObject& Scene::shoot_ball(const Eigen::Vector3d& from_m, const Eigen::Vector3d& velocity_m_s) {
   if (balls_.size() == kMaxBalls) {
     const uint32_t oldest = balls_.front();
@@ -482,13 +488,10 @@ const SceneObject& Scene::shoot_ball(const Eigen::Vector3d& from_m, const Eigen:
     std::erase_if(objects_, [&](const SceneObject& one) { return one.id == oldest; });
     changes_.removed.push_back(oldest);
   }
-  if (!ball_asset_) {
-    ball_asset_ = std::make_shared<GaussianAsset>(mesh_asset(sphere_mesh(kBallRadius_m, 3), kBallRgb, 1500));
-  }
   SceneObject drawn;
   drawn.id = next_id_++;
   drawn.name = "ball " + std::to_string(drawn.id);
-  drawn.asset = ball_asset_;
+  drawn.asset = ball_asset();
   drawn.mass_kg = kBallMass_kg;
   drawn.physics.set_label("ball");
   drawn.physics.set_material("rubber");

@@ -114,9 +114,10 @@ class Scene {
   // World bounds of all objects as they started, without the environment.
   const Eigen::AlignedBox3d& bounds_m() const { return bounds_m_; }
 
-  // Shoots one of the scene's balls (all are alike). The oldest is taken away when there are more than
-  // kMaxBalls.
+  // Shoots a ball. The oldest is taken away when there are more than kMaxBalls.
   const SceneObject& shoot_ball(const Eigen::Vector3d& from_m, const Eigen::Vector3d& velocity_m_s);
+  // What every ball of every scene is drawn with. Any thread; the first call makes it.
+  static const std::shared_ptr<const GaussianAsset>& ball_asset();
   static constexpr size_t kMaxBalls = 16;
 
   // A force as the file's events have it, from the next tick on. Precondition: check_force() was content with it. Nothing
@@ -159,7 +160,6 @@ class Scene {
   v1::Scene file_;
   std::unique_ptr<World> world_;
   std::deque<SceneObject> objects_;
-  std::shared_ptr<const GaussianAsset> ball_asset_;
   uint32_t next_id_ = 1;
   Eigen::AlignedBox3d bounds_m_;
   size_t next_event_ = 0;

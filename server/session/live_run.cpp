@@ -3,6 +3,8 @@
 
 #include <pthread.h>
 
+#include <exception>
+
 #include "core/log.h"
 
 namespace livegs {
@@ -48,13 +50,17 @@ Result<void> LiveRun::reset() {
   loop_.set_loading(true, "");
   loading_ = std::jthread([this, first_id = (now.resets + 1) * kIdsOfOneLoading + 1] {
     pthread_setname_np(pthread_self(), "loading");
-    auto scene = load_(first_id);
-    if (!scene) {
-      log_warn("reset: %s", scene.error().message.c_str());
-      loop_.set_loading(false, "reset: " + scene.error().message);
-      return;
+    const auto failed = [this](const std::string& why) {
+      log_warn("reset: %s", why.c_str());
+      loop_.set_loading(false, "reset: " + why);
+    };
+    try {
+      auto scene = load_(first_id);
+      if (!scene) return failed(scene.error().message);
+      loaded_ ? loaded_(*std::move(scene)) : loop_.replace(*std::move(scene));
+    } catch (const std::exception& error) {  // memory is short: the scene that runs has what it needs
+      failed(error.what());
     }
-    loaded_ ? loaded_(*std::move(scene)) : loop_.replace(*std::move(scene));
   });
   return {};
 }

@@ -157,6 +157,8 @@ void LiveServer::open(const std::string& scene_name, double rate_hz,
 }
 
 void LiveServer::open(const Scene& scene, InputSink& inputs) {
+  // Else the first that is shot would be seen only once it is encoded.
+  (void)parts_->assets.add(Scene::ball_asset());
   std::vector<const SceneObject*> objects;
   for (const SceneObject& object : scene.objects()) objects.push_back(&object);
   open(scene.name(), scene.world().settings().rate_hz, objects, inputs);

@@ -60,8 +60,7 @@ class LiveServer {
   // Encodes what this scene draws, on the calling thread, so that nothing waits for that when it takes the other's place.
   void encode_ahead(const Scene& scene);
 
-  // Tells every client, waits for their streams to end, at most a second, then ends them. More than once is
-  // fine.
+  // Tells every client, waits for their streams to end, at most three seconds, then ends them. More than once is fine.
   void shut_down(const std::string& reason);
 
   SessionTable::Totals sessions() const;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 #include "server/session/box_scene.h"
 #include "server/session/tick_log.h"
@@ -125,6 +126,27 @@ TEST_F(LiveRunTest, AResetThatFailsSaysWhyAndTheSceneGoesOn) {
   loop_.stop();
   EXPECT_EQ(log_.ticks().back().run.message, "reset: cup.ply: is not there any more");
   EXPECT_FALSE(log_.ticks().back().run.loading);
+  EXPECT_EQ(log_.ticks().back().run.resets, 0u);
+}
+
+// Memory that is short while a scene is loaded, or while its assets are encoded, ends neither the server nor the scene.
+TEST_F(LiveRunTest, AResetForWhichMemoryIsShortSaysSoAndTheSceneGoesOn) {
+  loop_.start();
+  const auto expect_told = [&](LiveRun& run) {
+    ASSERT_TRUE(run.control(reset()));
+    ASSERT_TRUE(log_.wait([](const Ticks& ticks) { return !ticks.empty() && !ticks.back().run.message.empty(); }));
+    EXPECT_EQ(log_.ticks().back().run.message, std::string("reset: ") + std::bad_alloc().what());
+    EXPECT_FALSE(log_.ticks().back().run.loading);
+    wait_ticks(3);
+  };
+  LiveRun short_of_memory(loop_, [](uint32_t) -> Result<Scene> { throw std::bad_alloc(); });
+  expect_told(short_of_memory);
+  loop_.set_loading(false, "");
+  ASSERT_TRUE(log_.wait([](const Ticks& ticks) { return ticks.back().run.message.empty(); }));
+  LiveRun cannot_encode(
+      loop_, [](uint32_t first_id) -> Result<Scene> { return falling_scene(first_id); }, [](const Scene&) { throw std::bad_alloc(); });
+  expect_told(cannot_encode);
+  loop_.stop();
   EXPECT_EQ(log_.ticks().back().run.resets, 0u);
 }
 

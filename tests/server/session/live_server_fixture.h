@@ -69,12 +69,8 @@ class LiveServerTest : public ::testing::Test {
     stepped.step_ms = 1.5;
     return stepped;
   }
-  // A ball that clients are told of with its own tick, since what it is drawn with is encoded.
-  const SceneObject& shoot() {
-    const SceneObject& ball = scene_.shoot_ball({0, 1, 1}, {0, 0, -6});
-    server_->encode_ahead(scene_);
-    return ball;
-  }
+  // Clients are told of it with its own tick: what balls are drawn with is encoded before they are let in.
+  const SceneObject& shoot() { return scene_.shoot_ball({0, 1, 1}, {0, 0, -6}); }
   void publish(uint64_t number) { server_->ticks().publish(tick(number)); }
 
   Scene scene_;
