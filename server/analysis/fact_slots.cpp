@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "analysis/knowledge_search.h"
 #include "analysis/object_kinds.h"
 #include "analysis/physics_values.h"
 #include "analysis/prompt_text.h"
@@ -102,14 +103,18 @@ std::string material_line(const MaterialRow& row, Words words) {
                                 {"fragile", row.fragile ? words.say("material_fragile") : ""}});
 }
 
-// The materials of the likely kinds, likeliest first.
+// The materials of the likely kinds, likeliest first, of their parts, and then what is most like the first of them.
 std::string materials_text(const Kinds& kinds, Words words) {
   std::vector<const MaterialRow*> nearest;
+  const auto add = [&](const MaterialRow* material) {
+    if (nearest.size() < kNearestMaterials && std::find(nearest.begin(), nearest.end(), material) == nearest.end())
+      nearest.push_back(material);
+  };
+  for (const Kind& kind : kinds.kinds) add(kind.material ? kind.material : &material_row(kind.row->material));
   for (const Kind& kind : kinds.kinds) {
-    const MaterialRow* material = kind.material ? kind.material : &material_row(kind.row->material);
-    if (std::find(nearest.begin(), nearest.end(), material) == nearest.end()) nearest.push_back(material);
-    if (nearest.size() == kNearestMaterials) break;
+    for (const ObjectPart& part : kind.row->parts) add(find_material_row(part.material));
   }
+  for (const MaterialRow* material : similar_materials(*nearest.front(), kNearestMaterials)) add(material);
   std::string lines;
   for (const MaterialRow* row : nearest) {
     if (!lines.empty()) lines += '\n';

@@ -29,7 +29,7 @@ Result<std::string> judgement_text(const std::filesystem::path& before_folder,
                                    const PromptTrial& after, const std::string& name_given);
 
 // Whether `folder`/judged.json speaks of the prompts in `folder` and lets them land. One line with the
-// remedy. Version 2, as it stood before any model could be asked, may stand without figures.
+// remedy. Version 3, as it stood before any model could be asked, may stand without figures.
 Result<void> check_judgement(const std::filesystem::path& folder);
 
 }  // namespace livegs

@@ -81,7 +81,7 @@ TestModelServer::Handler made_up_model(const std::vector<JudgedObject>& objects)
 
 // prompts/ with a sentence more in its system text, and its version.
 fs::path changed_prompts(const ScratchFolder& scratch, const std::string& name, const std::string& sentence,
-                         const char* version = "3") {
+                         const char* version = "4") {
   const fs::path folder = scratch / name;
   fs::copy(kPrompts, folder);
   std::ofstream(folder / "system.md", std::ios::app) << sentence << '\n';
@@ -228,9 +228,9 @@ TEST(PromptJudgement, AChangedPromptIsNoticedAndToldHowToBeJudged) {
     EXPECT_NE(message.find("mass_harness --judge"), std::string::npos) << message;
     return message;
   };
-  EXPECT_NE(refusal(changed_prompts(scratch, "same number", "Take care.", "2")).find("raise the number"),
+  EXPECT_NE(refusal(changed_prompts(scratch, "same number", "Take care.", "3")).find("raise the number"),
             std::string::npos);
-  EXPECT_NE(refusal(changed_prompts(scratch, "number raised", "Take care.")).find("speaks of version 2"),
+  EXPECT_NE(refusal(changed_prompts(scratch, "number raised", "Take care.")).find("speaks of version 3"),
             std::string::npos);
 
   // With figures it lands, unless they say worse or were made up.

@@ -5,10 +5,13 @@
 
 #include <fstream>
 #include <regex>
+#include <set>
+#include <sstream>
 
 #include "analysis/ask_model.h"
 #include "analysis/fact_slots.h"
 #include "analysis/gate.h"
+#include "analysis/knowledge_search.h"
 #include "analysis/model_endpoint.h"
 #include "analysis/prompt_set.h"
 #include "core/file.h"
@@ -78,6 +81,33 @@ TEST(PromptWords, FactsAreToldAsTheyWere) {
       << slots.at("materials");
   EXPECT_EQ(slots.at("offline"), "mug of stoneware, mass 300 g (250 to 400), RIGID, confidence 0.50; as it says");
   EXPECT_EQ(slots.at("told"), "mass_kg 0.3, friction 0.4");
+}
+
+// Of a sponge, that is of one stuff whatever it is, as of a mug and of what has no name.
+TEST(PromptWords, ThreeMaterialsAreToldWithTheirRanges) {
+  for (ObjectFacts facts : {sponge_facts(), mug_facts(), tennis_ball_facts(), pillow_facts()}) {
+    for (const char* name : {facts.name.c_str(), "brick", "steel ball", "hammer", ""}) {
+      facts.name = name;
+      const std::string told = fact_slots(facts, estimate_offline(facts), {}).at("materials");
+      const std::regex line(R"(- ([^(]+) \([a-z]+\): [0-9.e+]+ to [0-9.e+]+ kg/m3, Young's modulus [^ ]+ MPa \([^ ]+ to [^ ]+\), .*)");
+      std::istringstream lines(told);
+      std::set<std::string> names;
+      for (std::string one; std::getline(lines, one);) {
+        std::smatch found;
+        ASSERT_TRUE(std::regex_match(one, found, line)) << one;
+        EXPECT_TRUE(names.insert(found[1]).second) << told;
+      }
+      EXPECT_EQ(names.size(), 3u) << name << "\n" << told;
+    }
+  }
+}
+
+TEST(KnowledgeSearch, WhatIsMostLikeAMaterialIsOfItsKind) {
+  const auto first = [](const char* name) { return similar_materials(material_row(name), 3).front()->material_class; };
+  for (const char* name : {"stoneware", "carbon steel", "soda-lime glass", "polyurethane foam", "softwood", "polypropylene"})
+    EXPECT_EQ(first(name), material_row(name).material_class) << name;
+  EXPECT_EQ(similar_materials(material_row("carbon steel"), 1).front()->name, "tinplate");  // tinned steel
+  EXPECT_EQ(similar_materials(material_row("brass"), 1000).size(), material_table().size() - 1);
 }
 
 TEST(PromptWords, WhatFillsASlotIsNotLookedAtAgain) {
