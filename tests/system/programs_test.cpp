@@ -5,7 +5,10 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <chrono>
+#include <thread>
 
+#include "patience.h"
 #include "splat/image.h"
 #include "system/programs_fixture.h"
 
@@ -135,6 +138,34 @@ TEST_F(Programs, AServerThatIsStoppedTellsItsClients) {
   EXPECT_EQ(client.wait(), 0) << client.err();
   EXPECT_NE(client.err().find("has run for its time"), std::string::npos) << client.err();
   EXPECT_EQ(server.wait(), 0) << server.err();
+}
+
+// As systemd or a person ends it: who reads is told why, who does not is not waited for, and the port is free for the next.
+TEST_F(Programs, ATerminatedServerTellsItsClientsWaitsForNoneThatIsStoppedAndLeavesItsPort) {
+  Program server(server_words());
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  Program stopped(client_words(port, {"--seconds", "0", "--no-video"}, "stopped"));
+  ASSERT_TRUE(server.says("streaming to")) << server.err();
+  stopped.send(SIGSTOP);
+  Program client(client_words(port, {"--seconds", "0", "--no-video"}));
+  const auto streams = [&] {
+    const std::string said = server.err();
+    const size_t first = said.find(": streaming to");
+    return first != std::string::npos && said.find(": streaming to", first + 1) != std::string::npos;
+  };
+  for (const auto give_up = std::chrono::steady_clock::now() + kPatience; !streams() && std::chrono::steady_clock::now() < give_up;)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  ASSERT_TRUE(streams()) << server.err();
+  server.send(SIGTERM);
+  EXPECT_EQ(server.wait(), 0) << server.err();
+  EXPECT_NE(server.out().find("tick p50"), std::string::npos) << server.out();
+  EXPECT_EQ(client.wait(), 0) << client.err();
+  EXPECT_NE(client.err().find("the server was stopped (Terminated)"), std::string::npos) << client.err();
+  std::vector<std::string> words = server_words();
+  std::replace(words.begin(), words.end(), std::string("127.0.0.1:0"), "127.0.0.1:" + port);
+  Program next(words);
+  EXPECT_EQ(next.first_line(), port) << next.err();
 }
 
 TEST_F(Programs, AnInterruptedClientKeepsWhatItHas) {
