@@ -84,7 +84,7 @@ Result<v1::PhysicsFile> parse_file(const std::string& text) {
   } catch (const nlohmann::json::parse_error& error) {
     std::string what = error.what();
     if (const size_t colon = what.find("] "); colon != std::string::npos) what = what.substr(colon + 2);
-    return invalid_data("is not JSON: " + one_line(what) + "; mend it, or delete the file");
+    return invalid_data("is not JSON: " + one_line(what));
   }
   if (!json.is_object()) return invalid_data("must hold one JSON object");
   v1::PhysicsFile file;
@@ -144,7 +144,7 @@ Result<Kept> read_kept(const fs::path& path) {
   auto text = read_text_file(path, kMaxPhysicsFileBytes);
   if (!text && text.error().code != ErrorCode::NotFound) return text.error();
   const auto in_file = [&](const Error& error) {
-    return Error{error.code, path.filename().string() + ": " + error.message};
+    return Error{error.code, path.string() + ": " + error.message + "; mend it, or delete the file to forget it"};
   };
   if (text) {
     auto file = parse_file(*text);
@@ -505,7 +505,7 @@ Result<v1::PhysicsFile> accept_proposal(const fs::path& path, const WriteStep& b
                        record.set_action(PhysicsLogRecord::ANALYSIS);
                        const auto proposal = open_proposal(kept.log);
                        if (!proposal) {
-                         return not_found(path.filename().string() + ": nothing is proposed; analyse it again");
+                         return not_found(path.string() + ": nothing is proposed; analyse it again");
                        }
                        v1::PhysicsFile next = kept.file;
                        take_proposal(*proposal, next);
@@ -517,7 +517,7 @@ Result<v1::PhysicsFile> decline_proposal(const fs::path& path, const WriteStep& 
   return change_file(path, before,
                      [&](const Kept& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
                        record.set_action(PhysicsLogRecord::PROPOSAL);
-                       if (!open_proposal(kept.log)) return not_found(path.filename().string() + ": nothing is proposed");
+                       if (!open_proposal(kept.log)) return not_found(path.string() + ": nothing is proposed");
                        return v1::PhysicsFile();
                      });
 }
@@ -545,7 +545,7 @@ Result<v1::PhysicsFile> undo_physics(const fs::path& path, const WriteStep& befo
         record.set_action(PhysicsLogRecord::UNDO);
         const Course course = course_of(kept.log);
         auto content = course.back.empty() ? std::nullopt : content_of(kept.log, course.back.back());
-        if (!content) return not_found(path.filename().string() + ": there is nothing to undo");
+        if (!content) return not_found(path.string() + ": there is nothing to undo");
         return std::move(*content);
       });
 }
@@ -556,7 +556,7 @@ Result<v1::PhysicsFile> redo_physics(const fs::path& path, const WriteStep& befo
         record.set_action(PhysicsLogRecord::REDO);
         const Course course = course_of(kept.log);
         auto content = course.forward.empty() ? std::nullopt : content_of(kept.log, course.forward.back());
-        if (!content) return not_found(path.filename().string() + ": there is nothing to redo");
+        if (!content) return not_found(path.string() + ": there is nothing to redo");
         return std::move(*content);
       });
 }

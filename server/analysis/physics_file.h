@@ -31,7 +31,7 @@ std::filesystem::path physics_file_path(const std::filesystem::path& asset, std:
 std::string object_file_name(std::string_view object);
 
 // The sidecar as it counts, an edit by hand taken into `edits`; revision 0 when there is none of its own. Errors name
-// the file, the field and its range. Reads only.
+// the file with its folder, the field, its range and the remedy. Reads only.
 Result<v1::PhysicsFile> read_physics_file(const std::filesystem::path& path);
 
 // Each change is one revision and gives the file as it is now. Errors leave everything as it was. The first change of an

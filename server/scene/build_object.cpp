@@ -240,7 +240,10 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   const v1::PhysicalParameters offline = estimate_offline(facts);
   std::string kept_note;
   auto before = with_physics_file(offline, kept, facts, kept_note);
-  if (!before) return fail({before.error().code, kept_in.filename().string() + ": edits." + before.error().message});
+  if (!before) {
+    return fail({before.error().code, kept_in.string() + ": edits." + before.error().message +
+                                          "; mend it, or delete the file to forget it"});
+  }
   const v1::PhysicalParameters estimated = std::move(*before);
   auto parameters = merge_scene_physics(estimated, object.physics(), facts);
   if (!parameters) return Error{parameters.error().code, field + ".physics." + parameters.error().message};
@@ -258,7 +261,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   if (!form->surface_note.empty()) built.drawn.warnings.push_back(form->surface_note);
   if (!kept_note.empty()) built.drawn.warnings.push_back(kept_note);
   if (const std::string unheard = unheard_edits(kept.edits(), object.physics()); !unheard.empty()) {
-    built.drawn.warnings.push_back(kept_in.filename().string() + ": " + unheard);
+    built.drawn.warnings.push_back(kept_in.string() + ": " + unheard);
   }
   Material material = to_material(*parameters);
   const std::string elastic_only = needs_elastic(object, *form);
