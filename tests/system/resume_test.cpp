@@ -20,9 +20,10 @@ namespace {
 
 constexpr int kNobody = 1;  // a port on which connections are refused at once
 
-// The longest of ten that `resume_bench` measured for a cut and for a server that is back (resume.csv, frames_again_ms). Beside other work
-// everything takes longer; more than ten times that, and something waits that should not.
-constexpr double kLongestAfterCut_ms = 139, kLongestAfterRestart_ms = 145, kBusy = 10;
+// The goals. `resume_bench` measured at most 139 and 145 ms of ten each (resume.csv, frames_again_ms). Beside other work everything
+// takes longer, but not each time: the best of three has to be within the goal.
+constexpr double kAfterCut_ms = 300, kAfterRestart_ms = 500;
+constexpr size_t kTries = 3;
 
 // How long after `moment_ns` the first frame came that came after it.
 double first_frame_after_ms(const SinkLog::State& state, int64_t moment_ns) {
@@ -72,28 +73,32 @@ TEST_F(Resume, AResetConnectionLosesNeitherSessionNorScene) {
   EXPECT_EQ(served_->server->sessions().sessions, 1u);  // it went on with the one it had
 }
 
-// Nobody is told of the cut: the client notices by the silence, the server too, and gives up the stream. Goal: pictures
-// move within 300 ms after it heals. `resume_bench` measured 50 to 139 ms until a frame was there, 66 to 153 until its picture
-// was. It follows from a fresh connection every 150 ms, and that the first that can brings the frames.
+// Nobody is told of the cut: the client notices by the silence, the server too, and gives up the stream. It follows from a
+// fresh connection every 150 ms, and that the first that can brings the frames.
 TEST_F(Resume, AfterACutTheFirstConnectionBringsTheFrames) {
   start();
-  proxy_->cut();
-  const int64_t cut_ns = now_ns();
-  ASSERT_TRUE(sink_.wait([](const SinkLog::State& state) { return !state.lost.empty(); }));
-  EXPECT_GE(seconds_from_ns(now_ns() - cut_ns), 0.9);
-  sleep_until_ns(cut_ns + 2'700'000'000);
-  EXPECT_EQ(served_->server->streaming_count(), 0u);  // given up after two seconds and a sweep
-  const uint64_t tried = proxy_->connections();
-  EXPECT_GE(tried, 6u);
-  proxy_->heal();
-  const int64_t healed_ns = now_ns();
-  ASSERT_TRUE(sink_.wait_resumed(1));
-  EXPECT_LE(proxy_->connections(), tried + 2);
-  ASSERT_TRUE(sink_.wait_frames(5));
+  double best_ms = 1e9;
+  for (size_t cuts = 1; cuts <= kTries && best_ms > kAfterCut_ms; ++cuts) {
+    const uint64_t before = proxy_->connections();
+    proxy_->cut();
+    const int64_t cut_ns = now_ns();
+    ASSERT_TRUE(sink_.wait([&](const SinkLog::State& state) { return state.lost.size() >= cuts; }));
+    EXPECT_GE(seconds_from_ns(now_ns() - cut_ns), 0.9);
+    sleep_until_ns(cut_ns + 2'700'000'000);
+    EXPECT_EQ(served_->server->streaming_count(), 0u);  // given up after two seconds and a sweep
+    const uint64_t tried = proxy_->connections();
+    EXPECT_GE(tried - before, 5u);
+    proxy_->heal();
+    const int64_t healed_ns = now_ns();
+    ASSERT_TRUE(sink_.wait_resumed(cuts));
+    EXPECT_LE(proxy_->connections(), tried + 2);
+    ASSERT_TRUE(sink_.wait_frames(5));
+    const double ms = first_frame_after_ms(sink_.state(), healed_ns);
+    std::printf("moving %.0f ms after a cut of 2.7 s healed (goal %.0f)\n", ms, kAfterCut_ms);
+    best_ms = std::min(best_ms, ms);
+  }
+  EXPECT_LE(best_ms, kAfterCut_ms);
   const SinkLog::State state = sink_.state();
-  const double ms = first_frame_after_ms(state, healed_ns);
-  std::printf("moving %.0f ms after a cut of 2.7 s healed (goal 300)\n", ms);
-  EXPECT_LT(ms, kBusy * kLongestAfterCut_ms);
   EXPECT_TRUE(state.resumed.front().same_server);
   EXPECT_TRUE(state.added.empty() && state.changed.empty() && state.removed.empty());
   EXPECT_TRUE(client_->stop());
@@ -150,19 +155,23 @@ TEST(RetrySchedule, LeavesNoPauseLongerThanTheBarsAllow) {
 // The server's end, as a client sees it: its connections are reset and its port answers no more.
 TEST_F(Resume, AServerThatIsStartedAnewHasTheSameScene) {
   start();
-  proxy_->set_server(kNobody);
-  proxy_->reset();
-  ASSERT_TRUE(sink_.wait([](const SinkLog::State& state) { return !state.lost.empty(); }));
-  served_ = std::make_unique<ServedScene>(box_scene());
-  proxy_->set_server(served_->port());
-  const int64_t back_ns = now_ns();
-  ASSERT_TRUE(sink_.wait_resumed(1));
-  ASSERT_TRUE(sink_.wait_frames(5));
+  double best_ms = 1e9;
+  for (size_t ends = 1; ends <= kTries && best_ms > kAfterRestart_ms; ++ends) {
+    proxy_->set_server(kNobody);
+    proxy_->reset();
+    ASSERT_TRUE(sink_.wait([&](const SinkLog::State& state) { return state.lost.size() >= ends; }));
+    served_ = std::make_unique<ServedScene>(box_scene());
+    proxy_->set_server(served_->port());
+    const int64_t back_ns = now_ns();
+    ASSERT_TRUE(sink_.wait_resumed(ends));
+    ASSERT_TRUE(sink_.wait_frames(5));
+    const double ms = first_frame_after_ms(sink_.state(), back_ns);
+    std::printf("moving %.0f ms after the server was back (goal %.0f)\n", ms, kAfterRestart_ms);
+    best_ms = std::min(best_ms, ms);
+  }
+  EXPECT_LE(best_ms, kAfterRestart_ms);
   EXPECT_TRUE(client_->stop());
   const SinkLog::State state = sink_.state();
-  const double ms = first_frame_after_ms(state, back_ns);
-  std::printf("moving %.0f ms after the server was back (goal 500)\n", ms);
-  EXPECT_LT(ms, kBusy * kLongestAfterRestart_ms);
   EXPECT_FALSE(state.resumed.back().same_server);
   EXPECT_TRUE(state.added.empty() && state.changed.empty() && state.removed.empty());
   const ReceivedFrame &before = state.frames.front(), &after = state.frames.back();
