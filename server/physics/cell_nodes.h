@@ -87,6 +87,7 @@ class CellNodes {
   void stop();                                 // no velocity, and none a step ago
 
   NodeArrays arrays();
+  const NodeLanes* positions() const { return &position_[0].value; }
   const NodeLanes* predicted() const { return &predicted_[0].value; }
   NodeLanes* corrections() { return &corrections_[0].value; }
   void swap() {  // after advance

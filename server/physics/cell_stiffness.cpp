@@ -25,24 +25,6 @@ double sweep_compliance(double y_ratio) {
   return std::min(y_ratio - y, 1.08);
 }
 
-// Stiffness of component d of a mode against its amplitude, N/m: bending is exact for one cell through the thickness
-// by E, twisting by mu; the spread says how much of the cell the material fills.
-std::array<std::array<double, 3>, kModeCount> mode_stiffness(const LatticeCell& cell, double a,
-                                                             const IsotropicMaterial& material) {
-  const double bending = 4.0 / 3.0 * material.youngs_modulus_pa * cell.volume_m3 / (a * a);
-  const double twisting = 1.125 * material.shear_modulus_pa() * cell.volume_m3 / (a * a);
-  const Vector3d& r = cell.spread;
-  std::array<std::array<double, 3>, kModeCount> stiffness;
-  for (int normal = 0; normal < 3; ++normal) {  // mode yz has normal x, and so on
-    const int d = (normal + 1) % 3, e = (normal + 2) % 3;
-    stiffness[normal][d] = bending * r[e];
-    stiffness[normal][e] = bending * r[d];
-    stiffness[normal][normal] = twisting * 0.5 * (r[d] + r[e]);
-  }
-  stiffness[3].fill(twisting * r.x() * r.y() * r.z());
-  return stiffness;
-}
-
 // 1 / (2 mu V h²) and 1 / (3 K V h²), less what the sweep adds by itself.
 struct Compliances {
   double shear, bulk;
@@ -62,6 +44,22 @@ Compliances compliances(const LatticeCell& cell, const CellBlock& block, const I
 }
 
 }  // namespace
+
+std::array<std::array<double, 3>, kModeCount> mode_stiffness(const LatticeCell& cell, double a,
+                                                             const IsotropicMaterial& material) {
+  const double bending = 4.0 / 3.0 * material.youngs_modulus_pa * cell.volume_m3 / (a * a);
+  const double twisting = 1.125 * material.shear_modulus_pa() * cell.volume_m3 / (a * a);
+  const Vector3d& r = cell.spread;
+  std::array<std::array<double, 3>, kModeCount> stiffness;
+  for (int normal = 0; normal < 3; ++normal) {  // mode yz has normal x, and so on
+    const int d = (normal + 1) % 3, e = (normal + 2) % 3;
+    stiffness[normal][d] = bending * r[e];
+    stiffness[normal][e] = bending * r[d];
+    stiffness[normal][normal] = twisting * 0.5 * (r[d] + r[e]);
+  }
+  stiffness[3].fill(twisting * r.x() * r.y() * r.z());
+  return stiffness;
+}
 
 Vector6 mandel(const Matrix3d& m) {
   Vector6 v;

@@ -41,6 +41,11 @@ double mode_sign(int mode, int corner);
 
 CellBlock make_cell_block(const LatticeCell& cell, double cell_width_m, const std::array<double, 8>& inverse_masses);
 
+// Stiffness of component d of mode j against its amplitude, N/m: bending is exact for one cell through the thickness by E,
+// twisting by mu; the spread says how much of the cell the material fills.
+std::array<std::array<double, 3>, kModeCount> mode_stiffness(const LatticeCell& cell, double cell_width_m,
+                                                             const IsotropicMaterial& material);
+
 // What one sweep multiplies by, for a step whose velocity update divides by `step_s` (h, or 2h/3 of BDF2).
 struct CellGains {
   Matrix6 shear;                     // H = (A + alpha_mu)^-1, Mandel

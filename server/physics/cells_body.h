@@ -227,6 +227,7 @@ class CellsBody final : public ElasticBody {
   void set_plastic_lanes(size_t index);
   void untangle(double frame_s);
   double elastic_j() const;
+  double rough_elastic_j() const;  // in single precision where most cells are
   double wild_part() const;
   double thickness_m() const;
   void restart_motion();  // after nodes were set: the motion of the whole anew, a first-order step next
@@ -239,7 +240,7 @@ class CellsBody final : public ElasticBody {
   bool moves_finitely() const;
   bool bound_energy();
   void put_back();
-  double fastest_m_s() const;
+  double fastest_m_s(double still_m_s) const;  // or as much as tells that it is faster, or slower, than still_m_s
 
   NodeSample sample_at(const EmbeddedPoint& point) const;
   Vector3d velocity_of(const NodeSample& sample) const;

@@ -63,7 +63,9 @@ void CellsBody::rest(double frame_s) {
   // something trembles more.
   const bool measured = held_ || !region_loads_.empty();
   const bool moves = forced_ || driven_ || comes_off() || (measured && !stays(frame_s));
-  if (rest_clock_.tick(frame_s, (measured ? kMeasuredCalm : 1.0) * fastest_m_s(), supported_, moves)) sleep();
+  const double calm = measured ? kMeasuredCalm : 1.0;
+  const double fastest_m_s = moves || !supported_ ? 0.0 : this->fastest_m_s(RestClock::kStillSpeed_m_s / calm);
+  if (rest_clock_.tick(frame_s, calm * fastest_m_s, supported_, moves)) sleep();
 }
 
 // A slow vibration is slow at its farthest, twice a period, for longer than any clock: so it is the way in half a period
@@ -126,14 +128,18 @@ void CellsBody::sleep() {
 }
 
 // Of a point of the surface, as it is seen: a node of a cell with next to nothing in its corner may tremble unseen. Of a body
-// that moves or deforms as a whole anyway, that speed, which is cheap.
-double CellsBody::fastest_m_s() const {
+// that moves or deforms as a whole anyway, that speed, which is cheap; and where all nodes are still, so are the points, which
+// are means of them.
+double CellsBody::fastest_m_s(double still_m_s) const {
   const double mean = std::max(motion_.velocity_m_s().norm(), deviation_m_s_);
-  if (mean > RestClock::kStillSpeed_m_s) return mean;
+  if (mean >= still_m_s) return mean;
   double squared = 0.0;
-  for (const NodeSample& sample : surface_) squared = std::max(squared, velocity_of(sample).squaredNorm());
-  if (surface_.empty()) {
-    for (size_t i = 0; i < nodes_.count(); ++i) squared = std::max(squared, node_velocity(i).squaredNorm());
+  for (size_t i = 0; i < nodes_.count(); ++i) squared = std::max(squared, node_velocity(i).squaredNorm());
+  if (surface_.empty() || squared < still_m_s * still_m_s) return std::sqrt(squared);
+  squared = 0.0;
+  for (const NodeSample& sample : surface_) {
+    squared = std::max(squared, velocity_of(sample).squaredNorm());
+    if (squared >= still_m_s * still_m_s) break;
   }
   return std::sqrt(squared);
 }

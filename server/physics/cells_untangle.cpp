@@ -113,7 +113,7 @@ void CellsBody::untangle(double frame_s) {
                         (!wild || wild_part() > kLeastWild);
   if (!untangling_) {
     if ((limp || upright > kUpright) && !strained) tangled_ = false;
-    const bool settled = strained && 0.5 * mass_kg_ * deviation_m_s_ * deviation_m_s_ < kSettled * elastic_j();
+    const bool settled = strained && 0.5 * mass_kg_ * deviation_m_s_ * deviation_m_s_ < kSettled * rough_elastic_j();
     // A tangle that does not come to rest either counts half: first-order steps should have calmed it long since.
     const double weight = (!limp && upright < kTangled) || settled ? 1.0 : strained && (wild || strained_) ? 0.5 : -1.0;
     tangled_s_ = std::max(0.0, tangled_s_ + weight * frame_s);
