@@ -2,10 +2,13 @@
 #include "wire/driver_grid.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
+#include <utility>
 
 #include "core/assert.h"
 
@@ -39,12 +42,31 @@ int coarse_enough(int exponent, double farthest_m) {
   return std::max(exponent, exponent_above(farthest_m / kLargestStepCount));
 }
 
-int lattice_exponent(const ObjectDrivers& drivers, const DriverGrid* before, const GridPrecision& precision) {
-  Eigen::Array3f low = Eigen::Array3f::Constant(std::numeric_limits<float>::infinity()), high = -low;
-  for (const Eigen::Vector3f& p : drivers.positions_m) {
-    low = low.min(p.array());
-    high = high.max(p.array());
+// Smallest and largest coordinates, eight positions at a time: 24 lanes, of which each stays with its axis.
+std::pair<Eigen::Array3f, Eigen::Array3f> bounds_of(std::span<const Eigen::Vector3f> positions_m) {
+  constexpr size_t kTogether = 8, kLanes = 3 * kTogether;
+  std::array<float, kLanes> low, high;
+  low.fill(std::numeric_limits<float>::infinity());
+  high.fill(-std::numeric_limits<float>::infinity());
+  size_t i = 0;
+  for (; i + kTogether <= positions_m.size(); i += kTogether) {
+    const float* const at = positions_m[i].data();
+    for (size_t lane = 0; lane < kLanes; ++lane) {
+      low[lane] = std::min(low[lane], at[lane]);
+      high[lane] = std::max(high[lane], at[lane]);
+    }
   }
+  const auto fold = [](const std::array<float, kLanes>& lanes) { return Eigen::Map<const Eigen::Array<float, 3, kTogether>>(lanes.data()); };
+  Eigen::Array3f least = fold(low).rowwise().minCoeff(), most = fold(high).rowwise().maxCoeff();
+  for (; i < positions_m.size(); ++i) {
+    least = least.min(positions_m[i].array());
+    most = most.max(positions_m[i].array());
+  }
+  return {least, most};
+}
+
+int lattice_exponent(const ObjectDrivers& drivers, const DriverGrid* before, const GridPrecision& precision) {
+  const auto [low, high] = bounds_of(drivers.positions_m);
   const double side = static_cast<double>((high - low).maxCoeff());
   const double farthest =
       std::max(std::abs(static_cast<double>(low.minCoeff())), std::abs(static_cast<double>(high.maxCoeff())));

@@ -41,8 +41,18 @@ class RiceWriter {
     }
     return value;
   }
-  void three(std::array<uint32_t, 3>& values, int k) {
-    for (const uint32_t value : values) code(value, k);
+  // As three calls of code(), as one string of bits where that has room.
+  void three(const std::array<uint32_t, 3>& values, int k) {
+    const std::array<uint32_t, 3> zeros = {values[0] >> k, values[1] >> k, values[2] >> k};
+    const uint32_t count = zeros[0] + zeros[1] + zeros[2] + 3 * (static_cast<uint32_t>(k) + 1);
+    if ((zeros[0] | zeros[1] | zeros[2]) >= kMostZeros || count > kMostBits) {
+      for (const uint32_t value : values) code(value, k);
+      return;
+    }
+    const uint32_t mask = (uint32_t{1} << k) - 1;
+    uint64_t word = 0;
+    for (size_t i = 3; i-- > 0;) word = ((word << k | (values[i] & mask)) << 1 | 1) << zeros[i];
+    put(word, static_cast<int>(count));
   }
   // 1 to 32 bits.
   uint32_t bits(uint32_t value, int count) {
@@ -52,13 +62,15 @@ class RiceWriter {
   std::span<const std::byte> written() const { return {begin_, static_cast<size_t>(at_ - begin_) + (count_ > 0 ? 1u : 0u)}; }
 
  private:
+  static constexpr uint32_t kMostBits = 56;
+
   void put(uint64_t value, int count) {
     waiting_ |= value << count_;
     count_ += count;
     const uint64_t word = little_endian(waiting_);
     std::memcpy(at_, &word, 8);
     at_ += count_ >> 3;
-    waiting_ >>= count_ & ~7;  // 56 at most: 7 bits waited, and none has more than 56
+    waiting_ >>= count_ & ~7;  // 56 at most: 7 bits waited, and none has more than kMostBits
     count_ &= 7;
   }
 
@@ -98,9 +110,8 @@ class RiceReader {
     for (; i < 3; ++i) {
       const int zeros = std::countr_zero(word | uint64_t{1} << kMostZeros), used = zeros + 1 + k;
       if (zeros == kMostZeros || used > left) break;
-      word >>= zeros + 1;
-      values[i] = static_cast<uint32_t>(zeros) << k | (static_cast<uint32_t>(word) & mask);
-      word >>= k;
+      values[i] = static_cast<uint32_t>(zeros) << k | (static_cast<uint32_t>(word >> (zeros + 1)) & mask);
+      word >>= used;
       left -= used;
     }
     at_ += static_cast<uint64_t>(57 - left);

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "wire/rice_bits.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace livegs {
+namespace {
+
+// Small numbers, such as have 24 zeros and more before their first bit, and such as fill all 32 bits, by turns.
+uint32_t number(std::mt19937& random, int k) {
+  const uint32_t all = static_cast<uint32_t>(random());
+  switch (random() % 8) {
+    case 0:
+      return all;
+    case 1:
+      return ((kMostZeros - 2 + all % 4) << k) | (all >> 8 & ((1u << k) - 1));
+    default:
+      return all >> (31 - std::min(31, k + static_cast<int>(random() % 5)));
+  }
+}
+
+TEST(RiceBits, ThreeAtOnceAreThreeOneAfterTheOther) {
+  std::mt19937 random(1);
+  constexpr size_t kTriples = 2000;
+  for (int k = 0; k <= kMostRiceBits; ++k) {
+    std::vector<std::array<uint32_t, 3>> triples(kTriples);
+    std::vector<std::byte> together_buffer, apart_buffer, read_buffer;
+    RiceWriter together(together_buffer, 3 * kTriples), apart(apart_buffer, 3 * kTriples);
+    for (std::array<uint32_t, 3>& triple : triples) {
+      for (uint32_t& value : triple) {
+        value = number(random, k);
+        apart.code(value, k);
+      }
+      together.three(triple, k);
+    }
+    const auto written = together.written(), expected = apart.written();
+    ASSERT_TRUE(std::equal(written.begin(), written.end(), expected.begin(), expected.end())) << k;
+    RiceReader reader(read_buffer, written);
+    for (const std::array<uint32_t, 3>& triple : triples) {
+      std::array<uint32_t, 3> read{};
+      reader.three(read, k);
+      ASSERT_EQ(read, triple) << k;
+    }
+    EXPECT_TRUE(reader.at_end()) << k;
+  }
+}
+
+}  // namespace
+}  // namespace livegs
