@@ -20,6 +20,7 @@ namespace livegs {
 namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+constexpr const char* kDriverRemedy = "install the GPU's driver, or the package mesa-vulkan-drivers for a device in software";
 
 // The loader is never closed: drivers leave threads and thread-local destructors behind.
 PFN_vkGetInstanceProcAddr open_loader() {
@@ -74,11 +75,20 @@ Result<void> check_validation_layer(PFN_vkGetInstanceProcAddr get) {
       "vulkan: the validation layer is not installed; install vulkan-validationlayers or do without it"};
 }
 
+// VK_ERROR_INCOMPATIBLE_DRIVER is how the loader says that it finds no driver, or none that it can open.
+Error no_instance(VkResult why) {
+  const Error error = vulkan_error("vkCreateInstance", why);
+  if (error.code != ErrorCode::Unavailable) return error;
+  const std::string what = why == VK_ERROR_INCOMPATIBLE_DRIVER ? "vulkan: no driver can be opened"
+                                                               : "vulkan: no instance, vkCreateInstance failed with VkResult " + std::to_string(why);
+  return Error{ErrorCode::Unavailable, what + "; " + kDriverRemedy};
+}
+
 Result<void> create_instance(VulkanHandles& handles, const VulkanDeviceOptions& options) {
   const PFN_vkGetInstanceProcAddr get = open_loader();
   if (!get) {
     return Error{ErrorCode::Unavailable,
-                 "vulkan: no loader (libvulkan.so.1); install libvulkan1 and a driver"};
+                 "vulkan: no loader (libvulkan.so.1); install the package libvulkan1, and " + std::string(kDriverRemedy)};
   }
   handles.get = get;
   const bool validation = wants_validation(options);
@@ -121,7 +131,7 @@ Result<void> create_instance(VulkanHandles& handles, const VulkanDeviceOptions& 
                                           : create(&info, nullptr, &handles.instance);
       made != VK_SUCCESS) {
     handles.instance = VK_NULL_HANDLE;
-    return vulkan_error("vkCreateInstance", made);
+    return no_instance(made);
   }
 
   VulkanFunctions& vk = handles.vk;
@@ -219,8 +229,7 @@ Result<void> choose_physical_device(VulkanHandles& handles, VulkanMaker* maker) 
   }
   if (best == 0) {
     return Error{ErrorCode::Unavailable, "vulkan: none of " + std::to_string(devices.size()) +
-                                             " devices can compute with Vulkan 1.3; install a driver, or "
-                                             "mesa-vulkan-drivers for one in software"};
+                                             " devices can compute with Vulkan 1.3; " + kDriverRemedy};
   }
   handles.name = handles.properties.deviceName;
   vk.GetPhysicalDeviceMemoryProperties(handles.physical_device, &handles.memory);

@@ -76,7 +76,7 @@ function(livegs_add_second_device name filter)
            COMMAND sh -c "test -f ${LIVEGS_SWIFTSHADER_ICD} || { echo 'no SwiftShader: apt-get install chromium-common'; exit 77; }; \
                           exec $<TARGET_FILE:${name}> --gtest_filter='${filter}'")
   set_tests_properties(SwiftShader.${name} PROPERTIES
-                       LABELS "parity;vulkan" TIMEOUT 900 SKIP_RETURN_CODE 77 FAIL_REGULAR_EXPRESSION "multiview draws wrong;vulkan: none of;vulkan: no loader"
+                       LABELS "parity;vulkan" TIMEOUT 900 SKIP_RETURN_CODE 77 FAIL_REGULAR_EXPRESSION "multiview draws wrong;vulkan: none of;vulkan: no loader;vulkan: no driver"
                        ENVIRONMENT "VK_ICD_FILENAMES=${LIVEGS_SWIFTSHADER_ICD};ASAN_OPTIONS=detect_leaks=0")
 endfunction()
 

@@ -246,6 +246,25 @@ TEST_F(Programs, WhatADisplayDoesNotDoIsOneLineAndCodeTwo) {
   }
 }
 
+// Asked for a device that is not there, it says what would make one; else the CPU draws.
+TEST_F(Programs, WithoutAVulkanDriverThePackageIsNamed) {
+  Program server(server_words());
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  const auto words = [&](const char* renderer) {
+    std::vector<std::string> all = {"/usr/bin/env", "VK_ICD_FILENAMES=/nowhere/driver.json"};
+    const std::vector<std::string> client = client_words(port, {"--seconds", "0.2", "--no-video", "--renderer", renderer});
+    all.insert(all.end(), client.begin(), client.end());
+    return all;
+  };
+  Program vulkan(words("vulkan"));
+  EXPECT_EQ(vulkan.wait(), 1);
+  expect_one_line(vulkan, "install the GPU's driver, or the package mesa-vulkan-drivers");
+  Program any(words("auto"));
+  EXPECT_EQ(any.wait(), 0) << any.err();
+  EXPECT_NE(any.err().find("drawing with the cpu: vulkan: no "), std::string::npos) << any.err();
+}
+
 // The remedy for the headset, then the window's.
 TEST_F(Programs, WithoutAHeadsetAWindowIsTried) {
   Program client({"/usr/bin/env", "DISPLAY=", "XR_RUNTIME_JSON=/nowhere/at_all.json", LIVEGS_CLIENT, "127.0.0.1:1", "--display", "openxr"});
