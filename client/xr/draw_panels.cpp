@@ -11,7 +11,7 @@
 namespace livegs {
 namespace {
 
-constexpr float kMargin_px = 10, kLeftWidth_px = 300, kRightWidth_px = 390, kTextWidth_px = 84, kValueWidth_px = 64;
+constexpr float kMargin_px = 10, kGap_px = 4, kLeftWidth_px = 300, kRightWidth_px = 390, kTextWidth_px = 84, kValueWidth_px = 64;
 
 void coloured(ImU32 colour, const std::string& text) {
   ImGui::PushStyleColor(ImGuiCol_Text, colour);
@@ -26,7 +26,30 @@ bool button(const char* name, bool possible = true, float width_px = 0) {
   return pressed;
 }
 
+// Beside the last button if the panel is wide enough, else below it.
+void same_line_if_it_fits(const char* button) {
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const float needed = style.ItemSpacing.x + ImGui::CalcTextSize(button).x + 2 * style.FramePadding.x;
+  if (ImGui::GetItemRectMax().x + needed <= ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x) ImGui::SameLine();
+}
+
 }  // namespace
+
+void PanelDrawer::place(Panel panel, float left_px, float top_px, float width_px, float height_px, float most_px) {
+  ImGui::SetNextWindowPos({left_px, top_px}, stacked_ || resized_ ? ImGuiCond_Always : ImGuiCond_Once);
+  if (stacked_)
+    ImGui::SetNextWindowCollapsed(open_ != panel, ImGuiCond_Always);
+  else if (resized_)
+    ImGui::SetNextWindowCollapsed(false, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({width_px, height_px});
+  ImGui::SetNextWindowSizeConstraints({width_px, 0}, {width_px, std::max(most_px, 1.0f)});
+}
+
+// A click on its bar opens or closes it when it is begun.
+void PanelDrawer::see_whether_open(Panel panel) {
+  if (!stacked_ || ImGui::IsWindowCollapsed() == (open_ != panel)) return;
+  open_ = open_ == panel ? Panel::None : panel;
+}
 
 PanelActions PanelDrawer::draw(const WindowPanels& panels, float width_px, float height_px) {
   PanelActions actions;
@@ -35,19 +58,36 @@ PanelActions PanelDrawer::draw(const WindowPanels& panels, float width_px, float
     draw_loading(*panels.loading, width_px, height_px);
     return actions;
   }
-  ImGui::SetNextWindowPos({kMargin_px, kMargin_px}, ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSize({kLeftWidth_px, 0});
+  resized_ = width_px != width_px_ || height_px != height_px_;
+  width_px_ = width_px;
+  height_px_ = height_px;
+  const bool stacks = width_px < kSideBySide_px;
+  const bool selected = panels.objects.selected.has_value();
+  if (stacks && !stacked_) open_ = selected ? Panel::Objects : Panel::Run;
+  if (selected && !had_selection_) open_ = Panel::Objects;
+  had_selection_ = selected;
+  stacked_ = stacks;
+  // What is out of order is read there.
+  if (!panels.run.notice.empty() && !had_notice_) open_ = Panel::Run;
+  had_notice_ = !panels.run.notice.empty();
+
+  const float across_px = std::max(1.0f, width_px - 2 * kMargin_px), down_px = height_px - 2 * kMargin_px;
+  const float most_px = stacked_ ? down_px - kGap_px - ImGui::GetFrameHeight() : down_px;
+  place(Panel::Run, kMargin_px, kMargin_px, std::min(kLeftWidth_px, across_px), 0, most_px);
   ImGui::Begin("Run", nullptr, ImGuiWindowFlags_NoResize);
+  see_whether_open(Panel::Run);
   draw_run(panels.run, actions);
   ImGui::Separator();
   draw_force(panels.force, actions);
+  const float below_px = kMargin_px + ImGui::GetWindowHeight() + kGap_px;
   ImGui::End();
 
-  const float right_px = std::min(kRightWidth_px, std::max(200.0f, width_px - kLeftWidth_px - 3 * kMargin_px));
-  ImGui::SetNextWindowPos({width_px - right_px - kMargin_px, kMargin_px}, ImGuiCond_FirstUseEver);
+  const float right_px = std::min(kRightWidth_px, stacked_ ? across_px : width_px - kLeftWidth_px - 3 * kMargin_px);
   // With an object open it takes the whole height: a panel that fits itself to what it holds is a picture late.
-  ImGui::SetNextWindowSize({right_px, panels.objects.selected ? height_px - 2 * kMargin_px : 0});
+  place(Panel::Objects, stacked_ ? kMargin_px : width_px - right_px - kMargin_px, stacked_ ? below_px : kMargin_px, right_px,
+        panels.objects.selected ? most_px : 0, most_px);
   ImGui::Begin("Objects", nullptr, ImGuiWindowFlags_NoResize);
+  see_whether_open(Panel::Objects);
   draw_objects(panels.objects, actions);
   ImGui::End();
   return actions;
@@ -158,9 +198,9 @@ void PanelDrawer::draw_objects(const ObjectsPanel& objects, PanelActions& action
     actions.undo = button("Undo");
     ImGui::SameLine();
     actions.redo = button("Redo");
-    ImGui::SameLine();
+    same_line_if_it_fits("Analyse again");
     actions.analyse = button("Analyse again", objects.progress.empty());
-    ImGui::SameLine();
+    same_line_if_it_fits("Analyse all");
   }
   actions.analyse_all = button("Analyse all", objects.progress.empty());
   if (!objects.progress.empty()) coloured(kDimInk, objects.progress);

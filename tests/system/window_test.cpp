@@ -152,6 +152,28 @@ TEST_F(WindowOnADisplay, ShowsWhatAThingIsMadeOf) {
   EXPECT_GT(text_pixels(open, 10, 310, 10, 400), 1000u);  // the other panel
 }
 
+// In a narrow window the panel that was asked for is open, the other a bar above it, and to their right the scene is seen.
+TEST_F(WindowOnADisplay, ANarrowWindowHasOnePanelOpen) {
+  size_ = "640x480";
+  for (const bool selects : {false, true}) {
+    const std::string shots = folder_ / (selects ? "narrow_selected" : "narrow");
+    std::vector<std::string> more = {"--seconds", "3", "--renderer", "cpu", "--output", shots};
+    if (selects) more.insert(more.end(), {"--select", "cube"});
+    Program window(window_words(display_, port_, more));
+    EXPECT_EQ(window.wait(), 0) << window.err();
+    Image last;
+    ASSERT_GT(read_shots(shots, [&](const Image& image) { last = image; }), 0u);
+    if (const char* folder = std::getenv("LIVEGS_TEST_PICTURES")) {
+      EXPECT_TRUE(write_png(std::filesystem::path(folder) / (selects ? "narrow_selected.png" : "narrow.png"), last));
+    }
+    // Run is 300 px wide and Objects 390; it holds the text that is there.
+    EXPECT_GT(text_pixels(last, 10, 310, 60, 470), 1000u);
+    EXPECT_EQ(text_pixels(last, 311, 400, 60, 375) > 100, selects);
+    EXPECT_EQ(text_pixels(last, 0, 640, 471, 480), 0u);
+    EXPECT_GT(text_pixels(last, 10, 110, 10, 40), 20u);  // Run's bar, or its head
+  }
+}
+
 // The elastic study: a force of a size, in a direction, at a point, for a time, as a video with its sentence.
 TEST_F(WindowOnADisplay, RecordsAForceWithItsSentence) {
   if (!std::filesystem::exists("/usr/bin/ffmpeg")) GTEST_SKIP() << "no ffmpeg";

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 #include <imgui.h>
+#include <imgui_internal.h>  // where a panel is
 
 #include <functional>
 
@@ -16,7 +17,7 @@ class PanelTest : public ::testing::Test {
     ImGui::CreateContext();
     ImGuiIO& io = ImGui::GetIO();
     io.IniFilename = nullptr;
-    io.DisplaySize = {1280, 800};
+    io.DisplaySize = {width_px_, height_px_};
     unsigned char* pixels = nullptr;
     int width = 0, height = 0;
     io.Fonts->GetTexDataAsRGBA32(&pixels, &width, &height);
@@ -38,7 +39,7 @@ class PanelTest : public ::testing::Test {
   PanelActions frame() {
     ImGui::GetIO().DeltaTime = 1.0f / 60;
     ImGui::NewFrame();
-    PanelActions actions = drawer_.draw(panels_, 1280, 800);
+    PanelActions actions = drawer_.draw(panels_, width_px_, height_px_);
     ImGui::Render();
     return actions;
   }
@@ -49,7 +50,7 @@ class PanelTest : public ::testing::Test {
   // Presses and lets go everywhere in the window, on a grid finer than a button, until something happens.
   std::optional<std::pair<float, float>> find(const std::function<bool(const PanelActions&)>& wanted, float left,
                                               float right) {
-    for (float y = 12; y < 790; y += 9) {
+    for (float y = 40; y < height_px_ - 10; y += 9) {
       for (float x = left; x < right; x += 25) {
         for (const bool down : {false, true, false, false}) {
           mouse(x, y, down);
@@ -60,6 +61,32 @@ class PanelTest : public ::testing::Test {
     return std::nullopt;
   }
 
+  void resize(float width, float height) {
+    width_px_ = width;
+    height_px_ = height;
+    ImGui::GetIO().DisplaySize = {width, height};
+    for (int i = 0; i < 4; ++i) frame();
+  }
+  static ImGuiWindow* panel(const char* name) { return ImGui::FindWindowByName(name); }
+  static bool is_open(const char* name) { return !panel(name)->Collapsed; }
+  // Within the window, and neither on the other.
+  void expect_room_for_both() const {
+    const ImRect run = panel("Run")->Rect(), objects = panel("Objects")->Rect(), window(0, 0, width_px_, height_px_);
+    EXPECT_TRUE(window.Contains(run)) << run.Max.x << " " << run.Max.y;
+    EXPECT_TRUE(window.Contains(objects)) << objects.Min.x << " " << objects.Max.x << " " << objects.Max.y;
+    EXPECT_FALSE(run.Overlaps(objects)) << run.Max.x << " " << run.Max.y << ", " << objects.Min.x << " " << objects.Min.y;
+  }
+  // On the arrow of its bar.
+  void click_bar(const char* name) {
+    const ImRect bar = panel(name)->TitleBarRect();
+    for (const bool down : {false, true, false, false}) {
+      mouse(bar.Min.x + 12, bar.GetCenter().y, down);
+      frame();
+    }
+    for (int i = 0; i < 4; ++i) frame();
+  }
+
+  float width_px_ = 1280, height_px_ = 800;
   WindowPanels panels_;
   PanelDrawer drawer_;
 };
@@ -102,6 +129,65 @@ TEST_F(PanelTest, ASliderIsOneEditWhenItIsLetGo) {
 TEST_F(PanelTest, HiddenPanelsDoNothing) {
   panels_.shown = false;
   EXPECT_FALSE(find([](const PanelActions& actions) { return actions.pause || actions.selected || actions.released; }, 15, 400));
+}
+
+TEST_F(PanelTest, InAWideWindowBothAreOpenBesideEachOther) {
+  for (const auto& [width, height] : {std::pair(1280, 800), std::pair(700, 500), std::pair(900, 200), std::pair(2560, 1400)}) {
+    SCOPED_TRACE(width);
+    resize(static_cast<float>(width), static_cast<float>(height));
+    EXPECT_TRUE(is_open("Run") && is_open("Objects"));
+    expect_room_for_both();
+  }
+}
+
+TEST_F(PanelTest, InANarrowWindowOneIsOpenAtATime) {
+  for (const auto& [width, height] : {std::pair(699, 500), std::pair(640, 480), std::pair(480, 300), std::pair(320, 240), std::pair(200, 150)}) {
+    SCOPED_TRACE(width);
+    panels_.objects.selected.reset();
+    resize(1280, 800);
+    resize(static_cast<float>(width), static_cast<float>(height));
+    EXPECT_TRUE(is_open("Run") && !is_open("Objects"));
+    expect_room_for_both();
+    click_bar("Objects");
+    EXPECT_TRUE(!is_open("Run") && is_open("Objects"));
+    expect_room_for_both();
+    click_bar("Objects");
+    EXPECT_TRUE(!is_open("Run") && !is_open("Objects"));
+    click_bar("Run");
+    EXPECT_TRUE(is_open("Run") && !is_open("Objects"));
+    // With a thing selected from the start its panel is the one; what is out of order is read all the same.
+    panels_.objects.selected = 0;
+    resize(1280, 800);
+    resize(static_cast<float>(width), static_cast<float>(height));
+    EXPECT_TRUE(!is_open("Run") && is_open("Objects"));
+    expect_room_for_both();
+    panels_.run.notice = "the server has gone";
+    for (int i = 0; i < 4; ++i) frame();
+    EXPECT_TRUE(is_open("Run") && !is_open("Objects"));
+    expect_room_for_both();
+    panels_.run.notice.clear();
+    // The first thing that is selected later opens it too; another one leaves open what is.
+    panels_.objects.selected.reset();
+    for (int i = 0; i < 4; ++i) frame();
+    EXPECT_TRUE(is_open("Run"));
+    panels_.objects.selected = 1;
+    for (int i = 0; i < 4; ++i) frame();
+    EXPECT_TRUE(!is_open("Run") && is_open("Objects"));
+    click_bar("Run");
+    panels_.objects.selected = 0;
+    for (int i = 0; i < 4; ++i) frame();
+    EXPECT_TRUE(is_open("Run") && !is_open("Objects"));
+  }
+}
+
+TEST_F(PanelTest, InANarrowWindowEachButtonCanBePressed) {
+  resize(330, 700);
+  panels_.run.lines = {"vulkan: llvmpipe, drawn at 100 %", "60 pictures a second of 90 ticks"};
+  EXPECT_TRUE(is_open("Objects"));
+  EXPECT_TRUE(find([](const PanelActions& actions) { return actions.undo; }, 15, 320));
+  EXPECT_TRUE(find([](const PanelActions& actions) { return actions.redo; }, 15, 320));
+  EXPECT_TRUE(find([](const PanelActions& actions) { return actions.analyse; }, 15, 320));
+  EXPECT_TRUE(find([](const PanelActions& actions) { return actions.analyse_all; }, 15, 320));
 }
 
 }  // namespace
