@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <map>
 #include <string>
 
@@ -47,17 +48,34 @@ bool parse_size(const std::string& text, livegs::PictureSize& size) {
 }
 
 // What was asked for and is not done there, by name and with where it is. `of`: openxr, window, offscreen, or "a recording" or
-// "publications", to which nobody does anything.
-std::string what_is_not_done(const std::string& of, bool script, bool poke, bool force, bool select) {
+// "publications", to which nobody does anything; `display`: where it is shown.
+std::string what_is_not_done(const std::string& of, const std::string& display, const std::function<bool(const char*)>& asked) {
   const bool watched = of == "a recording" || of == "publications";
-  const char* asked = script ? "--script" : poke ? "--poke" : force ? "--force" : select ? "--select" : nullptr;
-  if (asked && watched) return std::string(asked) + ": who watches " + of + " does nothing to the scene; leave it out";
-  if (script && of != "offscreen")
-    return "--script: moves hands offscreen; in a window and in a headset a person does. Give --display offscreen";
-  if (poke && of == "openxr")
-    return "--poke: is done in a window or offscreen, not in a headset; give --display window or --display offscreen";
-  if (force && of != "window") return "--force: is recorded in a window; give --display window, where there is one";
-  if (select && of != "window") return "--select: is about the window's panel; give --display window, where there is one";
+  for (const char* option : {"--script", "--poke", "--force", "--select"}) {
+    if (watched && asked(option)) return std::string(option) + ": who watches " + of + " does nothing to the scene; leave it out";
+  }
+  const bool headset = display == "openxr", window = display == "window", offscreen = display == "offscreen";
+  struct Undone {
+    const char* option;
+    bool there;  // where it is not done
+    const char* remedy;
+  };
+  const Undone options[] = {
+      {"--script", !offscreen, "moves hands offscreen; in a window and in a headset a person does. Give --display offscreen"},
+      {"--poke", headset, "is done in a window or offscreen, not in a headset; give --display window or --display offscreen"},
+      {"--force", !window, "is recorded in a window; give --display window, where there is one"},
+      {"--select", !window, "is about the window's panel; give --display window, where there is one"},
+      {"--output", headset, "is for what a window or offscreen pictures leave; give --display window or --display offscreen"},
+      {"--every", headset, "is for what a window or offscreen pictures leave; give --display window or --display offscreen"},
+      {"--size", headset, "is for a headset to say; leave it out"},
+      {"--no-video", !offscreen, "is about the video that --display offscreen makes; leave it out or give that"},
+      {"--video-rate", !offscreen, "is about the video that --display offscreen makes; leave it out or give that"},
+      {"--output", of == "a recording" && window, "is for pictures in files; a recording in a window leaves none. Give --display offscreen"},
+      {"--every", of == "a recording" && window, "is for pictures in files; a recording in a window leaves none. Give --display offscreen"},
+  };
+  for (const Undone& one : options) {
+    if (one.there && asked(one.option)) return std::string(one.option) + ": " + one.remedy;
+  }
   return {};
 }
 
@@ -191,15 +209,16 @@ int main(int argc, char** argv) {
     return forgotten ? 0 : report(forgotten.error());
   }
   if (display == "auto") {
-    const bool of_files = !options.script_file.empty() || !subscribe.empty() || no_video || app.count("--video-rate") > 0;
+    const bool of_files = !options.script_file.empty() || !subscribe.empty() || no_video || app.count("--video-rate") > 0 ||
+                          (!replay_file.empty() && app.count("--output") + app.count("--every") > 0);
     const bool of_window = !forces.empty() || !select.empty();
     display = of_window || (!of_files && livegs::WindowDisplay::is_possible()) ? "window" : "offscreen";
   }
   const std::string of = !replay_file.empty() ? "a recording" : !subscribe.empty() ? "publications" : display;
-  const std::string not_done = what_is_not_done(of, !options.script_file.empty(), !options.poke.empty(), !forces.empty(), !select.empty());
-  if (!not_done.empty()) return report(livegs::invalid_argument(not_done));
+  const std::string not_done = what_is_not_done(of, display, [&](const char* option) { return app.count(option) > 0; });
   if (!replay_file.empty() && display == "openxr")
     return report(livegs::invalid_argument("--replay: plays in a window or into files, not in a headset; leave --display openxr out"));
+  if (!not_done.empty()) return report(livegs::invalid_argument(not_done));
   if (!replay_file.empty()) {
     livegs::ReplayOptions replayed;
     replayed.file = replay_file;
