@@ -106,8 +106,16 @@ std::string StudyRecording::progress() const {
         frames_.empty() ? 0 : 1e-9 * static_cast<double>(frames_.newest().simulated_ns - frames_.oldest().simulated_ns);
     return format_text("Recording: %.1f of %.1f s", passed_s, kLead_s + longest_s() + kTail_s);
   }
-  const double all = 1 + kRate_hz * 1e-9 * static_cast<double>(frames_.newest().simulated_ns - frames_.oldest().simulated_ns);
-  return format_text("Drawing picture %d of %.0f", drawn_ + 1, std::floor(all));
+  return format_text("Drawing picture %d of %d", drawn_ + 1, pictures());
+}
+
+int StudyRecording::pictures() const {
+  const double seconds = 1e-9 * static_cast<double>(frames_.newest().simulated_ns - frames_.oldest().simulated_ns);
+  return 1 + static_cast<int>(std::floor(kRate_hz * seconds));
+}
+
+std::string StudyRecording::drawn() const {
+  return format_text("%d of %d pictures, %.1f of %.1f s", drawn_, pictures(), drawn_ / kRate_hz, pictures() / kRate_hz);
 }
 
 }  // namespace livegs

@@ -43,9 +43,11 @@ class WindowRun {
     for (const StreamedObject& object : client.scene().objects) objects_[object.id] = object;
   }
 
+  // Ends in order what was being recorded.
   Result<void> run(const std::atomic<bool>& interrupted);
 
  private:
+  Result<void> show(const std::atomic<bool>& interrupted);
   Result<void> take_news();
   Result<void> first_frame();
   void move_camera(const WindowInput& input);
@@ -58,6 +60,7 @@ class WindowRun {
   Result<void> finish_recording();
   bool ends_with_recording() const { return !options_.forces.empty() && options_.seconds == 0; }
   void abandon_recording();
+  Result<void> cut_recording(const std::string& why);
   Result<void> take_answers();
   Result<void> picture(const PlannedFrame& planned);
   Result<void> recorded_picture(const PlannedFrame& planned);
@@ -249,6 +252,24 @@ void WindowRun::abandon_recording() {
   stream_.keep_all(false);
 }
 
+// Nobody waits for the rest of it.
+Result<void> WindowRun::cut_recording(const std::string& why) {
+  const bool asked_for = records_options_;
+  std::string left;
+  if (recording_->any_drawn()) {
+    const std::string drawn = recording_->drawn(), file = recording_->video_path();
+    auto finished = finish_recording();
+    if (!finished) return finished;
+    left = why + ": " + file + " ends early, with " + drawn;
+  } else {
+    abandon_recording();
+    left = why + " before the first picture of the recording was drawn: nothing is left of it";
+  }
+  if (asked_for) return Error{ErrorCode::Unavailable, "--force: " + left};
+  log_warn("%s", left.c_str());
+  return {};
+}
+
 // What a person did to the panels of the last picture, or on the keyboard.
 void WindowRun::act(const WindowInput& input) {
   const PanelActions& actions = display_.actions();
@@ -339,7 +360,7 @@ WindowPanels WindowRun::panels() const {
   run.notice = notice_.text(!refusal_.empty() ? refusal_ : frame_ ? frame_->run.message() : "");
   if (run.notice.empty()) run.notice = view_.notice();
   run.lines.push_back(view_.renderer_name() + format_text(", drawn at %.0f %%", 100.0 * scale_.value()) +
-                      (scale_.min_contribution_px() > 0 ? format_text(", without what adds under %.1f px", scale_.min_contribution_px()) : ""));
+                      (scale_.min_contribution_px() > 0 ? format_text(", without what adds under %.2g px", scale_.min_contribution_px()) : ""));
   run.lines.push_back(format_text("%.0f pictures a second of %.0f ticks", meter_.pictures_a_second(), meter_.ticks_a_second()));
   if (frame_) {
     run.lines.push_back(format_text("tick %llu, %.1f s simulated%s", static_cast<unsigned long long>(frame_->tick),
@@ -426,6 +447,13 @@ Result<void> WindowRun::recorded_picture(const PlannedFrame& planned) {
 }
 
 Result<void> WindowRun::run(const std::atomic<bool>& interrupted) {
+  auto shown = show(interrupted);
+  if (!recording_) return shown;
+  auto cut = cut_recording(!shown ? shown.error().message : interrupted ? "interrupted" : "the window ended");
+  return shown ? cut : shown;
+}
+
+Result<void> WindowRun::show(const std::atomic<bool>& interrupted) {
   client_.start(stream_);
   begun_ns_ = now_ns();
   int64_t second_ns = now_ns(), last_ns = now_ns();

@@ -31,7 +31,8 @@ struct WindowRunOptions : JoinOptions {
 
 // Joins and shows the scene in a window, in which the mouse turns the view, takes hold of things and shoots.
 // When the server goes, its last picture stays with a notice, and it is looked for. Until the window is closed, the time is up or
-// `interrupted`.
+// `interrupted`: a recording under way then is a video of what was drawn of it, or, before its first picture, nothing is left of
+// it. One of `forces` that is not whole is an error, Unavailable, which says how much there is.
 Result<void> run_window(const WindowRunOptions& options, const std::atomic<bool>& interrupted);
 
 }  // namespace livegs

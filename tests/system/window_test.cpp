@@ -209,6 +209,40 @@ TEST_F(WindowOnADisplay, RecordsForcesOnSeveralPoints) {
   EXPECT_GT(std::filesystem::file_size(study / "study_001.mp4"), 2000u);
 }
 
+// Before the first picture is drawn nothing is left; later the video has what was drawn, and a line says how much that is.
+TEST_F(WindowOnADisplay, AnInterruptedRecordingEndsInOrder) {
+  if (!std::filesystem::exists("/usr/bin/ffmpeg")) GTEST_SKIP() << "no ffmpeg";
+  size_ = "640x480";
+  const std::filesystem::path study = folder_ / "study";
+  const auto words = window_words(display_, port_, {"--force", "cube:0,0.1,0:1,0,0:3", "--output", study.string(), "--renderer", "cpu"});
+  const auto interrupt_at = [&](Program& window, const char* file, int signal_number) {
+    for (int tries = 0; tries < 12'000 && !std::filesystem::exists(study / file); ++tries)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    window.send(signal_number);
+    EXPECT_EQ(window.wait(), 1) << window.err();
+  };
+  Program early(words);
+  interrupt_at(early, "study_001.txt", SIGINT);
+  EXPECT_NE(early.err().find("--force: interrupted before the first picture"), std::string::npos) << early.err();
+  EXPECT_TRUE(std::filesystem::is_empty(study)) << early.err();
+
+  Program late(words);
+  interrupt_at(late, "study_001.mp4", SIGTERM);
+  const std::string said = late.err();
+  const size_t at = said.find("study_001.mp4 ends early, with ");
+  ASSERT_NE(at, std::string::npos) << said;
+  int drawn = 0, all = 0;
+  ASSERT_EQ(std::sscanf(said.c_str() + at, "study_001.mp4 ends early, with %d of %d pictures", &drawn, &all), 2) << said;
+  EXPECT_GE(drawn, 1);
+  EXPECT_LT(drawn, all);
+  EXPECT_EQ(all, 151);  // half a second, three, one and a half, 30 a second
+  for (const char* name : {"study_001.txt", "study_001.json", "study_001_camera.json"}) EXPECT_TRUE(std::filesystem::exists(study / name)) << name;
+  Program probe({"/usr/bin/ffprobe", "-v", "error", "-count_frames", "-select_streams", "v", "-show_entries", "stream=nb_read_frames", "-of",
+                 "csv=p=0", (study / "study_001.mp4").string()});
+  EXPECT_EQ(probe.wait(), 0) << probe.err();
+  EXPECT_EQ(std::atoi(probe.out().c_str()), drawn) << probe.out();
+}
+
 // Nobody is at the window to choose another: it ends, and leaves nothing half written.
 TEST_F(WindowOnADisplay, EndsWhenTheServerRefusesItsForce) {
   size_ = "480x300";
