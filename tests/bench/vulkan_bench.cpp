@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What each step of a picture costs on the Vulkan device found, one after the other, the queue empty between them. Prints a
-// CSV: medians and the slowest of a few frames in which the camera walks around a shell of kernels with three bands that ride
-// in a twisted lattice of 9, 14 and 25 cells across, after a warm-up. skin: the pass that skins them, alone, and skin_rigid the one
+// CSV: medians and the slowest of `frames` frames in which the camera walks around a shell of kernels with three bands that ride
+// in a twisted lattice of 9, 14 and 25 cells across, after a warm-up: of seven, or where the first tells that seven would take over
+// a minute, of as many as a minute holds, at least three. skin: the pass that skins them, alone, and skin_rigid the one
 // for kernels of a thousand rigid bodies; upload: drivers, 64 bytes a node; project, with skinning, sort and draw as RenderTimes
 // has them, draw with resolve and reading back; device_...: the passes alone, by the device's clock. Bytes are those of a kernel
 // on the device with its share of cells and nodes, pictures left out. Run by hand; a number of kernels measures that alone:
@@ -25,7 +26,8 @@
 namespace livegs {
 namespace {
 
-constexpr int kFrames = 7, kWarmUpFrames = 2;
+constexpr int kMostFrames = 7, kFewestFrames = 3, kWarmUpFrames = 2;
+constexpr double kMost_s = 60;         // for a row's frames, if the fewest allow it
 constexpr int kWidth = 640, kHeight = 480;  // of an eye
 constexpr uint32_t kBodies = 1000;
 constexpr double kBarBytes = 256;  // of a kernel with three bands, for two eyes
@@ -98,7 +100,7 @@ Samples skin_times(const std::shared_ptr<VulkanDevice>& device, const Ridden& ri
   take(skin.move(ridden.rest, ridden.bindings, ridden.drivers));
   take(backend->submit());
   Samples samples;
-  for (int frame = -kWarmUpFrames; frame < kFrames; ++frame) {
+  for (int frame = -kWarmUpFrames; frame < kMostFrames; ++frame) {
     const int64_t begun_ns = now_ns();
     for (uint32_t first = 0; first < skin.size(); first += at_once)
       take(skin.pose(first, std::min(at_once, skin.size() - first), posed));
@@ -143,16 +145,23 @@ void measure(const std::shared_ptr<VulkanDevice>& device, const synthetic::Objec
       take(create_vulkan_renderer(device, {.precision = precision, .separate_times = true}));
   Samples upload, project, sort, draw, device_skin, device_project, device_sort, device_draw, device_resolve;
   std::vector<Image> images;
-  for (int frame = -kWarmUpFrames; frame < kFrames; ++frame) {
+  int frames = kMostFrames;
+  for (int frame = -kWarmUpFrames; frame < frames; ++frame) {
+    const int64_t begun_ns = now_ns();
     // A new place each frame, as of what moves; the asset is uploaded once.
     const RenderedObject rendered{{&object.asset, nullptr, 0},
                                   static_cast<uint64_t>(frame + kWarmUpFrames + 1),
                                   1,
                                   {&lattice.rest, &lattice.bindings, &lattice.drivers}};
-    const auto eyes = eyes_at(2.0 * M_PI * frame / kFrames, eye_count);
+    const auto eyes = eyes_at(2.0 * M_PI * frame / frames, eye_count);
     RenderOptions options;
     options.order = DepthOrder::Distance;
     take(renderer->draw({&rendered, 1}, eyes, options, images));
+    if (frame == -kWarmUpFrames) {
+      const double held = kMost_s / seconds_from_ns(now_ns() - begun_ns);
+      frames = static_cast<int>(std::clamp(held, 1.0 * kFewestFrames, 1.0 * kMostFrames));
+      if (frames < kMostFrames) frame = -1;  // that one has warmed it up
+    }
     if (frame < 0) continue;
     const RenderTimes& times = renderer->last_times();
     upload.ms.push_back(times.upload_ms);
@@ -168,7 +177,7 @@ void measure(const std::shared_ptr<VulkanDevice>& device, const synthetic::Objec
   }
   Samples skin = skin_times(device, lattice), rigid = skin_times(device, bodies);
   const char* bits = precision == BlendPrecision::Half ? "16" : "32";
-  std::printf("%zu,%d,%d,%d,%s", object.size(), eye_count, kWidth, kHeight, bits);
+  std::printf("%zu,%d,%d,%d,%s,%d", object.size(), eye_count, kWidth, kHeight, bits, frames);
   for (Samples* samples : {&skin, &rigid, &upload, &project, &sort, &draw})
     std::printf(",%.2f,%.2f", samples->median(), samples->slowest());
   for (Samples* samples : {&device_skin, &device_project, &device_sort, &device_draw, &device_resolve})
@@ -181,7 +190,7 @@ void measure_all(size_t only) {
   const auto device = take(VulkanDevice::create());
   std::printf("# %s\n", device->name().c_str());
   std::printf(
-      "kernels,eyes,width,height,blend_bits,skin_ms,skin_max_ms,skin_rigid_ms,skin_rigid_max_ms,upload_ms,upload_max_ms,"
+      "kernels,eyes,width,height,blend_bits,frames,skin_ms,skin_max_ms,skin_rigid_ms,skin_rigid_max_ms,upload_ms,upload_max_ms,"
       "project_ms,project_max_ms,sort_ms,sort_max_ms,draw_ms,draw_max_ms,device_skin_ms,device_project_ms,device_sort_ms,"
       "device_draw_ms,device_resolve_ms,bytes_a_kernel,bar_bytes\n");
   for (const size_t count : {50'000u, 200'000u, 1'000'000u}) {
