@@ -7,7 +7,7 @@
 // to more that only acknowledge until p99 is over 5 ms; of as many bytes in 64 objects, by turns, to 64 that say nothing of what they look at,
 // to 64 that look each another way, and to 64 that do and have a cap; to 63 with and without one that is stopped, by turns; through links that are
 // narrow, long or stall (system/fault_proxy.h), three times as long. With scenes, files or folders of assets, instead: each to 1 and
-// 8 clients. --links: the links alone; --views: the 64 objects alone; --clients N...: noise to so many alone. The first second never counts. The halves are those
+// 8 clients. --links: the links alone; --views: the 64 objects alone; --tls: 32 kB to one client alone; --clients N...: noise to so many alone. The first second never counts. The halves are those
 // of a measurement's time: flat is where they are alike.
 // goal_ms_p99 is what decoded_ms_p99 should be at most: 5 for 64 clients, 3 for one over TLS at 32 kB, 60 over 8 Mbit/s;
 // goal_of_note: what the note should say at most.
@@ -327,7 +327,7 @@ int main(int argc, char** argv) {
   double seconds = 20;
   std::vector<std::string> scenes;
   std::vector<int> counts;
-  bool links_only = false, views_only = false;
+  bool links_only = false, views_only = false, tls_only = false;
   CLI::App app("How old frames are when clients have them, and for how many clients; CSV on standard output", "stream_bench");
   app.add_option("SECONDS", seconds, "Of each measurement")->check(between(1, 3600))->capture_default_str();
   auto* of_scenes = app.add_option("SCENE", scenes, "Scene files or folders of assets, each to 1 and 8 clients, in place of noise")
@@ -341,10 +341,11 @@ int main(int argc, char** argv) {
   app.add_flag("--views", views_only, "Noise in 64 objects to 64 clients, alone: to such as look each another way, too")
       ->excludes(of_scenes)
       ->excludes(of_clients);
+  app.add_flag("--tls", tls_only, "32 kB of noise to one client in the clear and over TLS, alone")->excludes(of_scenes)->excludes(of_clients);
   read_arguments(app, argc, argv);
   Measured::print_head();
-  // A node is six bytes of noise; 24 more are the frame's.
-  constexpr size_t k16kB = 2667, k32kB = 5333;
+  // A node of noise takes 5.98 bytes: of frames of 16 384 and 32 768.
+  constexpr size_t k16kB = 2738, k32kB = 5480;
   const auto noise_to = [&](int clients, ClientKind kind, Secured* secured) {
     Measured measured("noise", secured ? "tls" : "plain", clients, kind);
     noise(measured, k16kB, secured, seconds);
@@ -353,7 +354,8 @@ int main(int argc, char** argv) {
   };
   if (links_only) links(k16kB, seconds);
   if (views_only) looking_around(k16kB, seconds);
-  if (links_only || views_only) return 0;
+  if (tls_only) plain_and_tls(k32kB, seconds);
+  if (links_only || views_only || tls_only) return 0;
   for (const int clients : counts) {
     for (const ClientKind kind : {ClientKind::Light, ClientKind::Whole}) noise_to(clients, kind, nullptr);
   }
