@@ -5,9 +5,13 @@
 #include "render/draw_splats_layout.h"
 #include "splat/project_splats_layout.h"
 
-layout(std430, set = 0, binding = 0) readonly restrict buffer Left { SplatRow left_rows[]; };
-layout(std430, set = 0, binding = 1) readonly restrict buffer Right { SplatRow right_rows[]; };
-layout(std430, set = 0, binding = 2) readonly restrict buffer Order { uint order[]; };
+layout(std430, set = 0, binding = 0) readonly restrict buffer Order { uint order[]; };
+layout(std430, set = 0, binding = 1) readonly restrict buffer Left0 { SplatRow left_rows_0[]; };
+layout(std430, set = 0, binding = 2) readonly restrict buffer Left1 { SplatRow left_rows_1[]; };
+layout(std430, set = 0, binding = 3) readonly restrict buffer Left2 { SplatRow left_rows_2[]; };
+layout(std430, set = 0, binding = 4) readonly restrict buffer Right0 { SplatRow right_rows_0[]; };
+layout(std430, set = 0, binding = 5) readonly restrict buffer Right1 { SplatRow right_rows_1[]; };
+layout(std430, set = 0, binding = 6) readonly restrict buffer Right2 { SplatRow right_rows_2[]; };
 layout(push_constant) uniform Constants { DrawSplatsConstants constants; };
 
 layout(location = 0) flat out vec4 centre_across;
@@ -19,11 +23,19 @@ layout(location = 2) flat out float down_y;
 // of which no eigenvectors are needed.
 void main() {
   const uint place = order[gl_InstanceIndex];
+  const bool left = constants.first_eye + gl_ViewIndex == 0;
   SplatRow row;
-  if (constants.first_eye + gl_ViewIndex == 0) {
-    row = left_rows[place];
+  if (place < constants.part_rows) {  // nearly always: a scene of millions has more
+    if (left) row = left_rows_0[place];
+    else row = right_rows_0[place];
+  } else if (place < 2 * constants.part_rows) {
+    const uint within = place - constants.part_rows;
+    if (left) row = left_rows_1[within];
+    else row = right_rows_1[within];
   } else {
-    row = right_rows[place];
+    const uint within = place - 2 * constants.part_rows;
+    if (left) row = left_rows_2[within];
+    else row = right_rows_2[within];
   }
   centre_across = vec4(row.centre_x_px, row.centre_y_px, row.across_x, row.across_y);
   colour_log2_opacity = vec4(row.red, row.green, row.blue, row.log2_opacity);

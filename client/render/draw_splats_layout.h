@@ -13,6 +13,7 @@ struct DrawSplatsConstants {
   float width_px;
   float height_px;
   uint first_eye;  // that view 0 is of
+  uint part_rows;  // in each buffer of rows but the last
 };
 
 // Behind the splats, in the colour space they were trained in.
@@ -24,6 +25,6 @@ struct ResolveConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(DrawSplatsConstants) == 12 && sizeof(ResolveConstants) == 16);
+static_assert(sizeof(DrawSplatsConstants) == 16 && sizeof(ResolveConstants) == 16);
 }  // namespace livegs
 #endif

@@ -69,7 +69,7 @@ Result<void> VulkanSplatPainter::create(const Options& options) {
   draw.fragment_spirv = draw_splats_frag_spirv;
   draw.format = blended_format_;
   draw.front_to_back = true;
-  draw.binding_count = 3;
+  draw.binding_count = 1 + 2 * FrameSplats::kRowParts;
   draw.constants_bytes = sizeof(DrawSplatsConstants);
   if (auto made = draw_.create(draw); !made)
     return Error{made.error().code, "draw_splats: " + made.error().message};
@@ -194,10 +194,12 @@ Result<void> VulkanSplatPainter::paint(const FrameSplats& frame, int width, int 
   if (auto made = make_images(width, height, eyes); !made) return made;
   const VulkanFunctions& vk = handles_.vk;
   // The sets' last use has run: taking a picture out waits for it, and who paints submits what else was left.
-  const std::array<VkDescriptorBufferInfo, 3> buffers{
-      {{commands_.buffer_of(frame.rows(0)), 0, VK_WHOLE_SIZE},
-       {commands_.buffer_of(frame.rows(1)), 0, VK_WHOLE_SIZE},
-       {commands_.buffer_of(frame.order()), 0, VK_WHOLE_SIZE}}};
+  std::array<VkDescriptorBufferInfo, 1 + 2 * FrameSplats::kRowParts> buffers;
+  buffers[0] = {commands_.buffer_of(frame.order()), 0, VK_WHOLE_SIZE};
+  for (int e = 0; e < 2; ++e) {
+    for (int part = 0; part < FrameSplats::kRowParts; ++part)
+      buffers[1 + e * FrameSplats::kRowParts + part] = {commands_.buffer_of(frame.rows(e, part)), 0, VK_WHOLE_SIZE};
+  }
   auto write = vulkan_info<VkWriteDescriptorSet>(VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET);
   write.dstSet = draw_.set();
   write.descriptorCount = buffers.size();
@@ -214,7 +216,7 @@ Result<void> VulkanSplatPainter::paint(const FrameSplats& frame, int width, int 
     begin_rendering(*commands, images_->blended_target(first, count), count, VK_ATTACHMENT_LOAD_OP_CLEAR);
     bind(*commands, draw_, count);
     const DrawSplatsConstants constants{static_cast<float>(width), static_cast<float>(height),
-                                        static_cast<uint32_t>(first)};
+                                        static_cast<uint32_t>(first), frame.part_rows()};
     vk.CmdPushConstants(*commands, draw_.layout(), VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof constants,
                         &constants);
     vk.CmdDrawIndirect(*commands, commands_.buffer_of(frame.counted()), 0, 1, sizeof(VkDrawIndirectCommand));

@@ -29,7 +29,7 @@ class VulkanSplatRenderer final : public SplatRenderer {
         backend_(std::move(backend)),
         timer_(*vulkan_commands(*backend_), device_->handles()),
         painter_(std::move(painter)),
-        frame_(*backend_),
+        frame_(*backend_, options.most_part_rows),
         options_(options),
         name_("vulkan: " + device_->name()) {}
 
@@ -64,9 +64,10 @@ class VulkanSplatRenderer final : public SplatRenderer {
   DeviceTimer timer_;
   std::unique_ptr<SplatPainter> painter_;  // runs what is recorded before the timer goes
   std::map<uint32_t, Held> held_;  // by object id
-  // Of each object's kernels, those that are drawn because no more fit into the device's memory; and how many there
-  // were when that was found.
+  // Of each object's kernels, those that are drawn because no more fit into the device's memory, or into the buffers that it can
+  // bind; and how many there were when that was found.
   double share_ = 1;
+  bool binds_no_more_ = false;  // the second
   uint64_t kernels_then_ = 0;
   FrameSplats frame_;
   VulkanRendererOptions options_;
@@ -155,6 +156,8 @@ Result<void> VulkanSplatRenderer::draw_into(std::span<const RenderedObject> obje
 
 std::string VulkanSplatRenderer::notice() const {
   if (share_ == 1) return {};
+  if (binds_no_more_)
+    return format_text("the buffers that %s can bind hold %.0f %% of the kernels; the rest is not drawn", device_->name().c_str(), 100 * share_);
   return format_text("the memory of %s holds %.0f %% of the kernels; the rest is not drawn", device_->name().c_str(), 100 * share_);
 }
 
@@ -165,14 +168,25 @@ Result<void> VulkanSplatRenderer::draw(std::span<const RenderedObject> objects, 
   for (const RenderedObject& object : objects) kernels += object.drawn.asset->size();
   if (share_ < 1 && static_cast<double>(kernels) <= share_ * static_cast<double>(kernels_then_)) {  // so many fit
     share_ = 1;
+    binds_no_more_ = false;
     held_.clear();
     log_info("%s: all kernels are drawn again", name_.c_str());
   }
   std::optional<Error> ended;
+  if (share_ * static_cast<double>(kernels) > static_cast<double>(frame_.most_kernels()) && frame_.most_kernels() > objects.size()) {
+    // Each object may have one more than its share.
+    share_ = static_cast<double>(frame_.most_kernels() - objects.size()) / static_cast<double>(kernels);
+    binds_no_more_ = true;
+    kernels_then_ = kernels;
+    held_.clear();
+    frame_.forget();
+    log_warn("%s", notice().c_str());
+  }
   auto done = draw_once(objects, eyes, options, take_out);
   while (!done && done.error().code == ErrorCode::TooLarge && share_ >= kLeastShare) {
     ended = done.error();
     share_ *= kFewer;
+    binds_no_more_ = false;
     kernels_then_ = kernels;
     held_.clear();
     frame_.forget();

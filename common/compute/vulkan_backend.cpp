@@ -29,6 +29,9 @@ class VulkanBackend final : public Backend, public VulkanCommands {
   Result<void> initialise();
 
   Result<BufferId> create_buffer(size_t bytes) override;
+  size_t most_buffer_bytes() const override {
+    return std::min<size_t>(kMaxBufferBytes, handles_.properties.limits.maxStorageBufferRange);
+  }
   Result<void> destroy_buffer(BufferId buffer) override;
   Result<void> upload(BufferId buffer, std::span<const std::byte> bytes) override;
   Result<void> dispatch(const Pass& pass, std::span<const BufferId> buffers,
@@ -116,7 +119,7 @@ Result<void> VulkanBackend::initialise() {
 
 Result<BufferId> VulkanBackend::create_buffer(size_t bytes) {
   if (auto checked = check_buffer_size(bytes); !checked) return checked.error();
-  const size_t limit = handles_.properties.limits.maxStorageBufferRange;
+  const size_t limit = most_buffer_bytes();
   if (bytes > limit) {
     return Error{ErrorCode::TooLarge, "buffer: " + std::to_string(bytes) + " bytes; " + device_->name() +
                                           " binds at most " + std::to_string(limit) + ", so split it"};

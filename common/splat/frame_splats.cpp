@@ -43,14 +43,22 @@ uint32_t most_spare(uint32_t wanted) { return std::max(wanted / 16, 256u); }
 
 }  // namespace
 
+FrameSplats::FrameSplats(Backend& backend, uint32_t most_part_rows)
+    : backend_(&backend), part_rows_(static_cast<uint32_t>(backend.most_buffer_bytes() / sizeof(SplatRow))) {
+  if (most_part_rows > 0) part_rows_ = std::min(part_rows_, most_part_rows);
+}
+
 FrameSplats::~FrameSplats() { release(); }
 
 void FrameSplats::release() {
   sorter_.reset();
-  for (BufferId* buffer : {&views_, &rows_[0], &rows_[1], &posed_}) {
-    if (*buffer != BufferId{}) (void)backend_->destroy_buffer(*buffer);
-    *buffer = {};
-  }
+  const auto give_back = [&](BufferId& buffer) {
+    if (buffer != BufferId{}) (void)backend_->destroy_buffer(buffer);
+    buffer = {};
+  };
+  give_back(views_);
+  give_back(posed_);
+  for (auto& parts : rows_) std::for_each(std::begin(parts), std::end(parts), give_back);
   rows_held_[0] = rows_held_[1] = posed_held_ = 0;
   device_bytes_ = 0;
 }
@@ -66,7 +74,7 @@ Result<void> FrameSplats::make_room(uint32_t kernels, size_t eyes, bool poses) {
   const bool grows = sorter_.has_value();
   release();
   const auto with_spare = [&](uint32_t count) {
-    return count > 1 && grows ? std::min(count + most_spare(count) / 2, KeySorter::kMaxKeys) : count;
+    return count > 1 && grows ? static_cast<uint32_t>(std::min<uint64_t>(count + most_spare(count) / 2, most_kernels())) : count;
   };
   const auto failed = [&](const Error& error) {
     release();
@@ -82,7 +90,9 @@ Result<void> FrameSplats::make_room(uint32_t kernels, size_t eyes, bool poses) {
   if (auto made = make(views_, sizeof(FrameViews)); !made) return made;
   for (int e = 0; e < 2; ++e) {
     const uint32_t count = with_spare(wanted[1 + e]);
-    if (auto made = make(rows_[e], count * sizeof(SplatRow)); !made) return made;
+    for (uint32_t part = 0, first = 0; first < count; ++part, first += part_rows_) {
+      if (auto made = make(rows_[e][part], std::min(part_rows_, count - first) * sizeof(SplatRow)); !made) return made;
+    }
     rows_held_[e] = count;
   }
   if (poses) {
@@ -111,9 +121,9 @@ Result<void> FrameSplats::prepare(std::span<const Object> objects, std::span<con
     total += object.kernels->size();
     poses = poses || object.pose;
   }
-  if (total > KeySorter::kMaxKeys) {
-    return Error{ErrorCode::TooLarge, "a frame of " + std::to_string(total) + " kernels; the most is " +
-                                          std::to_string(KeySorter::kMaxKeys)};
+  if (total > most_kernels()) {
+    return Error{ErrorCode::TooLarge, "a frame of " + std::to_string(total) + " kernels; the device's buffers hold " +
+                                          std::to_string(most_kernels())};
   }
   kernel_count_ = static_cast<uint32_t>(total);
   if (auto made = make_room(std::max(1u, kernel_count_), eyes.size(), poses); !made) return made;
@@ -122,28 +132,35 @@ Result<void> FrameSplats::prepare(std::span<const Object> objects, std::span<con
 }
 
 Result<void> FrameSplats::project_rows(const Object& object, const Options& options, BufferId posed,
-                                       const DeviceKernels::Part& part, uint32_t first, uint32_t count, uint32_t first_row) {
+                                       const DeviceKernels::Part& part, uint32_t first, uint32_t count, uint32_t first_place) {
   const DeviceKernels& kernels = *object.kernels;
   const int degree = std::clamp(options.max_sh_degree, 0, std::min(kernels.sh_degree(), kMaxShDegree));
-  const ProjectSplatsConstants constants{
-      count, first, first_row, static_cast<uint32_t>(degree), kernels.sh_row_words(), kernels.antialiased() ? 1u : 0u};
-  const std::array buffers{views_, posed, part.looks, part.bands, rows_[0], rows_[1], sorter_->keys()};
+  const auto row_part = static_cast<int>(first_place / part_rows_);
+  const ProjectSplatsConstants constants{.kernel_count = count,
+                                         .first_kernel = first,
+                                         .first_posed = posed == part.posed ? first : 0,
+                                         .first_key = first_place,
+                                         .first_row = first_place % part_rows_,
+                                         .sh_degree = static_cast<uint32_t>(degree),
+                                         .sh_row_words = kernels.sh_row_words(),
+                                         .antialiased = kernels.antialiased() ? 1u : 0u};
+  const std::array buffers{views_, posed, part.looks, part.bands, rows(0, row_part), rows(1, row_part), sorter_->keys()};
   return backend_->dispatch(project_splats_pass(), buffers, std::as_bytes(std::span(&constants, 1)), count);
 }
 
 Result<void> FrameSplats::project_prepared(std::span<const Object> objects, const Options& options) {
-  uint32_t first_row = 0;
+  uint32_t place = 0;
   for (const Object& object : objects) {
     for (const DeviceKernels::Part& part : object.kernels->parts()) {
       const uint32_t at_once = object.pose ? posed_held_ : part.count;
-      for (uint32_t first = 0; first < part.count; first += at_once) {
-        const uint32_t count = std::min(at_once, part.count - first);
+      for (uint32_t first = 0, count = 0; first < part.count; first += count) {
+        count = std::min({at_once, part.count - first, part_rows_ - place % part_rows_});  // of one part of either
         if (object.pose) {
           if (auto done = object.pose(part.first + first, count, posed_); !done) return done;
         }
-        if (auto done = project_rows(object, options, object.pose ? posed_ : part.posed, part, first, count, first_row); !done)
+        if (auto done = project_rows(object, options, object.pose ? posed_ : part.posed, part, first, count, place); !done)
           return done;
-        first_row += count;
+        place += count;
       }
     }
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <span>
@@ -14,7 +15,8 @@ namespace livegs {
 
 // What one frame draws: the splats of all objects in one set, for one eye or two, and the one order in which
 // both eyes draw them. Buffers are kept and go with the scene's size: 52 bytes a kernel for one eye, 88 for two, and
-// 6.5 for kernels that passes pose: those are posed and projected an eighth of the frame at a time.
+// 6.5 for kernels that passes pose: those are posed and projected an eighth of the frame at a time. An eye's rows lie in up to
+// kRowParts buffers, so that each is one that the device binds: 128 MiB on lavapipe are 3.7 million kernels.
 class FrameSplats {
  public:
   struct Options {
@@ -31,7 +33,8 @@ class FrameSplats {
     std::function<Result<void>(uint32_t first, uint32_t count, BufferId posed)> pose;
   };
 
-  explicit FrameSplats(Backend& backend) : backend_(&backend) {}
+  // `most_part_rows`: kernels whose rows share a buffer; 0: as many as the backend binds.
+  explicit FrameSplats(Backend& backend, uint32_t most_part_rows = 0);
   ~FrameSplats();
   FrameSplats(const FrameSplats&) = delete;
   FrameSplats& operator=(const FrameSplats&) = delete;
@@ -53,8 +56,12 @@ class FrameSplats {
   // After sort: places in rows(), and how many of them are drawn.
   BufferId order() const { return sorter_->values(); }
   BufferId counted() const { return sorter_->counted(); }
-  // SplatRow by place, of eye 0 or 1. With one eye the second is a buffer of one row.
-  BufferId rows(int eye) const { return rows_[eye]; }
+  // SplatRow of eye 0 or 1: part p has those of the places from p * part_rows() on. A part that is not there is the first; with
+  // one eye the second has one row.
+  BufferId rows(int eye, int part = 0) const { return rows_[eye][part] == BufferId{} ? rows_[eye][0] : rows_[eye][part]; }
+  uint32_t part_rows() const { return part_rows_; }
+  static constexpr int kRowParts = 3;  // two eyes' and the order are seven buffers; a device binds eight or more (pass.h)
+  uint64_t most_kernels() const { return std::min<uint64_t>(KeySorter::kMaxKeys, uint64_t{kRowParts} * part_rows_); }
 
   uint32_t kernel_count() const { return kernel_count_; }
   size_t device_bytes() const { return device_bytes_; }
@@ -63,11 +70,12 @@ class FrameSplats {
   Result<void> make_room(uint32_t kernels, size_t eyes, bool poses);
   void release();
   Result<void> project_rows(const Object& object, const Options& options, BufferId posed, const DeviceKernels::Part& part,
-                            uint32_t first, uint32_t count, uint32_t first_row);
+                            uint32_t first, uint32_t count, uint32_t first_place);
 
   Backend* backend_;
   std::optional<KeySorter> sorter_;
-  BufferId views_{}, rows_[2]{}, posed_{};
+  uint32_t part_rows_;
+  BufferId views_{}, rows_[2][kRowParts]{}, posed_{};
   uint32_t rows_held_[2]{}, posed_held_ = 0;
   uint32_t kernel_count_ = 0;
   size_t device_bytes_ = 0;

@@ -138,9 +138,9 @@ vec3 colour_towards(EyeView eye, PosedKernelRow k, uint index) {
 void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= constants.kernel_count) return;
-  const PosedKernelRow k = posed[i];
+  const PosedKernelRow k = posed[constants.first_posed + i];
   const Cofactors c = cofactors(k);
-  const uint place = constants.first_row + i;
+  const uint row_place = constants.first_row + i;
   bool seen = false;
   for (uint e = 0; e < views.eye_count; ++e) {
     SplatRow row;
@@ -152,14 +152,14 @@ void main() {
       seen = true;
     }
     if (e == 0) {
-      left_rows[place] = row;
+      left_rows[row_place] = row;
     } else {
-      right_rows[place] = row;
+      right_rows[row_place] = row;
     }
   }
   const vec3 from_origin =
       vec3(k.x_m, k.y_m, k.z_m) - vec3(views.origin_x_m, views.origin_y_m, views.origin_z_m);
   const float depth = views.by_distance != 0 ? sqrt(dot(from_origin, from_origin))
                                              : dot(vec3(views.axis_x, views.axis_y, views.axis_z), from_origin);
-  keys[place] = seen ? ordered_key(depth) : kNoKey;
+  keys[constants.first_key + i] = seen ? ordered_key(depth) : kNoKey;
 }

@@ -165,18 +165,17 @@ void project_splats(const PassArguments& arguments, size_t begin, size_t end) {
   const auto& buffers = arguments.buffers;
   end = std::min<size_t>(end, constants.kernel_count);
   LIVEGS_ASSERT(constants.sh_degree <= kMaxShDegree);
-  LIVEGS_ASSERT(end * sizeof(PosedKernelRow) <= buffers[1].size());
+  LIVEGS_ASSERT((constants.first_posed + end) * sizeof(PosedKernelRow) <= buffers[1].size());
   LIVEGS_ASSERT((constants.first_kernel + end) * sizeof(KernelLookRow) <= buffers[2].size());
   LIVEGS_ASSERT((constants.first_row + end) * sizeof(SplatRow) <= buffers[4].size());
   const auto views = row_at<FrameViews>(buffers[0], 0);
   const std::span<const uint32_t> bands = words_of(buffers[3]);
   const std::span<uint32_t> keys = words_of(buffers[6]);
   for (size_t i = begin; i < end; ++i) {
-    const auto k = row_at<PosedKernelRow>(buffers[1], i);
+    const auto k = row_at<PosedKernelRow>(buffers[1], constants.first_posed + i);
     const size_t kernel = constants.first_kernel + i;
     const auto look = row_at<KernelLookRow>(buffers[2], kernel);
     const Cofactors c = cofactors(k);
-    const size_t place = constants.first_row + i;
     bool seen = false;
     for (uint32_t e = 0; e < views.eye_count; ++e) {
       SplatRow row;
@@ -185,12 +184,12 @@ void project_splats(const PassArguments& arguments, size_t begin, size_t end) {
               constants.sh_degree > 0 ? bands.subspan(kernel * constants.sh_row_words) : bands, row);
         seen = true;
       }
-      set_row(buffers[e == 0 ? 4 : 5], place, row);
+      set_row(buffers[e == 0 ? 4 : 5], constants.first_row + i, row);
     }
     const Row3 from_origin = offset_from(k, views.origin_x_m, views.origin_y_m, views.origin_z_m);
     const float depth = views.by_distance != 0 ? std::sqrt(dot(from_origin, from_origin))
                                                : dot({views.axis_x, views.axis_y, views.axis_z}, from_origin);
-    keys[place] = seen ? ordered_key(depth) : kSortDroppedKey;
+    keys[constants.first_key + i] = seen ? ordered_key(depth) : kSortDroppedKey;
   }
 }
 

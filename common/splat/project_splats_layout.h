@@ -77,8 +77,10 @@ struct SplatRow {
 
 struct ProjectSplatsConstants {
   uint kernel_count;
-  uint first_kernel;    // where their looks and bands begin; the posed rows begin at 0
-  uint first_row;       // where the rows and keys of these kernels begin
+  uint first_kernel;    // where their looks and bands begin
+  uint first_posed;     // where their posed rows begin
+  uint first_key;       // where the keys of these kernels begin
+  uint first_row;       // where their rows begin
   uint sh_degree;       // to evaluate, 0..3
   uint sh_row_words;    // from one kernel's bands to the next's
   uint antialiased;     // 1: opacity makes up for the low-pass
@@ -93,6 +95,6 @@ const float kLog2OfTwoPi = 2.65149613;
 #ifdef __cplusplus
 static_assert(sizeof(KernelLookRow) == 16);
 static_assert(sizeof(EyeView) == 100 && sizeof(FrameViews) == 232 && sizeof(SplatRow) == 36);
-static_assert(sizeof(ProjectSplatsConstants) == 24);
+static_assert(sizeof(ProjectSplatsConstants) == 32);
 }  // namespace livegs
 #endif

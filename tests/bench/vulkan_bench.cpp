@@ -102,8 +102,10 @@ Samples skin_times(const std::shared_ptr<VulkanDevice>& device, const Ridden& ri
   Samples samples;
   for (int frame = -kWarmUpFrames; frame < kMostFrames; ++frame) {
     const int64_t begun_ns = now_ns();
-    for (uint32_t first = 0; first < skin.size(); first += at_once)
-      take(skin.pose(first, std::min(at_once, skin.size() - first), posed));
+    for (uint32_t first = 0, count = 0; first < skin.size(); first += count) {
+      count = std::min({at_once, skin.size() - first, DeviceSkin::kMaxPartKernels - first % DeviceSkin::kMaxPartKernels});
+      take(skin.pose(first, count, posed));
+    }
     take(backend->submit());
     if (frame >= 0) samples.ms.push_back(milliseconds_from_ns(now_ns() - begun_ns));
   }
@@ -193,8 +195,7 @@ void measure_all(size_t only) {
       "kernels,eyes,width,height,blend_bits,frames,skin_ms,skin_max_ms,skin_rigid_ms,skin_rigid_max_ms,upload_ms,upload_max_ms,"
       "project_ms,project_max_ms,sort_ms,sort_max_ms,draw_ms,draw_max_ms,device_skin_ms,device_project_ms,device_sort_ms,"
       "device_draw_ms,device_resolve_ms,bytes_a_kernel,bar_bytes\n");
-  for (const size_t count : {50'000u, 200'000u, 1'000'000u}) {
-    if (only > 0 && count != only) continue;
+  for (const size_t count : only > 0 ? std::vector{only} : std::vector<size_t>{50'000, 200'000, 1'000'000}) {
     // Kernels shrink as they grow in number, so that the shell stays as opaque.
     const synthetic::Object object =
         synthetic::shell(count, 3, 0.9 / std::sqrt(static_cast<double>(count)), 1);

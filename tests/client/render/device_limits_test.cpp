@@ -75,6 +75,34 @@ TEST_F(DeviceLimits, WithNoMemoryAtAllItIsAnError) {
   EXPECT_EQ(done.error().code, ErrorCode::TooLarge);
 }
 
+// What is told of an eye's kernels lies in as many buffers as the device needs: the same bits, whoever poses them, and whichever
+// eye sees them. Beyond those, fewer are drawn, and what is said is not that memory has ended.
+TEST_F(DeviceLimits, RowsInSeveralBuffersDrawTheSamePicture) {
+  const Object shell = synthetic::shell(2'500, 3, 0.02, 3);
+  Object other = synthetic::shell(400, 1, 0.02, 4);
+  other.id = 2;
+  const Camera eye = look_at({0.2, 0.3, 1.4}, {0, 0, 0}, Eigen::Vector3d::UnitY(), 0.8, 160, 120);
+  Camera right = eye;
+  right.world_from_camera.position_m.x() += 0.064;
+  const Camera eyes[] = {eye, right};
+  const RenderedObject both[] = {rendered(shell.drawn()), rendered(other.drawn())};
+  const auto whole = draw(both, eyes);
+  make_renderer({.precision = BlendPrecision::Half, .most_part_rows = 1000});
+  const auto parted = draw(both, eyes);
+  ASSERT_EQ(parted.size(), 2u);
+  for (int e = 0; e < 2; ++e) EXPECT_EQ(parted[e].pixels, whole[e].pixels) << e;
+  EXPECT_EQ(renderer_->notice(), "");
+  EXPECT_EQ(draw({both, 1}, {&eye, 1})[0].pixels.size(), whole[0].pixels.size());
+
+  const Object many = synthetic::shell(4'000, 3, 0.02, 3);
+  const RenderedObject more = rendered(many.drawn(), 3);
+  const Image fewer = draw({&more, 1}, {&eye, 1})[0];
+  EXPECT_EQ(renderer_->notice(), "the buffers that " + device_->name() + " can bind hold 75 % of the kernels; the rest is not drawn");
+  EXPECT_GT(psnr_db(fewer, oracle({&more, 1}, {&eye, 1})[0]), 20.0);  // nothing would be 11 dB
+  EXPECT_EQ(draw({&both[1], 1}, {&eye, 1}).size(), 1u);
+  EXPECT_EQ(renderer_->notice(), "");
+}
+
 // Each pass by the device's clock lies within what the host waited for it; lavapipe has a clock.
 TEST_F(DeviceLimits, ItsClockTellsEachPassAlone) {
   make_renderer({.separate_times = true});

@@ -102,6 +102,23 @@ TEST_F(DeviceSkinning, WhatMovesIsSkinnedThereAndIsTheOraclesPicture) {
   }
 }
 
+// However many buffers the rows of a frame lie in: bodies and lattices are posed by passes, particles on the host.
+TEST_F(DeviceSkinning, RowsInSeveralBuffersAreTheSamePicture) {
+  SceneView whole(std::move(renderer_));
+  things_.add_to(whole);
+  const DriverFrame frame = things_.at(0.4, 0.7);
+  size_t kernels = 0;
+  std::vector<Image> expected, made;
+  ASSERT_TRUE(whole.draw(frame, {&eye_, 1}, expected));
+  for (uint32_t id = 1; id <= 3; ++id) kernels += whole.drawn_object(id)->asset->size();
+  make_renderer({.precision = BlendPrecision::Half, .most_part_rows = static_cast<uint32_t>(kernels / 2 - 300)});
+  SceneView parted(std::move(renderer_));
+  things_.add_to(parted);
+  ASSERT_TRUE(parted.draw(frame, {&eye_, 1}, made));
+  EXPECT_EQ(parted.notice(), "");
+  EXPECT_EQ(made[0].pixels, expected[0].pixels);
+}
+
 // Who asks where kernels are gets the answer of a view that draws on the CPU, and only what he may ask about is skinned.
 TEST_F(DeviceSkinning, AskingWhereKernelsAreSkinsOnlyWhatIsAskedAbout) {
   SceneView device(std::move(renderer_)), host;
