@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ten minutes with the headset: twenty lost sessions, lost focus, recentres, four refresh rates, stalls.
+// Ten minutes with the headset: twenty lost sessions, lost focus, recentres, four refresh rates, stalls; of what is shown meanwhile
+// both eyes are held against the oracle, and their parallax against the distance.
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "system/headset_session.h"
 #include "system/results_csv.h"
@@ -49,7 +51,17 @@ std::string ten_minutes() {
     add(at + 18, "do compositor 0");
     if (part % 4 == 1) add(at + 19, "do hide");
     if (part % 4 == 1) add(at + 20, "do show");
-    add(at + 22, "do picture");
+    // Every other picture has no hand in sight, so that nothing but the boxes has light; each from another place.
+    add(at + (part % 2 ? 22.0 : 20.6 + 0.1 * part), "do picture");
+    if (part % 2 == 0) {
+      add(at + 20, "pose left -0.35 1.6 -0.3 1 0 0 0");
+      add(at + 20, "pose right 0 1.6 -1 1 0 0 0");
+      for (const double later : {20.4, 23.0}) {
+        add(at + later, "pose left -0.35 1.6 5 1 0 0 0");
+        add(at + later, "pose right 0 1.6 5 1 0 0 0");
+      }
+      add(at + 24, "pose left -0.35 1.6 -0.3 1 0 0 0");
+    }
     if (part < kLosses) add(at + kPart_s - 1, part % 2 ? "do cut-session" : "do lose-session");
   }
   add(600, "do exit");
@@ -69,16 +81,32 @@ TEST_F(HeadsetSession, LastsTenMinutesAndTwentyLosses) {
   EXPECT_EQ(done->counts.recentres, kLosses / 2 + 1u);
   ASSERT_GE(kept_.size(), 18u);
   const double least_db = expect_oracle();
+  std::vector<double> parallax;
+  size_t parallax_pictures = 0;
+  for (const Kept& kept : kept_) {
+    const std::vector<double> shares = expect_parallax(kept);
+    parallax_pictures += shares.empty() ? 0 : 1;
+    parallax.insert(parallax.end(), shares.begin(), shares.end());
+  }
+  EXPECT_GE(parallax_pictures, 9u);
+  ASSERT_GE(parallax.size(), 18u);
+  const double mean = std::accumulate(parallax.begin(), parallax.end(), 0.0) / static_cast<double>(parallax.size());
+  EXPECT_NEAR(mean, 1.0, 0.1);  // 0.952 found, goal 1: half a pixel of three each
+  const auto [least, most] = std::minmax_element(parallax.begin(), parallax.end());
+  std::printf("parallax %.3f to %.3f of what the depth asks for, %.3f in the mean, %zu times in %zu pictures\n", *least, *most, mean,
+              parallax.size(), parallax_pictures);
   // Handles are counted above: each session's swapchain and spaces were gone before it was. Memory is what the allocator holds.
   ASSERT_GE(memory_mb.size(), 4u);
   const double grown_mb = memory_mb.back() - memory_mb[2];
   std::printf("at least %.1f dB; resident %.1f MB at the third picture, %.1f MB at the last\n", least_db, memory_mb[2], memory_mb.back());
   char row[200];
-  std::snprintf(row, sizeof row, "600,%llu,%llu,%llu,%llu,%llu,%zu,%.1f,%.1f,%.1f",
+  std::snprintf(row, sizeof row, "600,%llu,%llu,%llu,%llu,%llu,%zu,%.1f,%zu,%.3f,%.3f,%.3f,%.1f,%.1f",
                 static_cast<unsigned long long>(done->counts.sessions), static_cast<unsigned long long>(done->counts.losses),
                 static_cast<unsigned long long>(done->counts.recentres), static_cast<unsigned long long>(done->counts.refresh_changes),
-                static_cast<unsigned long long>(done->counts.pictures), kept_.size(), least_db, memory_mb[2], grown_mb);
-  add_result("LIVEGS_HEADSET_CSV", "seconds,sessions,losses,recentres,refresh_changes,pictures,kept,least_db,resident_mb,grown_mb", row);
+                static_cast<unsigned long long>(done->counts.pictures), kept_.size(), least_db, parallax_pictures, *least, mean, *most, memory_mb[2],
+                grown_mb);
+  add_result("LIVEGS_HEADSET_CSV", "seconds,sessions,losses,recentres,refresh_changes,pictures,kept,least_db,parallax_pictures,"
+             "parallax_least,parallax_mean,parallax_most,resident_mb,grown_mb", row);
   EXPECT_LT(grown_mb, kMostGrown_mb);
 }
 

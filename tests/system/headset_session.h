@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <set>
@@ -14,6 +16,7 @@
 #include "openxr_runtime/record_files.h"
 #include "scratch_folder.h"
 #include "system/fault_proxy.h"
+#include "system/parallax.h"
 #include "system/served_scene.h"
 #include "viewer/headset_run.h"
 
@@ -64,6 +67,9 @@ class HeadsetSession : public ::testing::Test {
   };
 
   Result<HeadsetRunSummary> run(Scene scene, const std::string& timeline, const Settings& settings) {
+    for (const BodyState& body : scene.world().bodies()) {
+      if (const SceneObject* object = scene.find(body.object_id)) ids_[object->name] = body.object_id;
+    }
     ServedScene served(std::move(scene), [&](const Scene& now) {
       if (!settings.keeps_ticks) return;
       Seen one{now_ns(), {}, {}};
@@ -118,6 +124,8 @@ class HeadsetSession : public ::testing::Test {
     std::array<std::filesystem::path, 2> files;
     std::vector<Image> oracle;
     std::vector<Camera> eyes;
+    std::map<std::string, SeenByBothEyes> seen;  // rigid objects, as they stood in it
+    bool hands_in_sight = false;                 // or anything of a hand before the eyes
   };
 
   // What no session may leave behind.
@@ -149,6 +157,28 @@ class HeadsetSession : public ::testing::Test {
     return least_db;
   }
 
+  // Of each rigid object that both eyes see with nothing else about it, as a share of what its depth asks for. None where hands
+  // have light as well. Opaque things end at whole pixels, so that one alone is known to half a pixel.
+  std::vector<double> expect_parallax(const Kept& kept) const {
+    const auto left = read_png(kept.files[0]), right = read_png(kept.files[1]);
+    EXPECT_TRUE(left && right);
+    std::vector<double> shares;
+    if (kept.hands_in_sight) return shares;
+    for (const auto& [name, seen] : kept.seen) {
+      const auto beside = [&](const auto& other) {
+        return other.first != name && (other.second.in_picture_px[0].intersects(seen.in_picture_px[0]) ||
+                                       other.second.in_picture_px[1].intersects(seen.in_picture_px[1]));
+      };
+      if (!left || !right || std::any_of(kept.seen.begin(), kept.seen.end(), beside)) continue;
+      const auto found = parallax(*left, *right, kept.eyes, seen);
+      EXPECT_TRUE(found) << name << " is not in " << kept.files[0];
+      if (!found) continue;
+      EXPECT_NEAR(*found, kEyesApart_m / seen.depth_m, 0.5 / kept.eyes[0].focal_x_px) << name << " in " << kept.files[0];
+      shares.push_back(*found * seen.depth_m / kEyesApart_m);
+    }
+    return shares;
+  }
+
   std::vector<std::string> states() const {
     std::vector<std::string> names;
     for (const auto& row : rows(folder_ / "states.csv")) names.push_back(row.at(1));
@@ -178,10 +208,19 @@ class HeadsetSession : public ::testing::Test {
       for (float& value : image.pixels) value = std::min(value, 1.0f);
     }
     kept.eyes = picture.views;
+    for (const uint32_t hand : {0u, 1u}) {
+      const auto marks = view.drawn_object(std::numeric_limits<uint32_t>::max() - hand);  // hand_marks.h: the last two ids
+      kept.hands_in_sight = kept.hands_in_sight || (marks && is_before(*marks->kernels, kept.eyes));
+    }
+    for (const auto& [name, id] : ids_) {
+      const auto object = view.drawn_object(id);
+      if (const auto seen = object ? seen_by_both(*object->kernels, kept.eyes) : std::nullopt) kept.seen[name] = *seen;
+    }
     kept_.push_back(std::move(kept));
     return true;
   }
   std::set<std::string> names_;
+  std::map<std::string, uint32_t> ids_;  // of rigid objects
 };
 
 }  // namespace livegs
