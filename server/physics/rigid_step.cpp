@@ -10,6 +10,7 @@
 #include "physics/rigid_bounce.h"
 #include "physics/rigid_contact.h"
 #include "physics/rigid_find_contacts.h"
+#include "physics/rigid_hasty.h"
 #include "physics/rigid_islands.h"
 #include "physics/rigid_joint.h"
 #include "physics/rigid_spring.h"
@@ -267,6 +268,51 @@ void solve_island(RigidIsland& island, double duration_s) {
   for (RigidBody* body : island.bodies) body->blows.end_substep(*body, struck_share, duration_s);
 }
 
+// Impulses are those of a step: the next one is `factor` as long.
+void scale_impulses(std::vector<ContactPatch>& patches, double factor) {
+  for (ContactPatch& patch : patches) {
+    for (int i = 0; i < patch.point_count; ++i) patch.points[i].impulse_n_s *= factor;
+    patch.friction_impulse_n_s *= factor;
+    patch.twist_impulse *= factor;
+  }
+}
+
+// The substep in `parts`, each with contacts of its own. Its bodies meet nobody but each other, colliders and sleepers: other
+// islands may be on other threads.
+void solve_in_parts(RigidIsland& island, std::span<const Collider> colliders, double gravity_m_s2, double duration_s, int parts) {
+  const double part_s = duration_s / parts;
+  std::vector<const RigidBody*> members(island.bodies.begin(), island.bodies.end());
+  std::sort(members.begin(), members.end());
+  const auto elsewhere = [&](const RigidBody* body) {
+    return !body->asleep && !std::binary_search(members.begin(), members.end(), body);
+  };
+  std::vector<std::vector<RigidBody*>> near;
+  for (RigidBody* body : island.bodies) {
+    near.push_back(body->near);
+    std::erase_if(body->near, elsewhere);
+    scale_impulses(body->patches, 1.0 / parts);
+    body->velocity_m_s = body->substep_velocity_m_s;
+  }
+  std::erase_if(island.contacts, [](const RigidIsland::Contact& contact) { return !contact.owner->asleep; });
+  const size_t of_sleepers = island.contacts.size();
+  for (int part = 0; part < parts; ++part) {
+    for (RigidBody* body : island.bodies) {
+      body->substep_velocity_m_s = body->velocity_m_s;
+      body->velocity_m_s += part_s * body->substep_acceleration_m_s2;
+    }
+    for (RigidBody* body : island.bodies) find_contacts(*body, colliders, gravity_m_s2, part_s);
+    island.contacts.resize(of_sleepers);
+    for (RigidBody* body : island.bodies) {
+      for (ContactPatch& patch : body->patches) island.contacts.push_back({body, &patch});
+    }
+    solve_island(island, part_s);
+  }
+  for (size_t i = 0; i < island.bodies.size(); ++i) {
+    island.bodies[i]->near = std::move(near[i]);
+    scale_impulses(island.bodies[i]->patches, parts);
+  }
+}
+
 }  // namespace
 
 void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const RigidLoad> loads,
@@ -309,7 +355,14 @@ void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const Rigid
 
   std::vector<RigidIsland> islands = rigid_islands(active, IslandLink::AnyPatch, gravity_m_s2);
   parallel_for(islands.size(), 1, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) solve_island(islands[i], duration_s);
+    for (size_t i = begin; i < end; ++i) {
+      const int parts = substep_parts(islands[i], duration_s);
+      if (parts == 1) {
+        solve_island(islands[i], duration_s);
+      } else {
+        solve_in_parts(islands[i], colliders, gravity_m_s2.norm(), duration_s, parts);
+      }
+    }
   });
 }
 
