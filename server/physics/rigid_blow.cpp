@@ -59,6 +59,10 @@ void RigidBlows::note_contact(const RigidBody& body, const ContactPatch& patch, 
   if (point.impact_speed_m_s >= patch.restitution_speed_m_s) {
     const double ended = point.impact_speed_m_s * (1.0 + patch.restitution);
     struck_share_ = std::max(struck_share_, ended / (ended + point.carried_speed_m_s));
+    if (ended > fastest_ended_m_s_) {
+      fastest_ended_m_s_ = ended;
+      struck_after_s_ = point.until_touch_s;
+    }
   }
   if (!body.can_break) return;
   const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
@@ -77,7 +81,7 @@ void RigidBlows::note_friction(const RigidBody& body, const Eigen::Vector3d& imp
 
 void RigidBlows::end_substep(const RigidBody& body, double island_share, double duration_s) {
   if (!body.can_break) {
-    struck_share_ = 0.0;
+    struck_share_ = fastest_ended_m_s_ = 0.0;
     return;
   }
   const double size = contacts_.impulse_n_s, now_n = size / duration_s;
@@ -94,12 +98,14 @@ void RigidBlows::end_substep(const RigidBody& body, double island_share, double 
   borne_known_ = borne_known_ || size > 0.0;
 
   for (Struck& one : recent_) one.age_s += duration_s;
-  std::erase_if(recent_, [](const Struck& one) { return one.age_s > kFrame_s - 1e-9; });
+  std::erase_if(recent_, [&](const Struck& one) { return one.age_s - duration_s > kFrame_s - 1e-9; });
   if (struck > 0.0) {
-    recent_.push_back({0.0, {}});
+    recent_.push_back({fastest_ended_m_s_ > 0.0 ? duration_s - struck_after_s_ : 0.0, {}});
     recent_.back().sum.add(contacts_, struck / size);
     ImpulseSum together;
-    for (const Struck& one : recent_) together.add(one.sum, 1.0);
+    for (const Struck& one : recent_) {
+      if (one.age_s - recent_.back().age_s <= kFrame_s - 1e-9) together.add(one.sum, 1.0);
+    }
     if (together.impulse_n_s > blow_.impulse_n_s) blow_ = together;
     if (together.impulse_n_s > spell_.impulse_n_s) spell_ = together;
   }
@@ -113,7 +119,7 @@ void RigidBlows::end_substep(const RigidBody& body, double island_share, double 
     pushed_.add(forces_, kBlowTime_s / duration_s);
   }
   contacts_ = forces_ = {};
-  struck_share_ = 0.0;
+  struck_share_ = fastest_ended_m_s_ = 0.0;
 }
 
 ImpulseSum RigidBlows::take(double tick_s) {

@@ -109,7 +109,8 @@ void foresee_touch(const RigidBody& body, const RigidBody* other, const ContactC
   const double at_touch = std::sqrt(std::max(0.0, closing * closing - 2.0 * normal_acceleration * gap));
   point.impact_speed_m_s = closing > 0.0 ? at_touch : 0.0;
   const double until_touch = gap > 0.0 && closing + at_touch > 0.0 ? 2.0 * gap / (closing + at_touch) : 0.0;
-  point.carried_speed_m_s = -std::min(0.0, normal_acceleration) * std::clamp(duration_s - until_touch, 0.0, duration_s);
+  point.until_touch_s = std::clamp(until_touch, 0.0, duration_s);
+  point.carried_speed_m_s = -std::min(0.0, normal_acceleration) * (duration_s - point.until_touch_s);
 }
 
 // Friction acts where the pressure of the substep before had its centre.

@@ -61,7 +61,8 @@ TEST(Breaking, TheHeightThatBreaksACupLandingOnItsRimIsTheClosedFormForAnySubste
         return breaks_when_dropped(cup, fall_m, world_at(rate, substeps), pieces, 0.0);
       };
       // At 1 and 2 substeps up to 14 % and 5 % more may not break it: a landing in the last moment of a substep leaves a part of
-      // its impulse to the next one, which has no approach to tell it from weight. As many solver steps more change no bit.
+      // its impulse to the next one, which has no approach to tell it from weight; and what the corner bears of the weight in the
+      // rest of the substep is less than what is taken off for it, while the cup tips. As many solver steps more change no bit.
       // Goal 2 %.
       const double reached = substeps == 1 ? 0.16 : substeps == 2 ? 0.06 : 0.02;
       EXPECT_FALSE(breaks(0.98 * height_m));
@@ -70,16 +71,16 @@ TEST(Breaking, TheHeightThatBreaksACupLandingOnItsRimIsTheClosedFormForAnySubste
   }
 }
 
-// Tilted by a few degrees it rocks from corner to corner within some milliseconds: one landing, wherever ticks end. When blows
-// were summed by the tick, at 9 degrees and 90 Hz it broke and held by turns from 0.32 to 0.65 m. There is no closed form; all ticks
-// and substeps share one threshold.
+// Tilted by a few degrees it rocks from corner to corner within 4 to 14 ms: one landing, wherever ticks and substeps end. When blows
+// were summed by the tick, at 9 degrees and 90 Hz it broke and held by turns from 0.32 to 0.65 m; when they were timed by the substep
+// in which they came, it held up to 0.277 m at 60 Hz. There is no closed form; all ticks and substeps share one threshold.
 TEST(Breaking, ATiltedCupHasOneBreakHeight) {
-  constexpr double kHeight_m = 0.242, kReached = 0.055, kGoal = 0.02;
+  constexpr double kHeight_m = 0.2466, kReached = 0.06, kGoal = 0.02;
   for (const double degrees : {3.0, 9.0}) {
     for (const double rate : kRates_hz) {
       for (const int substeps : {4, 32}) {
-        for (int i = 0; i < 24; ++i) {
-          const double fall_m = 0.2 * std::pow(1.045, i);
+        for (int i = 0; i < 48; ++i) {
+          const double fall_m = 0.21 * std::pow(1.0075, i);
           if (std::abs(fall_m / kHeight_m - 1.0) < kReached) continue;
           RigidBodyDescription cup = cup_at(fall_m);
           cup.world_from_object.orientation = Eigen::AngleAxisd(degrees * M_PI / 180, Vector3d(1, 0, 0.3).normalized());
