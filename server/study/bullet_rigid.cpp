@@ -95,8 +95,12 @@ class BulletRigid final : public RigidSolver {
     if (!sleep_) body.setActivationState(DISABLE_DEACTIVATION);
     world_.addRigidBody(&body);
     forces_n_.push_back(Vector3d::Zero());
+    break_impulses_n_s_.push_back(part.break_impulse_n_s);
+    broken_.push_back(false);
     return {};
   }
+
+  Result<bool> broken(size_t part) const override { return broken_[part]; }
 
   Result<void> join(size_t part, std::optional<size_t> other, const Vector3d& point_m) override {
     const btVector3 point = to_bullet(point_m);
@@ -116,11 +120,18 @@ class BulletRigid final : public RigidSolver {
   void push(size_t part, const Vector3d& force_n) override { forces_n_[part] = force_n; }
 
   void frame() override {
+    std::vector<double> given_n_s(bodies_.size(), 0.0);
     for (int i = 0; i < substeps_; ++i) {
       for (size_t b = 0; b < bodies_.size(); ++b) {
         if (!forces_n_[b].isZero()) bodies_[b]->applyCentralForce(to_bullet(forces_n_[b]));
       }
       world_.stepSimulation(static_cast<btScalar>(substep_s_), 0);
+      for (size_t b = 0; b < bodies_.size(); ++b) {
+        if (break_impulses_n_s_[b] > 0.0) given_n_s[b] += contact_impulse_n_s(*bodies_[b]);
+      }
+    }
+    for (size_t b = 0; b < bodies_.size(); ++b) {
+      if (break_impulses_n_s_[b] > 0.0 && given_n_s[b] >= break_impulses_n_s_[b]) broken_[b] = true;
     }
   }
 
@@ -140,6 +151,17 @@ class BulletRigid final : public RigidSolver {
   }
 
  private:
+  // Of the last step.
+  double contact_impulse_n_s(const btRigidBody& body) {
+    double sum = 0.0;
+    for (int m = 0; m < dispatcher_.getNumManifolds(); ++m) {
+      const btPersistentManifold& manifold = *dispatcher_.getManifoldByIndexInternal(m);
+      if (manifold.getBody0() != &body && manifold.getBody1() != &body) continue;
+      for (int p = 0; p < manifold.getNumContacts(); ++p) sum += manifold.getContactPoint(p).getAppliedImpulse();
+    }
+    return sum;
+  }
+
   // Bullet multiplies the two frictions of a pair; of the roots that gives the geometric mean.
   static btScalar pair_share(double friction) { return static_cast<btScalar>(std::sqrt(friction)); }
 
@@ -150,6 +172,8 @@ class BulletRigid final : public RigidSolver {
   std::vector<std::unique_ptr<btRigidBody>> bodies_, floors_;
   std::vector<std::unique_ptr<btTypedConstraint>> joints_;
   std::vector<Vector3d> forces_n_;
+  std::vector<double> break_impulses_n_s_;  // by part; 0: not fragile
+  std::vector<bool> broken_;
 
   btDefaultCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_{&configuration_};

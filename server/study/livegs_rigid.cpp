@@ -4,10 +4,27 @@
 #include "geometry/convex_hull.h"
 #include "geometry/mass_properties.h"
 #include "geometry/shape_mesh.h"
+#include "physics/breakable_pieces.h"
 #include "physics/world.h"
+#include "study/block.h"
 
 namespace livegs::study {
 namespace {
+
+// As many as fragile things of this size have.
+constexpr size_t kPieces = 16;
+
+// Scenes drop the same box a hundred times.
+Result<std::shared_ptr<const BreakablePieces>> pieces_of_box(const Eigen::Vector3d& size_m) {
+  thread_local Eigen::Vector3d cut_size_m = Eigen::Vector3d::Zero();
+  thread_local std::shared_ptr<const BreakablePieces> cut;
+  if (cut && cut_size_m == size_m) return cut;
+  auto pieces = prepare_pieces(box_mesh(size_m), Fill::Solid, {.piece_count = kPieces});
+  if (!pieces) return pieces.error();
+  cut_size_m = size_m;
+  cut = *pieces;
+  return cut;
+}
 
 class LivegsRigid final : public RigidSolver {
  public:
@@ -32,6 +49,8 @@ class LivegsRigid final : public RigidSolver {
     // On the rest centre, which is the centre of mass of every part.
     world_.set_force(part, id_of(part), {Eigen::Vector3d::Zero(), force_n});
   }
+  Result<void> add_soft(const SoftPart& part) override;
+  Result<bool> broken(size_t part) const override { return world_.revision(id_of(part)) > 0; }
   void frame() override { world_.step(); }
   std::vector<RigidMotion> motions() const override;
 
@@ -39,8 +58,11 @@ class LivegsRigid final : public RigidSolver {
   static uint32_t id_of(size_t part) { return static_cast<uint32_t>(part) + 1; }
 
   World world_;
-  uint32_t parts_ = 0;
+  uint32_t parts_ = 0, soft_parts_ = 0;
 };
+
+// Soft ones are numbered from here.
+constexpr uint32_t kFirstSoft = 1'000'000;
 
 Result<void> LivegsRigid::add(const RigidPart& part) {
   const uint32_t id = id_of(parts_);
@@ -68,10 +90,33 @@ Result<void> LivegsRigid::add(const RigidPart& part) {
     body.world_from_object = part.world_from_part;
     body.velocity_m_s = part.velocity_m_s;
     body.angular_velocity_rad_s = part.angular_velocity_rad_s;
+    body.material.fragile = part.break_impulse_n_s > 0.0 && part.corners_m.empty();
+    body.material.break_impulse_n_s = part.break_impulse_n_s;
     added = world_.add_rigid(body);
+    if (added && body.material.fragile) {
+      auto pieces = pieces_of_box(part.size_m);
+      if (!pieces) return pieces.error();
+      added = world_.set_pieces(id, *pieces);
+    }
   }
   if (added) ++parts_;
   return added;
+}
+
+Result<void> LivegsRigid::add_soft(const SoftPart& part) {
+  Setup setup;
+  setup.spacing_m = part.spacing_m;
+  setup.cell_width_m = part.cell_width_m;
+  setup.youngs_modulus_pa = part.youngs_modulus_pa;
+  setup.poisson_ratio = part.poisson_ratio;
+  setup.density_kg_m3 = part.mass_kg / part.size_m.prod();
+  ElasticBodyDescription body = describe_box(setup, -0.5 * part.size_m, 0.5 * part.size_m);
+  body.object_id = kFirstSoft + soft_parts_++;
+  body.material.loss_factor = part.loss_factor;
+  body.material.friction = part.friction;
+  body.material.restitution = 0.0;
+  body.world_from_object.position_m = part.position_m;
+  return world_.add_elastic(body);
 }
 
 std::vector<RigidMotion> LivegsRigid::motions() const {

@@ -26,6 +26,14 @@ double thread_cpu_s() {
 
 }  // namespace
 
+Result<void> RigidSolver::add_soft(const SoftPart&) {
+  return Error{ErrorCode::Unavailable, "soft bodies of this engine are not connected to rigid ones"};
+}
+
+Result<bool> RigidSolver::broken(size_t) const {
+  return Error{ErrorCode::Unavailable, "contact impulses of this engine are not connected"};
+}
+
 Result<std::unique_ptr<RigidSolver>> make_rigid_solver(const RigidSetup& setup,
                                                        const RigidConditions& conditions) {
   switch (setup.engine) {
