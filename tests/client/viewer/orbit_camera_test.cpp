@@ -33,6 +33,19 @@ TEST(OrbitCamera, TurnsAboutItsPointAndNotOverThePoles) {
   EXPECT_GT((above.world_from_camera.orientation * Eigen::Vector3d::UnitY()).y(), 0.0);
 }
 
+// The length from its point in a second, along its own axes, and looking the same way; of a halt no more than a tenth of that.
+TEST(OrbitCamera, FliesAlongItsAxesAndLooksTheSameWay) {
+  OrbitCamera orbit(start(), distance());
+  const Pose before = orbit.camera(800, 600).world_from_camera;
+  for (int i = 0; i < 10; ++i) orbit.fly({0, 0, -1}, 0.05);
+  const Pose ahead = orbit.camera(800, 600).world_from_camera;
+  EXPECT_LT((ahead.position_m - before * Eigen::Vector3d(0, 0, -0.5 * distance())).norm(), 1e-9);
+  EXPECT_LT(ahead.orientation.angularDistance(before.orientation), 1e-9);
+  orbit.fly({1, 1, 0}, 30);
+  const Pose aside = orbit.camera(800, 600).world_from_camera;
+  EXPECT_LT((aside.position_m - ahead * Eigen::Vector3d(0.1 * distance(), 0.1 * distance(), 0)).norm(), 1e-9);
+}
+
 // What was under the mouse stays under it, if it lies as far away as the point.
 TEST(OrbitCamera, APanTakesThePointWithTheMouse) {
   OrbitCamera orbit(start(), distance());
