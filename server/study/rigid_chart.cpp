@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/rigid_chart.h"
 
-#include <cstdio>
+#include <algorithm>
 
 #include "core/format_text.h"
 #include "study/chart_words.h"
@@ -48,6 +48,14 @@ std::vector<RigidRow> run_rigid_scenes(
   return rows;
 }
 
+std::string RigidChartScene::text_of(double parameter) const {
+  if (parameter_text.find('|') == std::string::npos) return format_text(parameter_text.c_str(), parameter);
+  const auto index = std::find(parameters.begin(), parameters.end(), parameter) - parameters.begin();
+  size_t begin = 0;
+  for (std::ptrdiff_t i = 0; i < index; ++i) begin = parameter_text.find('|', begin) + 1;
+  return parameter_text.substr(begin, parameter_text.find('|', begin) - begin);
+}
+
 std::vector<Panel> rigid_panels(const RigidChartScene& scene, const std::vector<RigidRow>& rows) {
   std::vector<Panel> panels;
   for (const double parameter : scene.parameters) {
@@ -57,10 +65,8 @@ std::vector<Panel> rigid_panels(const RigidChartScene& scene, const std::vector<
       panel.name = panel.title = quantity;
       for (char& c : panel.title) c = c == '_' ? ' ' : c;
       if (scene.parameters.size() > 1) {
-        char value[64];
-        std::snprintf(value, sizeof value, scene.parameter_text.c_str(), parameter);
-        panel.name += std::string(", ") + value;
-        panel.title += std::string(", ") + value;
+        panel.name += ", " + scene.text_of(parameter);
+        panel.title += ", " + scene.text_of(parameter);
       }
       for (const RigidRow& row : rows) {
         if (row.scene != &scene || row.setup.parameter != parameter) continue;

@@ -24,11 +24,12 @@ struct RigidChartScene {
   Result<RigidOutcome> (*run)(const RigidSetup&);
   std::vector<std::string> quantities;  // measurements that are drawn, a panel each
   std::vector<double> parameters{0.0};  // and for each of these
-  std::string parameter_text{};         // "1:%g"
+  std::string parameter_text{};         // "1:%g", or words for each of them, a bar between: "flat|on a corner"
   int most_exact_substeps =
       32;  // of ODE's exact solver, whose cost goes with the cube of contacts; 0: not run
   std::vector<int> quick_substeps{1, 2, 4, 8, 16, 32};
 
+  std::string text_of(double parameter) const;
   std::string figure() const { return "rigid_" + name + ".svg"; }
 };
 

@@ -113,26 +113,26 @@ std::span<const RigidChartScene> rigid_chart_scenes() {
        .quick_substeps = {1, 2, 4, 8}},
       {.name = "break_height",
        .title = "Height that breaks",
-       .what = "A box of 0.08 x 0.1 x 0.08 m and 0.25 kg that breaks at the impulse which stops 3 m/s falls flat (panel 0) or "
-               "on a corner without friction (panel 1): of a hundred drops from a half to one and a half of 3^2 / 2g, the one "
+       .what = "A box of 0.08 x 0.1 x 0.08 m and 0.25 kg that breaks at the impulse which stops 3 m/s falls flat or "
+               "on a corner without friction: of a hundred drops from a half to one and a half of 3^2 / 2g, the one "
                "farthest from it that broke below or held above. Bullet breaks nothing: there it counts whether all contacts of "
                "one frame gave as much. ODE is not connected.",
        .settings = "0.25 kg, flat and on a corner, no restitution",
        .run = break_height,
        .quantities = {"height"},
        .parameters = {0, 1},
-       .parameter_text = "corner %g",
+       .parameter_text = "flat|on a corner",
        .most_exact_substeps = 0},
       {.name = "soft_depth",
        .title = "Sphere on a soft block",
        .what = "A sphere of 5 cm and 1 kg on a block of 0.2 x 0.1 x 0.2 m, 4 kg, 20 kPa and nu 0.3, in cells that the program "
-               "chooses (0), of 25 and of 12.5 mm: how deep it lies in the third second, against our own solver's in cells of "
+               "chooses, of 25 and of 12.5 mm: how deep it lies in the third second, against our own solver's in cells of "
                "6.25 mm. Neither peer's soft bodies are connected to its rigid ones here.",
        .settings = "1 kg, radius 5 cm, on 4 kg of 20 kPa",
        .run = soft_depth,
        .quantities = {"depth"},
        .parameters = {0, 0.025, 0.0125},
-       .parameter_text = "cells of %g m",
+       .parameter_text = "cells left to it|cells of 25 mm|cells of 12.5 mm",
        .most_exact_substeps = 0},
   };
   return scenes;

@@ -49,8 +49,10 @@ class Screen {
   // Somebody else's display may have this number; then the server ends and says so.
   void start(int number) {
     const std::string name = ":" + std::to_string(number);
+    // Who looks whether a window is there yet is its first client and leaves again, which would make it begin anew, and
+    // refuse who comes meanwhile.
     program = std::make_unique<Program>(std::vector<std::string>{
-        "/usr/bin/Xvfb", name, "-displayfd", "1", "-screen", "0", "1300x820x24", "-nolisten", "tcp"});
+        "/usr/bin/Xvfb", name, "-noreset", "-displayfd", "1", "-screen", "0", "1300x820x24", "-nolisten", "tcp"});
     if (!program->first_line().empty()) display = name;
   }
   void release() {
