@@ -174,6 +174,15 @@ int run(const Options& options) {
   if (!options.record.empty()) {
     if (auto begun = (*server)->recorder().start(options.record, options.recording); !begun) return report(begun.error());
   }
+  // Before clients are let in: a port in use ends it while nobody can ask for what goes with this.
+  std::unique_ptr<Metrics> metrics;
+  if (options.metrics_port) {
+    auto served = Metrics::serve(*options.metrics_port, {(*server)->session_table(), [&] { return loop.summary(); },
+                                                         [&] { return (*server)->published(); }});
+    if (!served) return report(served.error());
+    metrics = std::move(*served);
+    log_info("metrics: http://127.0.0.1:%d/metrics", metrics->port());
+  }
   (*server)->open(loop.scene(), loop);
   (*server)->open_analysis(analysis);
   (*server)->open_run(run);
@@ -191,15 +200,6 @@ int run(const Options& options) {
   if (options.print_port) {
     std::printf("%d\n", (*server)->port());
     std::fflush(stdout);
-  }
-
-  std::unique_ptr<Metrics> metrics;
-  if (options.metrics_port) {
-    auto served = Metrics::serve(*options.metrics_port, {(*server)->session_table(), [&] { return loop.summary(); },
-                                                         [&] { return (*server)->published(); }});
-    if (!served) return report(served.error());
-    metrics = std::move(*served);
-    log_info("metrics: http://127.0.0.1:%d/metrics", metrics->port());
   }
   notice.say("READY=1\nSTATUS=Serving " + loop.scene().name());
 

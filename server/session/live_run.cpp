@@ -48,20 +48,25 @@ Result<void> LiveRun::reset() {
   if (now.loading) return Error{ErrorCode::Unavailable, "reset: the scene is being loaded already"};
   if (now.resets >= kMostResets) return Error{ErrorCode::TooLarge, "reset: too many; start the server anew"};
   loop_.set_loading(true, "");
-  loading_ = std::jthread([this, first_id = (now.resets + 1) * kIdsOfOneLoading + 1] {
-    pthread_setname_np(pthread_self(), "loading");
-    const auto failed = [this](const std::string& why) {
-      log_warn("reset: %s", why.c_str());
-      loop_.set_loading(false, "reset: " + why);
-    };
-    try {
-      auto scene = load_(first_id);
-      if (!scene) return failed(scene.error().message);
-      loaded_ ? loaded_(*std::move(scene)) : loop_.replace(*std::move(scene));
-    } catch (const std::exception& error) {  // memory is short: the scene that runs has what it needs
-      failed(error.what());
-    }
-  });
+  const auto failed = [this](const std::string& why) {
+    log_warn("reset: %s", why.c_str());
+    loop_.set_loading(false, "reset: " + why);
+  };
+  try {
+    loading_ = std::jthread([this, failed, first_id = (now.resets + 1) * kIdsOfOneLoading + 1] {
+      pthread_setname_np(pthread_self(), "loading");
+      try {
+        auto scene = load_(first_id);
+        if (!scene) return failed(scene.error().message);
+        loaded_ ? loaded_(*std::move(scene)) : loop_.replace(*std::move(scene));
+      } catch (const std::exception& error) {  // memory is short: the scene that runs has what it needs
+        failed(error.what());
+      }
+    });
+  } catch (const std::exception& error) {  // there is no thread for it
+    failed(error.what());
+    return Error{ErrorCode::Unavailable, std::string("reset: ") + error.what()};
+  }
   return {};
 }
 

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <exception>
 #include <set>
 
 #include "core/clock.h"
@@ -45,6 +46,27 @@ class SessionRecorder::Session {
       : path_(std::move(path)), options_(options), assets_(assets) {}
 
   Result<void> write(Job& job) {
+    return unless_thrown([&] { return write_tick(job); });
+  }
+  Result<void> finish() {
+    return unless_thrown([&] { return writer_ ? writer_->finish() : Result<void>(); });
+  }
+  uint64_t bytes() const { return writer_ ? writer_->bytes() : 0; }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  // Memory that is short ends the recording as a full disk does: without an index, since what it was short for may be half there.
+  template <typename Write>
+  Result<void> unless_thrown(Write&& write) {
+    if (thrown_) return *thrown_;
+    try {
+      return write();
+    } catch (const std::exception& error) {
+      thrown_ = Error{ErrorCode::Internal, error.what()};
+      return *thrown_;
+    }
+  }
+  Result<void> write_tick(Job& job) {
     if (job.begins) {
       if (auto begun = begin(job); !begun) return begun;
     }
@@ -74,11 +96,6 @@ class SessionRecorder::Session {
     written.drivers = &job.drivers;
     return writer_->add_tick(std::move(written));
   }
-  Result<void> finish() { return writer_ ? writer_->finish() : Result<void>(); }
-  uint64_t bytes() const { return writer_ ? writer_->bytes() : 0; }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
   Result<void> begin(Job& job) {
     v1::RecordingStart start;
     start.set_livegs_version(kVersion);
@@ -116,6 +133,7 @@ class SessionRecorder::Session {
   const RecordingOptions options_;
   AssetStore& assets_;
   std::optional<RecordingWriter> writer_;
+  std::optional<Error> thrown_;
   std::set<std::string> held_, files_;  // hashes of assets, and names of files, that it has
 };
 

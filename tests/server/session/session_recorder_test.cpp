@@ -5,11 +5,15 @@
 #include <sys/resource.h>
 
 #include <csignal>
+#include <new>
+#include <thread>
 
 #include "common/gaussian/synthetic_asset.h"
 #include "core/file.h"
 #include "gaussian/asset_file.h"
+#include "patience.h"
 #include "recording/recording_reader.h"
+#include "scene/fragile_object.h"
 #include "scratch_folder.h"
 #include "server/session/box_scene.h"
 #include "server/session/tick_log.h"
@@ -387,6 +391,47 @@ TEST(SessionRecorder, AFullDiskEndsTheRecordingAndNothingElse) {
   EXPECT_FALSE(recording->ended_in_order());
   expect_equal(folder / "a.lvgrec", recording->totals().ticks());
   EXPECT_GT(recording->totals().ticks(), 5u);
+}
+
+// The pieces that the box breaks into are encoded by the thread that records, when nobody has done it before.
+TEST(SessionRecorder, MemoryThatIsShortEndsTheRecordingAndTheSessionGoesOn) {
+  const ScratchFolder folder;
+  SceneRun run(breaking_scene());
+  const auto pieces = run.scene().find("box")->broken->asset;
+  bool is_short = true;  // the recorder's thread's, once
+  AssetStore assets([&](const GaussianAsset& asset) {
+    if (&asset == pieces.get() && std::exchange(is_short, false)) throw std::bad_alloc();
+    return encode_asset(asset);
+  });
+  SessionRecorder recorder(assets);
+  ASSERT_TRUE(recorder.start(folder / "a.lvgrec"));
+  uint64_t broken_at = 0;
+  const auto advance = [&](int ticks) {
+    for (int i = 0; i < ticks; ++i) {
+      const SteppedTick tick = run.advance({});
+      if (!tick.changed.empty()) broken_at = tick.drivers.tick;
+      recorder.record({}, tick, run.scene());
+    }
+  };
+  advance(120);
+  ASSERT_GT(broken_at, 1u);
+  const auto until = std::chrono::steady_clock::now() + kPatience;
+  while (recorder.status().recording() && std::chrono::steady_clock::now() < until) std::this_thread::yield();
+  const v1::RecordingStatus status = recorder.status();
+  ASSERT_FALSE(status.recording());
+  EXPECT_EQ(status.message(), "the recording ends at tick " + std::to_string(broken_at - 1) + ": " + std::bad_alloc().what() +
+                                  "; the session goes on");
+  auto recording = RecordingReader::open(folder / "a.lvgrec");
+  ASSERT_TRUE(recording) << recording.error().message;
+  EXPECT_FALSE(recording->ended_in_order());
+  expect_equal(folder / "a.lvgrec", broken_at - 1);
+  // A new one may begin.
+  ASSERT_TRUE(recorder.start(folder / "b.lvgrec"));
+  advance(10);
+  const auto stopped = recorder.stop();
+  ASSERT_TRUE(stopped) << stopped.error().message;
+  EXPECT_TRUE(stopped->message().empty()) << stopped->message();
+  EXPECT_EQ(stopped->ticks(), 10u);
 }
 
 TEST(SessionRecorder, RefusesWhatCannotBeWritten) {
