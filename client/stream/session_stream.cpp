@@ -21,6 +21,7 @@ constexpr std::chrono::milliseconds kLookEvery{50};  // whether the server is si
 constexpr int64_t kSilentGaps = 5;  // of the longest time that a frame of kernels took to come
 constexpr int64_t kHalfClosePatience_ns = 1'000'000'000;
 constexpr size_t kSamplesPerMessage = 3;
+constexpr int64_t kAsksAgainAfter_ns = 250'000'000;  // for a key frame: the one that was asked for may be spoiled too
 
 Eigen::Vector3f vector_of(const google::protobuf::RepeatedField<float>& numbers) {
   return numbers.size() == 3 ? Eigen::Vector3f(numbers[0], numbers[1], numbers[2]) : Eigen::Vector3f::Zero();
@@ -224,7 +225,7 @@ Result<void> SessionStream::take(v1::ServerMessage& message, int64_t received_ns
     aim_.saw(frame);
   }
   const uint64_t tick = frame.tick;
-  const bool waits = frames_.needs_key_frame();
+  const bool waits = frames_.needs_key_frame() && received_ns - asked_ns_ < kAsksAgainAfter_ns;
   auto drivers = frames_.read(std::as_bytes(std::span(message.frame())));
   if (drivers) {
     frame.bytes = message.frame().size();
@@ -238,7 +239,10 @@ Result<void> SessionStream::take(v1::ServerMessage& message, int64_t received_ns
   {
     std::lock_guard lock(mutex_);
     outcome_.frames += drivers ? 1 : 0;
-    key_frame_wanted_ = key_frame_wanted_ || (!drivers && !waits);
+    if (!drivers && !waits) {
+      key_frame_wanted_ = true;
+      asked_ns_ = received_ns;
+    }
     acknowledged_tick_ = tick;
     acknowledgement_new_ = true;
   }

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <deque>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -85,6 +86,7 @@ class SessionStream {
   const bool of_kernels_;
   size_t old_frames_ = 0;  // one after the other
   bool told_ = false;
+  int64_t asked_ns_ = std::numeric_limits<int64_t>::min() / 2;  // for a key frame, last
 
   std::mutex mutex_;  // guards everything below
   std::condition_variable to_send_;  // for the writer alone: a thread that is woken for nothing costs as much as a frame

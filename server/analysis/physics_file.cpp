@@ -12,6 +12,7 @@
 
 #include "analysis/answer.h"
 #include "analysis/hand_edits.h"
+#include "analysis/json_text.h"
 #include "analysis/physics_kept.h"
 #include "analysis/physics_values.h"
 #include "core/content_hash.h"
@@ -45,13 +46,19 @@ std::string one_line(std::string text) {
 
 Result<v1::PhysicsFile> parse_file(const std::string& text) {
   nlohmann::json json;
+  int deepest = 0;
   try {
-    json = nlohmann::json::parse(text, nullptr, true, true);
+    const auto measure = [&](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
+      deepest = std::max(deepest, depth);
+      return depth <= kMaxJsonDepth;  // writing a value costs stack
+    };
+    json = nlohmann::json::parse(text, measure, true, true);
   } catch (const nlohmann::json::parse_error& error) {
     std::string what = error.what();
     if (const size_t colon = what.find("] "); colon != std::string::npos) what = what.substr(colon + 2);
     return invalid_data("is not JSON: " + one_line(what));
   }
+  if (deepest > kMaxJsonDepth) return invalid_data("is nested deeper than " + std::to_string(kMaxJsonDepth) + " levels");
   if (!json.is_object()) return invalid_data("must hold one JSON object");
   v1::PhysicsFile file;
   const auto status = google::protobuf::util::JsonStringToMessage(

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "analysis/prompt_set.h"
 
+#include <algorithm>
+
 #include "analysis/knowledge.h"
 #include "analysis/prompt_text.h"
 #include "analysis/tool_box.h"
@@ -51,7 +53,13 @@ constexpr BuiltIn kBuiltIn[] = {{"system.md", kSystemPrompt, nullptr},
                                 {"version.txt", kVersionPrompt, nullptr}};
 
 Result<OrderedJson> parse_file(const std::string& name, const std::string& text) {
-  OrderedJson value = OrderedJson::parse(text, nullptr, false);
+  int deepest = 0;
+  const auto measure = [&](int depth, OrderedJson::parse_event_t, OrderedJson&) {
+    deepest = std::max(deepest, depth);
+    return depth <= kMaxJsonDepth;
+  };
+  OrderedJson value = OrderedJson::parse(text, measure, false);
+  if (deepest > kMaxJsonDepth) return invalid_data("prompts/" + name + ": nested too deep");
   if (value.is_discarded()) return invalid_data("prompts/" + name + ": not JSON");
   return value;
 }
@@ -102,6 +110,7 @@ Result<PromptSet> PromptSet::load(const std::filesystem::path& folder) {
   }
   auto examples = parse_file("examples.json", set.text("examples.json"));
   if (!examples) return examples.error();
+  if (!examples->is_array()) return invalid_data("prompts/examples.json: must be a list of examples");
   for (const OrderedJson& example : *examples) {
     if (!example.is_object() || !example.contains("facts") || !example["facts"].is_string() ||
         !example.contains("answer")) {

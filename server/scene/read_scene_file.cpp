@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <google/protobuf/util/json_util.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
@@ -9,6 +10,8 @@
 
 namespace livegs {
 namespace {
+
+constexpr int kMaxDepth = 64;  // writing a value costs stack
 
 // A folder with one scene file means that scene.
 std::optional<std::filesystem::path> only_scene_file(const std::filesystem::path& folder) {
@@ -32,13 +35,19 @@ Result<v1::Scene> read_scene_file(const std::filesystem::path& path) {
 
   // nlohmann-json knows comments and says where a mistake stands; protobuf knows the schema.
   nlohmann::json json;
+  int deepest = 0;
   try {
-    json = nlohmann::json::parse(*text, nullptr, true, true);
+    const auto measure = [&](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
+      deepest = std::max(deepest, depth);
+      return depth <= kMaxDepth;
+    };
+    json = nlohmann::json::parse(*text, measure, true, true);
   } catch (const nlohmann::json::parse_error& error) {
     std::string what = error.what();
     if (const size_t colon = what.find("] "); colon != std::string::npos) what = what.substr(colon + 2);
     return invalid_data(name + ": is not JSON: " + what);
   }
+  if (deepest > kMaxDepth) return invalid_data(name + ": is nested deeper than " + std::to_string(kMaxDepth) + " levels");
   if (!json.is_object()) return invalid_data(name + ": must hold one JSON object, a scene");
 
   v1::Scene scene;

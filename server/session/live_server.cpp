@@ -89,8 +89,8 @@ Result<void> check_listen_address(const std::string& address, bool secure) {
 struct LiveServer::Parts {
   explicit Parts(ServerSecurity* security) : service(table, assets, security ? &security->tokens() : nullptr), admin(table, security, recorder) {
     proposals->table = &table;
-    if (!security) return;
-    table.check_grants_with([security](const Grant& grant) { return security->tokens().check_still(grant); });
+    if (security) table.check_grants_with([security](const Grant& grant) { return security->tokens().check_still(grant); });
+    publisher = std::make_unique<FramePublisher>(table, assets);  // its thread looks at the table at once
   }
   SessionTable table;
   AssetStore assets;
@@ -101,7 +101,7 @@ struct LiveServer::Parts {
   std::unique_ptr<grpc::Server> server;
   std::unique_ptr<ConnectionDoor> door;
   std::unique_ptr<FrameFanOut> fan_out;
-  std::unique_ptr<FramePublisher> publisher = std::make_unique<FramePublisher>(table, assets);
+  std::unique_ptr<FramePublisher> publisher;
   // Where an analysis tells of its proposals; shared with it, for either may end first.
   struct Proposals {
     std::mutex mutex;  // guards table

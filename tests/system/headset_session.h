@@ -116,6 +116,8 @@ class HeadsetSession : public ::testing::Test {
     const std::atomic<bool> interrupted{false};
     auto done = run_headset(options, **display, interrupted);
     display->reset();
+    // What falls back to the CPU would be held against itself.
+    if (done && settings.renderer == RendererChoice::Vulkan) EXPECT_EQ(done->renderer.rfind("vulkan: ", 0), 0u) << done->renderer;
     return done;
   }
 

@@ -179,6 +179,50 @@ TEST(SpoiledFrame, IsRefusedAndAKeyFrameIsAskedFor) {
   EXPECT_TRUE(state.lost.empty());
 }
 
+// The first frame is spoiled, and the key frame that is sent in its place as well: it is asked for again, for as long as frames
+// come that cannot be read.
+TEST(SpoiledFrame, ThatWasAskedForIsAskedForAgain) {
+  ScriptedServer server;
+  server.on_join = [](int, const v1::JoinRequest&, v1::JoinReply& reply) {
+    reply = welcome();
+    return grpc::Status::OK;
+  };
+  std::atomic<int> asked = 0;
+  server.on_stream = [&](int, ScriptedServer::ServerStream& stream) {
+    DriverFrame frame;
+    frame.objects.resize(1);
+    frame.objects[0].object_id = 1;
+    frame.objects[0].kind = DriverKind::Lattice;
+    frame.objects[0].positions_m.assign(8, Eigen::Vector3f(0.25f, 0, 0));
+    const auto send = [&](bool spoiled) {
+      ++frame.tick;
+      v1::ServerMessage message;
+      message.set_tick(frame.tick);
+      const EncodedStreamFrame encoded = encode_stream_frame(frame, nullptr);
+      std::string bytes(reinterpret_cast<const char*>(encoded.bytes.data()), encoded.bytes.size());
+      if (spoiled) bytes.resize(bytes.size() - 1);
+      message.set_frame(bytes);
+      stream.Write(message);
+    };
+    send(true);
+    v1::ClientMessage incoming;
+    while (stream.Read(&incoming)) {  // a sign of life at least every 50 ms
+      if (incoming.key_frame_wanted()) ++asked;
+      send(asked < 2);
+    }
+    return grpc::Status::OK;
+  };
+  server.start();
+  auto joined = SessionClient::join(server.address(), patient());
+  ASSERT_TRUE(joined) << joined.error().message;
+  SinkLog sink;
+  (*joined)->start(sink);
+  EXPECT_TRUE(sink.wait([](const SinkLog::State& state) { return !state.frames.empty(); }));
+  EXPECT_TRUE((*joined)->stop());
+  EXPECT_GE(asked, 2);
+  EXPECT_LE(asked, 3);  // not for every frame that cannot be read
+}
+
 // A message that comes late or is coalesced with the next loses no press of a button: each holds the last three samples, oldest first,
 // also one that is an acknowledgement or a sign of life.
 TEST(Inputs, EveryMessageHoldsTheLastThreeSamples) {

@@ -280,6 +280,8 @@ TEST_F(PhysicsFileTest, ErrorsNameFileFieldAndRange) {
   EXPECT_NE(message().find("mug.physics.json: is not JSON"), std::string::npos) << message();
   folder.write("mug.physics.json", "[]");
   EXPECT_NE(message().find("one JSON object" + remedy), std::string::npos) << message();
+  folder.write("mug.physics.json", "{\"a\":" + std::string(400'000, '[') + std::string(400'000, ']') + "}");  // a walk through it ended the program
+  EXPECT_NE(message().find("is nested deeper than 64 levels" + remedy), std::string::npos) << message();
   folder.write("mug.physics.json", R"({ "version": 7 })");
   EXPECT_NE(message().find("version: is 7"), std::string::npos) << message();
   for (size_t length = 0; length < good.size(); length += 41) {  // any bytes

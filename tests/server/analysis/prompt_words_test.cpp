@@ -173,5 +173,21 @@ TEST(PromptWords, AFileThatLacksALineOrHasOneMoreIsAnErrorThatNamesIt) {
   EXPECT_EQ(refusal("["), "prompts/complaints.json: not a JSON object");
 }
 
+// Both ended the program.
+TEST(PromptFolder, AFileOfAnotherFormIsAnErrorThatNamesIt) {
+  const ScratchFolder scratch;
+  const auto refusal = [&](const char* file, const std::string& text) {
+    std::filesystem::remove_all(scratch / "prompts");
+    scratch.write(std::string("prompts/") + file, text);
+    const auto loaded = PromptSet::load(scratch / "prompts");
+    return loaded ? "" : loaded.error().message;
+  };
+  const std::string deep = std::string(200'000, '[') + std::string(200'000, ']');
+  EXPECT_EQ(refusal("examples.json", R"({"a": {"facts": "x", "answer": {}}})"), "prompts/examples.json: must be a list of examples");
+  EXPECT_EQ(refusal("examples.json", R"([{"facts": "x", "answer": )" + deep + "}]"), "prompts/examples.json: nested too deep");
+  EXPECT_EQ(refusal("answer.schema.json", R"({"required": [], "enum": ["{{material_ids}}"], "a": )" + deep + "}"),
+            "prompts/answer.schema.json: nested too deep");
+}
+
 }  // namespace
 }  // namespace livegs
