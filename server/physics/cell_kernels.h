@@ -84,8 +84,8 @@ struct SweepReport {
 };
 SweepReport sweep_cells(const SweepArrays& arrays, const SweepColours& colours);
 
-// What full cells of one material store, J (cell_energy of cell_stiffness.h), of nodes where they are between steps. A third
-// of what a sweep takes; strains of 1e-6 and less are lost in rounding.
+// What full cells of one material store, J (cell_energy of cell_stiffness.h), of nodes where they are between steps. Strains
+// of 1e-6 and less are lost in rounding.
 struct FullModuli {
   float shear_j, lambda_j, mode_n_m[4][3];  // V mu, V lambda, and the stiffness of the modes
 };

@@ -3,7 +3,7 @@
 // run, rubber of nu 0.49 that lands, leaves that a hand wrings. The body as a whole can tell: its energy never rises by more than
 // hands and bodies that move gave it, force times way; things that do not move give nothing. What it rose by is taken out of the
 // motion of its nodes against the body as a whole, which changes neither momentum nor angular momentum. Looked at once a frame,
-// and only while a cell is badly strained: it costs about a substep.
+// and only while a cell is badly strained: it costs about two substeps.
 #include <algorithm>
 #include <cmath>
 

@@ -64,8 +64,8 @@ void CellsBody::rest(double frame_s) {
   const bool measured = held_ || !region_loads_.empty();
   const bool moves = forced_ || driven_ || comes_off() || (measured && !stays(frame_s));
   const double calm = measured ? kMeasuredCalm : 1.0;
-  const double fastest_m_s = moves || !supported_ ? 0.0 : this->fastest_m_s(RestClock::kStillSpeed_m_s / calm);
-  if (rest_clock_.tick(frame_s, calm * fastest_m_s, supported_, moves)) sleep();
+  const double seen_m_s = moves || !supported_ ? 0.0 : fastest_m_s(RestClock::kStillSpeed_m_s / calm);
+  if (rest_clock_.tick(frame_s, calm * seen_m_s, supported_, moves)) sleep();
 }
 
 // A slow vibration is slow at its farthest, twice a period, for longer than any clock: so it is the way in half a period
