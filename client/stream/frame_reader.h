@@ -15,6 +15,10 @@ namespace livegs {
 class FrameReader {
  public:
   explicit FrameReader(v1::JoinRequest::Encoding encoding) : encoding_(encoding) {}
+  // Of kernels, which are large; or else of drivers.
+  static bool brings_kernels(v1::JoinRequest::Encoding encoding) {
+    return encoding == v1::JoinRequest::KERNELS || encoding == v1::JoinRequest::KERNELS_EXACT;
+  }
 
   // Accepts any bytes. Kernels come as objects that have `kernels`, which can be drawn, and no drivers.
   Result<DriverFrame> read(std::span<const std::byte> bytes);

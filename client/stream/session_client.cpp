@@ -307,7 +307,7 @@ void SessionClient::look(const ViewCone& view) {
 }
 
 int64_t SessionClient::Connection::first_silence_ns() const {
-  const bool kernels = encoding == v1::JoinRequest::KERNELS || encoding == v1::JoinRequest::KERNELS_EXACT;
+  const bool kernels = FrameReader::brings_kernels(encoding);
   const double first_s = std::ldexp(kernels ? options.first_kernels_s : seconds_from_ns(kServerSilentAfter_ns), std::min(silent_streams, 8));
   return std::min(after(0, first_s), kLongestSilence_ns);
 }
@@ -340,7 +340,7 @@ void SessionClient::Connection::run() {
     if (done.error) return end(Error{done.error->code, address + ": " + done.error->message});
     if (wait(0) || (done.drained && !options.outlive_draining)) return end({});
     silent_streams = done.silent && done.frames == 0 ? silent_streams + 1 : 0;
-    const bool kernels = encoding == v1::JoinRequest::KERNELS || encoding == v1::JoinRequest::KERNELS_EXACT;
+    const bool kernels = FrameReader::brings_kernels(encoding);
     if (kernels && silent_streams >= kMostSilentStreams) {
       return end(Error{ErrorCode::Unavailable, address + format_text(": no frame of kernels came whole in %d tries: they are larger than the "
                                                                      "link carries; ask for --encoding drivers",

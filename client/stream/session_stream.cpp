@@ -36,7 +36,7 @@ constexpr size_t kOldKernelsInARow = 3;
 SessionStream::SessionStream(v1::LiveGs::Stub& stub, std::string session_id, double rate_hz, v1::JoinRequest::Encoding encoding,
                              int64_t first_silence_ns, Ends ends)
     : stub_(stub), session_id_(std::move(session_id)), ends_(ends), first_silence_ns_(first_silence_ns), frames_(encoding),
-      of_kernels_(encoding == v1::JoinRequest::KERNELS || encoding == v1::JoinRequest::KERNELS_EXACT), aim_(rate_hz) {}
+      of_kernels_(FrameReader::brings_kernels(encoding)), aim_(rate_hz) {}
 
 SessionStream::Outcome SessionStream::run() {
   heard_ns_ = now_ns();

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/format_text.h"
+#include "stream/frame_reader.h"
 
 namespace livegs {
 namespace {
@@ -65,7 +66,7 @@ Result<std::unique_ptr<LiveView>> LiveLoading::take() {
 }
 
 Result<void> LiveLoading::show_scene(LiveView& live) const {
-  const bool kernels = options_.encoding == v1::JoinRequest::KERNELS || options_.encoding == v1::JoinRequest::KERNELS_EXACT;
+  const bool kernels = FrameReader::brings_kernels(options_.encoding);
   if (options_.coarse_first && !kernels) live.assets.show_parts();
   const std::vector<StreamedObject>& objects = live.client->scene().objects;
   for (const StreamedObject& object : objects) live.objects.ask_for(object);

@@ -31,6 +31,26 @@ v1::JoinReply welcome() {
   reply.set_rate_hz(90);
   return reply;
 }
+grpc::Status let_in(int, const v1::JoinRequest&, v1::JoinReply& reply) {
+  reply = welcome();
+  return grpc::Status::OK;
+}
+
+// `spoiled`: without its last byte.
+void send(ScriptedServer::ServerStream& stream, uint64_t tick, const EncodedStreamFrame& encoded, bool spoiled = false) {
+  v1::ServerMessage message;
+  message.set_tick(tick);
+  message.set_frame(encoded.bytes.data(), encoded.bytes.size() - (spoiled ? 1 : 0));
+  stream.Write(message);
+}
+DriverFrame frame_of_a_lattice() {
+  DriverFrame frame;
+  frame.objects.resize(1);
+  frame.objects[0].object_id = 1;
+  frame.objects[0].kind = DriverKind::Lattice;
+  frame.objects[0].positions_m.assign(8, Eigen::Vector3f(0.25f, 0, 0));
+  return frame;
+}
 
 // The server was replaced by one of another version while the client looked for it.
 TEST(OtherVersion, EndsTheSessionWithItsAnswer) {
@@ -64,13 +84,9 @@ TEST(FirstStream, ThatFailsIsTriedAgain) {
   };
   server.on_stream = [](int before, ScriptedServer::ServerStream& stream) {
     if (before < 2) return grpc::Status(grpc::StatusCode::UNAVAILABLE, "not yet");
-    v1::ServerMessage message;
     DriverFrame frame;
     frame.tick = 7;
-    message.set_tick(7);
-    const auto encoded = encode_stream_frame(frame, nullptr);
-    message.set_frame(encoded.bytes.data(), encoded.bytes.size());
-    stream.Write(message);
+    send(stream, 7, encode_stream_frame(frame, nullptr));
     v1::ClientMessage incoming;
     while (stream.Read(&incoming)) {
     }
@@ -133,36 +149,21 @@ TEST(SilentStream, OfKernelsEndsTheSessionWithTheRemedy) {
 // A frame whose bytes are not what was sent: refused, and a key frame asked for, which the stream goes on with.
 TEST(SpoiledFrame, IsRefusedAndAKeyFrameIsAskedFor) {
   ScriptedServer server;
-  server.on_join = [](int, const v1::JoinRequest&, v1::JoinReply& reply) {
-    reply = welcome();
-    return grpc::Status::OK;
-  };
+  server.on_join = let_in;
   server.on_stream = [](int, ScriptedServer::ServerStream& stream) {
-    const auto send = [&](uint64_t tick, const EncodedStreamFrame& encoded, bool spoiled) {
-      v1::ServerMessage message;
-      message.set_tick(tick);
-      std::string bytes(reinterpret_cast<const char*>(encoded.bytes.data()), encoded.bytes.size());
-      if (spoiled) bytes.resize(bytes.size() - 1);
-      message.set_frame(bytes);
-      stream.Write(message);
-    };
-    DriverFrame frame;
-    frame.objects.resize(1);
-    frame.objects[0].object_id = 1;
-    frame.objects[0].kind = DriverKind::Lattice;
-    frame.objects[0].positions_m.assign(8, Eigen::Vector3f(0.25f, 0, 0));
+    DriverFrame frame = frame_of_a_lattice();
     frame.tick = 1;
     EncodedStreamFrame encoded = encode_stream_frame(frame, nullptr);
-    send(1, encoded, false);
+    send(stream, 1, encoded);
     frame.tick = 2;
     frame.objects[0].positions_m.assign(8, Eigen::Vector3f(0.5f, 0.1f, 0));
     encoded = encode_stream_frame(frame, encoded.next);
-    send(2, encoded, true);
+    send(stream, 2, encoded, true);
     v1::ClientMessage incoming;
     while (stream.Read(&incoming)) {
       if (!incoming.key_frame_wanted()) continue;
       frame.tick = 3;
-      send(3, encode_stream_frame(frame, nullptr), false);
+      send(stream, 3, encode_stream_frame(frame, nullptr));
     }
     return grpc::Status::OK;
   };
@@ -183,32 +184,19 @@ TEST(SpoiledFrame, IsRefusedAndAKeyFrameIsAskedFor) {
 // come that cannot be read.
 TEST(SpoiledFrame, ThatWasAskedForIsAskedForAgain) {
   ScriptedServer server;
-  server.on_join = [](int, const v1::JoinRequest&, v1::JoinReply& reply) {
-    reply = welcome();
-    return grpc::Status::OK;
-  };
+  server.on_join = let_in;
   std::atomic<int> asked = 0;
   server.on_stream = [&](int, ScriptedServer::ServerStream& stream) {
-    DriverFrame frame;
-    frame.objects.resize(1);
-    frame.objects[0].object_id = 1;
-    frame.objects[0].kind = DriverKind::Lattice;
-    frame.objects[0].positions_m.assign(8, Eigen::Vector3f(0.25f, 0, 0));
-    const auto send = [&](bool spoiled) {
+    DriverFrame frame = frame_of_a_lattice();
+    const auto send_key = [&](bool spoiled) {
       ++frame.tick;
-      v1::ServerMessage message;
-      message.set_tick(frame.tick);
-      const EncodedStreamFrame encoded = encode_stream_frame(frame, nullptr);
-      std::string bytes(reinterpret_cast<const char*>(encoded.bytes.data()), encoded.bytes.size());
-      if (spoiled) bytes.resize(bytes.size() - 1);
-      message.set_frame(bytes);
-      stream.Write(message);
+      send(stream, frame.tick, encode_stream_frame(frame, nullptr), spoiled);
     };
-    send(true);
+    send_key(true);
     v1::ClientMessage incoming;
     while (stream.Read(&incoming)) {  // a sign of life at least every 50 ms
       if (incoming.key_frame_wanted()) ++asked;
-      send(asked < 2);
+      send_key(asked < 2);
     }
     return grpc::Status::OK;
   };
@@ -230,10 +218,7 @@ TEST(Inputs, EveryMessageHoldsTheLastThreeSamples) {
   std::condition_variable changed;
   std::vector<std::vector<uint64_t>> heard;  // the sequences of each message
   ScriptedServer server;
-  server.on_join = [](int, const v1::JoinRequest&, v1::JoinReply& reply) {
-    reply = welcome();
-    return grpc::Status::OK;
-  };
+  server.on_join = let_in;
   server.on_stream = [&](int, ScriptedServer::ServerStream& stream) {
     v1::ServerMessage message;
     DriverFrame frame;
