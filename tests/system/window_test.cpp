@@ -176,7 +176,7 @@ TEST_F(WindowOnADisplay, ANarrowWindowHasOnePanelOpen) {
 
 // The elastic study: a force of a size, in a direction, at a point, for a time, as a video with its sentence.
 TEST_F(WindowOnADisplay, RecordsAForceWithItsSentence) {
-  if (!std::filesystem::exists("/usr/bin/ffmpeg")) GTEST_SKIP() << "no ffmpeg";
+  if (!std::filesystem::exists("/usr/bin/ffmpeg")) GTEST_SKIP() << "no ffmpeg; install ffmpeg (deploy/packages.txt has it)";
   size_ = "480x300";
   const std::filesystem::path study = folder_ / "study";
   Program window(window_words(display_, port_, {"--force", "cube:0,0.1,0:10,0,0:0.3", "--output", study.string()}));
@@ -193,7 +193,7 @@ TEST_F(WindowOnADisplay, RecordsAForceWithItsSentence) {
 
 // Several points at once.
 TEST_F(WindowOnADisplay, RecordsForcesOnSeveralPoints) {
-  if (!std::filesystem::exists("/usr/bin/ffmpeg")) GTEST_SKIP() << "no ffmpeg";
+  if (!std::filesystem::exists("/usr/bin/ffmpeg")) GTEST_SKIP() << "no ffmpeg; install ffmpeg (deploy/packages.txt has it)";
   size_ = "480x300";
   const std::filesystem::path study = folder_ / "study";
   Program window(window_words(display_, port_, {"--force", "cube:0.1,0.1,0.1:10,0,0:0.3", "--force", "cube:0.1,0.1,-0.1:10,0,0:0.3",
@@ -211,7 +211,7 @@ TEST_F(WindowOnADisplay, RecordsForcesOnSeveralPoints) {
 
 // Before the first picture is drawn nothing is left; later the video has what was drawn, and a line says how much that is.
 TEST_F(WindowOnADisplay, AnInterruptedRecordingEndsInOrder) {
-  if (!std::filesystem::exists("/usr/bin/ffmpeg")) GTEST_SKIP() << "no ffmpeg";
+  if (!std::filesystem::exists("/usr/bin/ffmpeg")) GTEST_SKIP() << "no ffmpeg; install ffmpeg (deploy/packages.txt has it)";
   size_ = "640x480";
   const std::filesystem::path study = folder_ / "study";
   const auto words = window_words(display_, port_, {"--force", "cube:0,0.1,0:1,0,0:3", "--output", study.string(), "--renderer", "cpu"});
