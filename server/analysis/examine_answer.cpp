@@ -22,8 +22,6 @@ constexpr double kMaterialSlack = 3.0;
 constexpr double kMassSlack = 2.0;
 // Nothing on earth is denser, and nothing that stands is lighter than air.
 constexpr double kDensest_kg_m3 = 23000, kLightest_kg_m3 = 1;
-// A guessed scale may be off by two, a volume by eight.
-constexpr double kGuessedVolume = 8.0;
 // What brings a slip of units back: kilograms given for grams; pascals, kilopascals or gigapascals for
 // megapascals.
 constexpr double kMassSlips[] = {1e3};

@@ -35,7 +35,7 @@ std::string told_text(const v1::PhysicalParameters& known, Words words) {
   std::string line;
   for (const PhysicsValue& value : physics_values()) {
     const v1::EstimatedValue& one = (known.*value.get)();
-    if (one.source() != v1::EstimatedValue::PERSON && one.source() != v1::EstimatedValue::SCENE) continue;
+    if (!is_locked(one)) continue;
     line += (line.empty() ? "" : ", ") +
             words.say("told", {{"field", value.name}, {"value", format_text("%.4g", one.best())}});
   }

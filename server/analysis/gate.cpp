@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "analysis/gate_prior.h"
+#include "analysis/physics_values.h"
 #include "core/format_text.h"
 #include "physics/material.h"
 
@@ -26,10 +27,6 @@ constexpr double kMostConfidence = 0.95;
 // Rubber and wood vary less from piece to piece than numbers for friction and bounce do from source to
 // source.
 constexpr double kLinearSpread = 0.15;
-
-bool locked(const EstimatedValue& value) {
-  return value.source() == EstimatedValue::SCENE || value.source() == EstimatedValue::PERSON;
-}
 
 // The one door: whatever was widened, fused or put to the vote on its way here, it ends within `hard`.
 void set(EstimatedValue& value, const Span3& span, ValueRange hard, std::string reason) {
@@ -119,7 +116,7 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
   }
 
   EstimatedValue& mass = *result.mutable_mass_kg();
-  if (locked(mass)) {
+  if (is_locked(mass)) {
     changes.push_back("mass_g: left out, the mass is " +
                       std::string(mass.source() == EstimatedValue::PERSON ? "a person's" : "the scene's"));
   } else if (kMassRange_kg.holds(mass.best())) {
@@ -135,7 +132,7 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
   }
 
   EstimatedValue& young = *result.mutable_youngs_modulus_pa();
-  if (!locked(young)) {
+  if (!is_locked(young)) {
     if (answer.youngs_modulus_pa && same_class && kYoungsRange_pa.holds(young.best())) {
       const double prior = young.best();
       set(young, fuse(*answer.youngs_modulus_pa, span_of(young)), kYoungsRange_pa,
@@ -152,14 +149,14 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
     }
   }
   EstimatedValue& structure = *result.mutable_structure_coefficient();
-  if (!locked(structure) && answer.structure_coefficient) {
+  if (!is_locked(structure) && answer.structure_coefficient) {
     const Span3& told = *answer.structure_coefficient;
     const Span3 spread =
         told.high > told.low ? told : Span3{told.best / 1.5, told.best, told.best * 1.5};
     set(structure, spread, kStructureRange,
         told.best < 1 ? "the model's: thin or hollow things bend more easily than their material" : "bulk");
   }
-  if (!locked(result.plasticity())) {
+  if (!is_locked(result.plasticity())) {
     if (answer.plasticity) {
       const double kept = within_reach(*answer.plasticity, material.plasticity - kPlasticityReach,
                                        material.plasticity + kPlasticityReach, "plasticity", material, changes);
@@ -167,25 +164,25 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
     } else if (!same_class)
       set(*result.mutable_plasticity(), around(material.plasticity), kUnitRange, material.name);
   }
-  if (!locked(result.friction()) && answer.friction) {
+  if (!is_locked(result.friction()) && answer.friction) {
     const double kept = within_reach(*answer.friction, material.friction / kFrictionReach,
                                      material.friction * kFrictionReach, "friction", material, changes);
     set(*result.mutable_friction(), around(kept), kFrictionRange, "by the model");
   }
-  if (!locked(result.restitution()) && answer.restitution) {
+  if (!is_locked(result.restitution()) && answer.restitution) {
     const double kept = within_reach(*answer.restitution, material.restitution - kRestitutionReach,
                                      material.restitution + kRestitutionReach, "restitution", material, changes);
     set(*result.mutable_restitution(), around(kept), kUnitRange, "by the model");
   }
-  if (!same_class && !locked(result.poisson_ratio())) {
+  if (!same_class && !is_locked(result.poisson_ratio())) {
     set(*result.mutable_poisson_ratio(), around(material.poisson_ratio), {0, 0.49}, material.name);
   }
-  if (!same_class && !locked(result.damping())) {
+  if (!same_class && !is_locked(result.damping())) {
     set(*result.mutable_damping(), around(material.loss_factor), {0, 2},
         "loss factor of " + material.material_class);
   }
   const bool shell = result.fill() == Physics::SHELL || result.fill() == Physics::OPEN_SHELL;
-  if (!locked(result.wall_thickness_m())) {
+  if (!is_locked(result.wall_thickness_m())) {
     if (const auto wall = wall_of(answer, facts); wall && shell) {
       set(*result.mutable_wall_thickness_m(), {*wall * 0.7, *wall, *wall * 1.4}, kWallRange_m,
           "by the model");
@@ -193,7 +190,7 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
   }
 
   const Span3 e = span_of(result.youngs_modulus_pa()), s = span_of(result.structure_coefficient());
-  if (!locked(result.deformation_resistance())) {
+  if (!is_locked(result.deformation_resistance())) {
     EstimatedValue& resistance = *result.mutable_deformation_resistance();
     set(resistance,
         {deformation_resistance(s.low * e.low), deformation_resistance(s.best * e.best),
@@ -204,7 +201,7 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
   result.set_behavior_reason(format_text("E* = s E = %.3g MPa; ", s.best * e.best * 1e-6) +
                              model_says(answer));
   result.set_fragile(answer.fragile);
-  if (answer.fragile && !locked(result.break_impulse_n_s())) {
+  if (answer.fragile && !is_locked(result.break_impulse_n_s())) {
     // Falls of 0.2, 0.5 and 1.2 m, as the offline estimate has them.
     const double kg = result.mass_kg().best();
     set(*result.mutable_break_impulse_n_s(), {2.0 * kg, 3.1 * kg, 4.9 * kg}, {0, 5 * std::max(kg, kMassRange_kg.high)},

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "analysis/object_kinds.h"
+#include "analysis/physics_values.h"
 #include "core/format_text.h"
 
 namespace livegs {
@@ -24,17 +25,13 @@ constexpr double kRigid_pa = 200e6, kYields_pa = 1e6;
 constexpr double kStiff_pa = 20e6;
 // A part of less than this share of the mass holds nothing and names nothing.
 constexpr double kHoldingShare = 0.05, kTellingShare = 0.1;
-// A hull, or a density of the table, is that much too small at most; a guessed scale is off by two.
-constexpr double kRoomSlack = 4.0, kGuessedVolume = 8.0;
+// A hull, or a density of the table, is that much too small at most.
+constexpr double kRoomSlack = 4.0;
 // What is called solid is held to its volume only where that is a lump's: a surface that is less compact, or thinner than
 // kResolved of what LIVE-GS's alpha shape draws it with (0.03 of the diagonal), encloses air.
 constexpr double kCompactSolidity = 0.7, kCompactOpenness = 0.15, kResolved = 1.5, kSurfaceRadius = 0.03;
 // A wall is told in round millimetres, of its thickest place, and may be pierced.
 constexpr double kWallSlack = 8.0;
-
-bool locked(const EstimatedValue& value) {
-  return value.source() == EstimatedValue::SCENE || value.source() == EstimatedValue::PERSON;
-}
 
 Span3 span_of(const EstimatedValue& value) { return {value.low(), value.best(), value.high()}; }
 
@@ -187,7 +184,7 @@ std::string mass_at_odds(const Answer& answer, const ObjectFacts& facts) {
 std::string rigid_at_odds(const Answer& answer, const v1::PhysicalParameters& proposal) {
   if (proposal.behavior() != Physics::RIGID) return "";
   double young = 0;
-  if (locked(proposal.youngs_modulus_pa())) {
+  if (is_locked(proposal.youngs_modulus_pa())) {
     young = proposal.youngs_modulus_pa().best();
   } else if (answer.youngs_modulus_pa) {
     young = answer.youngs_modulus_pa->best;
@@ -220,7 +217,7 @@ std::string stiffness_far(const Answer& answer, const v1::PhysicalParameters& pr
                           const std::vector<KnownKind>& known) {
   const EstimatedValue& young = proposal.youngs_modulus_pa();
   const EstimatedValue& structure = proposal.structure_coefficient();
-  if (locked(young) && locked(structure)) return "";
+  if (is_locked(young) && is_locked(structure)) return "";
   const auto fits = [&](double told) {
     return std::any_of(known.begin(), known.end(), [&](const KnownKind& kind) {
       const double stiff = soft_by_nature(kind.classes.front()) ? kRigid_pa : kStiff_pa;
@@ -229,7 +226,7 @@ std::string stiffness_far(const Answer& answer, const v1::PhysicalParameters& pr
   };
   const double s = structure.best() > 0 ? structure.best() : 1.0;
   const double fused = young.best() * s;
-  const double told = answer.youngs_modulus_pa && !locked(young) ? answer.youngs_modulus_pa->best * s : fused;
+  const double told = answer.youngs_modulus_pa && !is_locked(young) ? answer.youngs_modulus_pa->best * s : fused;
   for (const double one : {told, fused}) {
     if (fits(one)) continue;
     return format_text("%s: s E = %.3g MPa is more than %g times away from the %.3g MPa that its kind suggests",
@@ -244,7 +241,7 @@ std::string stiffness_far(const Answer& answer, const v1::PhysicalParameters& pr
 std::string far_from_prior(const Answer& answer, const ObjectFacts& facts, const v1::PhysicalParameters& offline,
                            const v1::PhysicalParameters& proposal) {
   const EstimatedValue& mass = offline.mass_kg();
-  if (!locked(mass)) {
+  if (!is_locked(mass)) {
     if (mass.best() > 0 && far(answer.mass_kg.best, span_of(mass))) {
       return format_text(
           "mass_g.best: %.4g g is more than %g times away from the %.4g g that size and kind suggest",

@@ -59,6 +59,24 @@ Result<Json> parse_json(std::string_view text) {
   return value;
 }
 
+Result<Json> parse_commented_json(std::string_view text) {
+  int deepest = 0;
+  const auto measure = [&](int depth, Json::parse_event_t, Json&) {
+    deepest = std::max(deepest, depth);
+    return depth <= kMaxJsonDepth;
+  };
+  try {
+    Json value = Json::parse(text, measure, true, true);
+    if (deepest > kMaxJsonDepth) return invalid_data("is nested deeper than " + std::to_string(kMaxJsonDepth) + " levels");
+    return value;
+  } catch (const Json::parse_error& error) {
+    std::string what = error.what();
+    if (const std::size_t colon = what.find("] "); colon != std::string::npos) what = what.substr(colon + 2);
+    std::replace_if(what.begin(), what.end(), [](unsigned char c) { return c < 0x20; }, ' ');
+    return invalid_data("is not JSON: " + what);
+  }
+}
+
 std::string dump_json(const Json& value) {
   return value.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <utility>
@@ -45,24 +44,12 @@ std::string one_line(std::string text) {
 }
 
 Result<v1::PhysicsFile> parse_file(const std::string& text) {
-  nlohmann::json json;
-  int deepest = 0;
-  try {
-    const auto measure = [&](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
-      deepest = std::max(deepest, depth);
-      return depth <= kMaxJsonDepth;  // writing a value costs stack
-    };
-    json = nlohmann::json::parse(text, measure, true, true);
-  } catch (const nlohmann::json::parse_error& error) {
-    std::string what = error.what();
-    if (const size_t colon = what.find("] "); colon != std::string::npos) what = what.substr(colon + 2);
-    return invalid_data("is not JSON: " + one_line(what));
-  }
-  if (deepest > kMaxJsonDepth) return invalid_data("is nested deeper than " + std::to_string(kMaxJsonDepth) + " levels");
-  if (!json.is_object()) return invalid_data("must hold one JSON object");
+  const Result<Json> json = parse_commented_json(text);
+  if (!json) return json.error();
+  if (!json->is_object()) return invalid_data("must hold one JSON object");
   v1::PhysicsFile file;
   const auto status = google::protobuf::util::JsonStringToMessage(
-      json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), &file);
+      dump_json(*json), &file);
   if (!status.ok()) {
     return invalid_data(one_line(std::string(status.message())) +
                         " (field names are those of PhysicsFile in proto/livegs/v1/physics.proto)");
@@ -275,10 +262,7 @@ Result<v1::PhysicalParameters> with_physics_file(const v1::PhysicalParameters& o
     physics = file.physics();
     // What a person or a scene had told when it was asked is theirs, and holds only while they say it.
     for (const PhysicsValue& value : physics_values()) {
-      const auto source = (physics.*value.get)().source();
-      if (source == v1::EstimatedValue::PERSON || source == v1::EstimatedValue::SCENE) {
-        *(physics.*value.mutable_value)() = (offline.*value.get)();
-      }
+      if (is_locked((physics.*value.get)())) *(physics.*value.mutable_value)() = (offline.*value.get)();
     }
     const double analysed_m = file.physics().longest_side_m().best(), now_m = facts.mesh.size_m.maxCoeff();
     if (analysed_m > 0 && now_m > 0 && std::abs(std::log(now_m / analysed_m)) > std::log(kSameSize)) {

@@ -26,6 +26,10 @@ std::span<const PhysicsValue> physics_values() {
 
 #undef LIVEGS_VALUE
 
+bool is_locked(const v1::EstimatedValue& value) {
+  return value.source() == v1::EstimatedValue::SCENE || value.source() == v1::EstimatedValue::PERSON;
+}
+
 const char* source_name(v1::EstimatedValue::Source source) {
   switch (source) {
     case v1::EstimatedValue::OFFLINE:

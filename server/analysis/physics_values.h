@@ -18,6 +18,9 @@ struct PhysicsValue {
 };
 std::span<const PhysicsValue> physics_values();
 
+// Whether a person or the scene said it: nothing else takes its place.
+bool is_locked(const v1::EstimatedValue& value);
+
 // Who said a value, in a word for a person: "offline" (the offline estimator), "model", "scene", "person",
 // "default", "unknown".
 const char* source_name(v1::EstimatedValue::Source source);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "analysis/prompt_set.h"
 
-#include <algorithm>
-
 #include "analysis/knowledge.h"
 #include "analysis/prompt_text.h"
 #include "analysis/tool_box.h"
@@ -53,13 +51,8 @@ constexpr BuiltIn kBuiltIn[] = {{"system.md", kSystemPrompt, nullptr},
                                 {"version.txt", kVersionPrompt, nullptr}};
 
 Result<OrderedJson> parse_file(const std::string& name, const std::string& text) {
-  int deepest = 0;
-  const auto measure = [&](int depth, OrderedJson::parse_event_t, OrderedJson&) {
-    deepest = std::max(deepest, depth);
-    return depth <= kMaxJsonDepth;
-  };
-  OrderedJson value = OrderedJson::parse(text, measure, false);
-  if (deepest > kMaxJsonDepth) return invalid_data("prompts/" + name + ": nested too deep");
+  if (json_extent(text, 0, kMaxJsonDepth).depth > kMaxJsonDepth) return invalid_data("prompts/" + name + ": nested too deep");
+  OrderedJson value = OrderedJson::parse(text, nullptr, false);
   if (value.is_discarded()) return invalid_data("prompts/" + name + ": not JSON");
   return value;
 }

@@ -74,26 +74,30 @@ std::string plain_text(std::string_view text, std::size_t longest) {
   return plain;
 }
 
+std::string fill_line(std::string_view line, const std::function<std::string(std::string_view slot)>& value_of) {
+  std::string filled;
+  for (;;) {
+    const std::size_t open = line.find("{{");
+    const std::size_t close = open == std::string_view::npos ? open : line.find("}}", open);
+    if (close == std::string_view::npos) return filled.append(line);
+    filled += line.substr(0, open);
+    filled += value_of(line.substr(open + 2, close - open - 2));
+    line.remove_prefix(close + 2);
+  }
+}
+
 std::string fill_slots(std::string_view text, const std::map<std::string, std::string>& slots) {
   std::string filled;
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size() - 1) + 1;
-    std::string_view line = text.substr(0, end);
-    text.remove_prefix(end);
-    std::string out;
     bool keep = true;
-    for (;;) {
-      const std::size_t open = line.find("{{");
-      const std::size_t close = open == std::string_view::npos ? open : line.find("}}", open);
-      if (close == std::string_view::npos) break;
-      const auto slot = slots.find(std::string(line.substr(open + 2, close - open - 2)));
-      keep &= slot != slots.end() && !slot->second.empty();
-      out += line.substr(0, open);
-      if (keep) out += slot->second;
-      line.remove_prefix(close + 2);
-    }
-    out += line;
-    if (keep) filled += out;
+    const std::string line = fill_line(text.substr(0, end), [&](std::string_view slot) {
+      const auto found = slots.find(std::string(slot));
+      keep = keep && found != slots.end() && !found->second.empty();
+      return keep ? found->second : std::string();
+    });
+    if (keep) filled += line;
+    text.remove_prefix(end);
   }
   return filled;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 #include <string_view>
@@ -16,8 +17,9 @@ std::string quoted_text(std::string_view text, std::size_t longest = 80);
 // `longest` bytes.
 std::string plain_text(std::string_view text, std::size_t longest = 4000);
 
-// `{{slot}}` by its value, in one pass: values are not looked at again. A line with a slot that is absent or
-// empty is left out.
+// `{{slot}}` by what `value_of` gives for it, in one pass: values are not looked at again.
+std::string fill_line(std::string_view line, const std::function<std::string(std::string_view slot)>& value_of);
+// The same line by line. One with a slot that is absent or empty is left out.
 std::string fill_slots(std::string_view text, const std::map<std::string, std::string>& slots);
 
 }  // namespace livegs

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "analysis/prompt_words.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "analysis/prompt_text.h"
 #include "complaints.json.h"
 #include "core/assert.h"
 #include "facts.json.h"
@@ -49,18 +51,10 @@ std::string PromptWords::say(std::string_view line,
                              std::initializer_list<std::pair<std::string_view, std::string_view>> slots) const {
   const auto found = lines_.find(line);
   if (found == lines_.end()) return std::string(line);
-  std::string_view text = found->second;
-  std::string said;
-  for (size_t open; (open = text.find("{{")) != std::string_view::npos;) {
-    const size_t close = text.find("}}", open);
-    if (close == std::string_view::npos) break;
-    said += text.substr(0, open);
-    for (const auto& [slot, value] : slots) {
-      if (slot == text.substr(open + 2, close - open - 2)) said += value;
-    }
-    text.remove_prefix(close + 2);
-  }
-  return said += text;
+  return fill_line(found->second, [&](std::string_view slot) {
+    const auto told = std::find_if(slots.begin(), slots.end(), [&](const auto& one) { return one.first == slot; });
+    return told == slots.end() ? std::string() : std::string(told->second);
+  });
 }
 
 }  // namespace livegs

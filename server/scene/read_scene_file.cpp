@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <google/protobuf/util/json_util.h>
 
-#include <algorithm>
-#include <nlohmann/json.hpp>
-
+#include "analysis/json_text.h"
 #include "core/file.h"
 #include "scene/check_scene.h"
 #include "scene/scene.h"
 
 namespace livegs {
 namespace {
-
-constexpr int kMaxDepth = 64;  // writing a value costs stack
 
 // A folder with one scene file means that scene.
 std::optional<std::filesystem::path> only_scene_file(const std::filesystem::path& folder) {
@@ -34,24 +30,12 @@ Result<v1::Scene> read_scene_file(const std::filesystem::path& path) {
   const std::string name = path.filename().string();
 
   // nlohmann-json knows comments and says where a mistake stands; protobuf knows the schema.
-  nlohmann::json json;
-  int deepest = 0;
-  try {
-    const auto measure = [&](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
-      deepest = std::max(deepest, depth);
-      return depth <= kMaxDepth;
-    };
-    json = nlohmann::json::parse(*text, measure, true, true);
-  } catch (const nlohmann::json::parse_error& error) {
-    std::string what = error.what();
-    if (const size_t colon = what.find("] "); colon != std::string::npos) what = what.substr(colon + 2);
-    return invalid_data(name + ": is not JSON: " + what);
-  }
-  if (deepest > kMaxDepth) return invalid_data(name + ": is nested deeper than " + std::to_string(kMaxDepth) + " levels");
-  if (!json.is_object()) return invalid_data(name + ": must hold one JSON object, a scene");
+  const Result<Json> json = parse_commented_json(*text);
+  if (!json) return invalid_data(name + ": " + json.error().message);
+  if (!json->is_object()) return invalid_data(name + ": must hold one JSON object, a scene");
 
   v1::Scene scene;
-  const auto status = google::protobuf::util::JsonStringToMessage(json.dump(), &scene);
+  const auto status = google::protobuf::util::JsonStringToMessage(dump_json(*json), &scene);
   if (!status.ok()) {
     std::string what(status.message());
     for (char& letter : what) {

@@ -83,6 +83,11 @@ inline nlohmann::json mug_answer() {
     "confidence": 0.9, "kb_ids": ["stoneware"]})");
 }
 
+inline nlohmann::json with_fields(nlohmann::json answer, const nlohmann::json& fields) {
+  answer.update(fields);
+  return answer;
+}
+
 inline nlohmann::json sponge_answer() {
   return nlohmann::json::parse(R"({
     "description": "a yellow sponge", "evidence": "open pores", "name": "sponge", "name_confidence": 0.9,

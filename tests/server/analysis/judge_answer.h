@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "analysis/gate.h"
+#include "server/analysis/answer_fixtures.h"
 
 namespace livegs {
 
@@ -19,6 +20,15 @@ inline Judgement judge_answer(std::string_view raw, const ObjectFacts& facts,
   refused.parameters = offline;
   refused.message = answer.error().message;
   return refused;
+}
+
+// Of an object that nobody has said anything of.
+inline Judgement judge(const nlohmann::json& answer, const ObjectFacts& facts = mug_facts()) {
+  return judge_answer(answer.dump(), facts, estimate_offline(facts));
+}
+
+inline bool same(const google::protobuf::Message& a, const google::protobuf::Message& b) {
+  return a.SerializeAsString() == b.SerializeAsString();
 }
 
 }  // namespace livegs

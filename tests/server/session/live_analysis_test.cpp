@@ -85,27 +85,8 @@ TEST_F(LiveAnalysisTest, AnEditCountsInTheNextAnalysis) {
     answer["mass_g"] = {{"low", 4500}, {"best", 5000}, {"high", 5500}};
     return answer.dump();
   });
-  const auto analyzed = [&] {
-    std::condition_variable changed;
-    bool ended = false;
-    v1::AnalysisProgress last;
-    EXPECT_TRUE(analysis->analyze(
-        {"wood block"},
-        [&](const v1::AnalysisProgress& progress) {
-          last = progress;
-          return true;
-        },
-        [&] {
-          std::lock_guard lock(mutex);
-          ended = true;
-          changed.notify_all();
-        }));
-    std::unique_lock lock(mutex);
-    EXPECT_TRUE(changed.wait_for(lock, kPatience, [&] { return ended; }));
-    return last;
-  };
   EXPECT_FALSE(analysis->accept_proposal("wood block"));
-  EXPECT_EQ(analyzed().verdict(), v1::AnalysisProgress::NEEDS_REVIEW);  // ten times the estimate
+  EXPECT_EQ(analyzed("wood block").verdict(), v1::AnalysisProgress::NEEDS_REVIEW);  // ten times the estimate
   EXPECT_EQ(told, "");
   // A person may take it all the same, and back.
   const auto accepted = analysis->accept_proposal("wood block");
@@ -117,7 +98,7 @@ TEST_F(LiveAnalysisTest, AnEditCountsInTheNextAnalysis) {
   v1::Physics edit;
   edit.set_mass_kg(5);
   ASSERT_TRUE(analysis->set_physics("wood block", edit));
-  const auto last = analyzed();
+  const auto last = analyzed("wood block");
   EXPECT_EQ(last.verdict(), v1::AnalysisProgress::ACCEPTED) << last.message();
   EXPECT_EQ(last.parameters().mass_kg().source(), EstimatedValue::PERSON);
   EXPECT_EQ(last.parameters().friction().source(), EstimatedValue::MODEL);
