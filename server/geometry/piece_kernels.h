@@ -31,7 +31,8 @@ struct PieceKernelOptions {
   // most_interior in all.
   double interior_spacing_m = 0.0;
   size_t most_interior = 60000;
-  // Colour of the material inside, 0 … 1; without one, that of the surface kernels nearest to each place.
+  // Colour of the material inside, 0 … 1; without one, that of the surface kernels nearest to each place, and for the most
+  // part the mean of that over the face.
   std::optional<Eigen::Vector3f> interior_rgb;
   std::stop_token stop;
 };

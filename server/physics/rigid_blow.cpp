@@ -56,9 +56,12 @@ void RigidBlows::note_joint(const RigidBody& body, const Eigen::Vector3d& impuls
 void RigidBlows::note_contact(const RigidBody& body, const ContactPatch& patch, const ContactPoint& point,
                               const Eigen::Vector3d& normal, const Eigen::Vector3d& point_m) {
   if (point.impulse_n_s <= 0.0) return;
-  if (point.impact_speed_m_s >= patch.restitution_speed_m_s) {
-    const double ended = point.impact_speed_m_s * (1.0 + patch.restitution);
-    struck_share_ = std::max(struck_share_, ended / (ended + point.carried_speed_m_s));
+  const double ended = point.impact_speed_m_s * (1.0 + patch.restitution);
+  const double share = ended > 0.0 ? ended / (ended + point.carried_speed_m_s) : 0.0;
+  const bool hard = point.impact_speed_m_s >= patch.restitution_speed_m_s;
+  if (hard) hard_share_ = std::max(hard_share_, share);
+  if (hard || earlier_share_ * share > 0.0) {
+    struck_share_ = std::max(struck_share_, hard ? share : earlier_share_ * share);
     if (ended > fastest_ended_m_s_) {
       fastest_ended_m_s_ = ended;
       struck_after_s_ = point.until_touch_s;
@@ -80,6 +83,7 @@ void RigidBlows::note_friction(const RigidBody& body, const Eigen::Vector3d& imp
 }
 
 void RigidBlows::end_substep(const RigidBody& body, double island_share, double duration_s) {
+  earlier_share_ = std::exchange(hard_share_, 0.0);
   if (!body.can_break) {
     struck_share_ = fastest_ended_m_s_ = 0.0;
     return;

@@ -82,6 +82,10 @@ class RigidBlows {
   // Of the substep's impacts the one that ended the fastest approach: it is when they came. By the end of substeps of 4 ms, a
   // second landing 13 ms after the first was outside of kFrame_s by turns.
   double fastest_ended_m_s_ = 0.0, struck_after_s_ = 0.0;
+  // Of impacts that bounce, the struck share of this substep and of the one before. What such an impact leaves of its approach,
+  // as it does when it comes in the last moment of a substep, is a part of the blow however slow it is: v' of the speed V that
+  // it would have at the end of the substep, of which v at touch, so that (V - v') v / V + v' v / V = v.
+  double hard_share_ = 0.0, earlier_share_ = 0.0;
   double borne_n_ = 0.0;  // by its contacts, as long as nothing strikes it
   bool borne_known_ = false;
 };

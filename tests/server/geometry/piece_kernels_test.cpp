@@ -302,6 +302,26 @@ TEST(PieceKernels, CoverTheFacesOfTheCut) {
   }
 }
 
+// Where no colour of the inside is told: the surface is red at one end and blue at the other, and so are the cut faces there.
+TEST(PieceKernels, OfCutFacesHaveTheColourOfTheSurfaceNearThem) {
+  const TriangleMesh box = box_mesh({0.2, 0.1, 0.06});
+  GaussianAsset asset = kernels_about(box, 4000, 0.002, 0.0);
+  const Eigen::Vector3f red(1, -1, -1), blue(-1, -1, 1);
+  for (size_t k = 0; k < asset.size(); ++k) asset.sh_dc[k] = asset.positions[k].x() < 0 ? red : blue;
+  const auto slices = cut_voronoi_pieces(box, std::vector<Vector3d>{{-0.08, 0, 0}, {-0.03, 0, 0}, {0.03, 0, 0}, {0.08, 0, 0}});
+  ASSERT_TRUE(slices);
+  const PieceKernels kernels = make_piece_kernels(asset, {}, *slices).value();
+  size_t reds = 0, blues = 0;
+  for (size_t k = kernels.interior_begin; k < kernels.asset.size(); ++k) {
+    const float x = kernels.asset.positions[k].x();
+    if (std::abs(x) < 0.01f) continue;  // the face between the colours
+    ++(x < 0 ? reds : blues);
+    ASSERT_LT((kernels.asset.sh_dc[k] - (x < 0 ? red : blue)).norm(), 1e-5f) << x;
+  }
+  EXPECT_GT(reds, 100u);
+  EXPECT_GT(blues, 100u);
+}
+
 TEST(PieceKernels, StopWhenTold) {
   const VoronoiPieces pieces = cut(box_mesh({1, 1, 1}), 4, 1);
   std::stop_source stop;

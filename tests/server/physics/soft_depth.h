@@ -23,8 +23,8 @@ inline ElasticBodyDescription sampled_block(double spacing_m = 0.0) {
 
 // How far the lowest point of a 1 kg sphere of 5 cm settles below the top of an unloaded block on a floor; the mean of
 // the last of three seconds.
-inline double settled_depth_m(ElasticBodyDescription block, double rate) {
-  World world = world_with(ElasticSolver::Cells, rate);
+inline double settled_depth_m(ElasticBodyDescription block, double rate, int substeps = 4) {
+  World world = world_with(ElasticSolver::Cells, rate, {0, -kGravity, 0}, substeps);
   world.add_collider(floor_plane(0.6));
   block.material.loss_factor = 2.0;
   block.world_from_object.position_m = {0, 0.05, 0};

@@ -195,6 +195,28 @@ TEST(FragileScene, AClosedShellBreaksIntoPiecesOfItsWall) {
   }
 }
 
+// A cube of edge a about an axis through two faces: m a² / 6 where it is solid, 5 m a² / 18 where all is in its faces.
+TEST(Scene, WhatIsHollowTurnsAsAShell) {
+  constexpr double kEdge_m = 0.2, kMass_kg = 0.5, kSpin_rad_s = 2.0;
+  for (const auto& [fill, share] : {std::pair{v1::Physics::SOLID, 1.0 / 6}, {v1::Physics::SHELL, 5.0 / 18}, {v1::Physics::OPEN_SHELL, 5.0 / 18}}) {
+    v1::Scene file;
+    v1::Object& cube = *file.add_objects();
+    cube.set_name("cube");
+    for (int d = 0; d < 3; ++d) {
+      cube.mutable_shape()->mutable_box()->add_size_m(kEdge_m);
+      cube.add_angular_velocity_rad_s(d == 1 ? kSpin_rad_s : 0.0);
+      file.add_gravity_m_s2(0.0);
+    }
+    cube.mutable_physics()->set_behavior(v1::Physics::RIGID);
+    cube.mutable_physics()->set_fill(fill);
+    cube.mutable_physics()->set_mass_kg(kMass_kg);
+    const auto scene = Scene::build(file, "", "cube", {});
+    ASSERT_TRUE(scene) << scene.error().message;
+    const double turns = scene->world().energy().angular_momentum.y() / kSpin_rad_s;
+    EXPECT_NEAR(turns, share * kMass_kg * kEdge_m * kEdge_m, 1e-3 * turns) << v1::Physics::Fill_Name(fill);
+  }
+}
+
 TEST(FragileScene, AShellThatCannotBeHollowedSaysSo) {
   v1::Physics physics = fragile(8);
   physics.set_fill(v1::Physics::SHELL);
