@@ -6,6 +6,7 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cstdarg>
 #include <cstdio>
 #include <string>
@@ -52,7 +53,12 @@ void write(spdlog::level::level_enum level, const char* format, va_list argument
   va_end(measured);
   std::string text(length > 0 ? static_cast<size_t>(length) : 0, '\0');
   std::vsnprintf(text.data(), text.size() + 1, format, arguments);
-  if (json) text = escaped(text.c_str());
+  if (json) {
+    text = escaped(text.c_str());
+  } else {
+    // A name of an object or a file may hold what ends a line or moves a terminal's cursor.
+    std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
+  }
   logger().log(level, spdlog::string_view_t(text.data(), text.size()));
 }
 

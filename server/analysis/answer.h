@@ -20,7 +20,7 @@ struct ValueRange {
   double low, high;
   bool holds(double value) const { return value >= low && value <= high; }  // false for NaN
 };
-inline constexpr ValueRange kMassRange_kg{1e-5, 2000};
+inline constexpr ValueRange kMassRange_kg{1e-6, 2e4};  // a petal, a lorry
 inline constexpr ValueRange kYoungsRange_pa{100, 3e11};
 inline constexpr ValueRange kStructureRange{1e-3, 1};
 inline constexpr ValueRange kUnitRange{0, 1};

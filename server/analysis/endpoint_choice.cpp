@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "analysis/model_endpoint.h"
+#include "analysis/prompt_set.h"
 #include "core/log.h"
 
 namespace livegs {
@@ -62,6 +63,16 @@ void take_url(const std::string& url, EndpointSettings& settings) {
            home == kOpenAiUrl ? "api.openai.com" : "the address in OPENAI_BASE_URL");
 }
 
+// Whoever gives a folder wants to hear what is wrong with it, also where nobody is asked.
+Result<std::unique_ptr<ModelEndpoint>> unused_prompts(const EndpointChoice& choice, std::unique_ptr<ModelEndpoint> none) {
+  if (choice.prompts.empty()) return none;
+  const auto prompts = PromptSet::load(choice.prompts);
+  if (!prompts) return prompts.error();
+  log_warn("--prompts: %s: its texts are sound, and nobody is asked with them: %s", choice.prompts.c_str(),
+           choice.offline ? "leave out --offline" : "give --endpoint or set OPENAI_BASE_URL");
+  return none;
+}
+
 }  // namespace
 
 std::filesystem::path cache_folder() {
@@ -81,10 +92,10 @@ Result<std::unique_ptr<ModelEndpoint>> choose_endpoint(const EndpointChoice& cho
     return invalid_argument("--recorded: replays a folder; leave out --endpoint, --model and --record-answers");
   }
   std::unique_ptr<ModelEndpoint> none;
-  if (choice.offline) return none;
+  if (choice.offline) return unused_prompts(choice, std::move(none));
   if (!choice.recorded.empty()) return open_recorded_endpoint(choice.recorded, nullptr, choice.prompts);
   auto settings = endpoint_settings_from_environment();
-  if (!settings && !told) return none;
+  if (!settings && !told) return unused_prompts(choice, std::move(none));
   if (!settings) settings.emplace();
   if (!choice.url.empty()) take_url(choice.url, *settings);
   if (!choice.model.empty()) settings->model = choice.model;

@@ -3,7 +3,9 @@
 #include <cmath>
 
 #include "analysis/gate.h"
+#include "analysis/mass_bounds.h"
 #include "analysis/mass_model.h"
+#include "analysis/object_kinds.h"
 #include "core/format_text.h"
 
 // What an answer says of itself, held together: units, physics, consistency (steps 5 to 7 of the gate).
@@ -20,8 +22,8 @@ constexpr double kSoftYoungs_pa = 20e6;
 // The table's ranges are of good material; products vary by this much more.
 constexpr double kMaterialSlack = 3.0;
 constexpr double kMassSlack = 2.0;
-// Nothing on earth is denser, and nothing that stands is lighter than air.
-constexpr double kDensest_kg_m3 = 23000, kLightest_kg_m3 = 1;
+// Nothing on earth is denser.
+constexpr double kDensest_kg_m3 = 23000;
 // What brings a slip of units back: kilograms given for grams; pascals, kilopascals or gigapascals for
 // megapascals.
 constexpr double kMassSlips[] = {1e3};
@@ -107,8 +109,8 @@ std::string short_text(double value) { return format_text("%.3g", value); }
 std::optional<Error> check_physics(const Answer& answer, const ObjectFacts& facts, const PromptWords& words) {
   const double slack = facts.scale_known ? 1.0 : kGuessedVolume;
   const double solid_m3 = std::max(facts.mesh.volume_m3, facts.mesh.hull_volume_m3);
-  const double box_m3 = facts.mesh.size_m.prod();
-  const double most_kg = kDensest_kg_m3 * solid_m3 * slack, least_kg = kLightest_kg_m3 * box_m3 / slack;
+  const double box_m3 = sorted_box_m(facts.mesh).prod();
+  const double most_kg = kDensest_kg_m3 * solid_m3 * slack, least_kg = least_mass_kg(answer, facts) / slack;
   const std::string told = general(answer.mass_kg.best * 1e3);
   if (solid_m3 > 0 && answer.mass_kg.best > most_kg) {
     return invalid_data(words.say(

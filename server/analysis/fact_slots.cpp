@@ -24,12 +24,6 @@ std::string size_text(const Eigen::Vector3d& size_m, Words words) {
                             {"depth", format_text("%.3g", size_m.z())}});
 }
 
-// A text of a line of its own, whatever it holds: what ends a line or imitates a quote is gone.
-std::string inside_line(std::string_view text, size_t longest) {
-  const std::string quoted = quoted_text(text, longest);
-  return quoted.substr(1, quoted.size() - 2);
-}
-
 // What a person or the scene's author told, by its field.
 std::string told_text(const v1::PhysicalParameters& known, Words words) {
   std::string line;
@@ -78,7 +72,7 @@ std::string neighbours_text(std::span<const SceneObjectFacts> neighbours, Words 
     if (other.mass_kg > 0) known += words.say("neighbour_mass", {{"mass", format_text("%.4g", 1e3 * other.mass_kg)}});
     // A sidecar may say anything.
     for (const std::string& word : {other.material, other.behavior}) {
-      if (!word.empty()) known += words.say("neighbour_word", {{"word", inside_line(word, kLongestMaterial)}});
+      if (!word.empty()) known += words.say("neighbour_word", {{"word", line_text(word, kLongestMaterial)}});
     }
     lines += (lines.empty() ? "" : "\n") +
              words.say("neighbour", {{"name", quoted_text(other.name)},
@@ -125,14 +119,14 @@ std::string materials_text(const Kinds& kinds, Words words) {
 
 std::string offline_text(const v1::PhysicalParameters& offline, Words words) {
   const v1::EstimatedValue& mass = offline.mass_kg();
-  return words.say("offline", {{"label", inside_line(offline.label(), kLongestMaterial)},
-                               {"material", inside_line(offline.material(), kLongestMaterial)},
+  return words.say("offline", {{"label", line_text(offline.label(), kLongestMaterial)},
+                               {"material", line_text(offline.material(), kLongestMaterial)},
                                {"mass", format_text("%.4g", 1e3 * mass.best())},
                                {"mass_low", format_text("%.4g", 1e3 * mass.low())},
                                {"mass_high", format_text("%.4g", 1e3 * mass.high())},
                                {"behaviour", v1::Physics::Behavior_Name(offline.behavior())},
                                {"confidence", format_text("%.2f", offline.confidence())},
-                               {"reason", inside_line(mass.reason(), kLongestReason)}});
+                               {"reason", line_text(mass.reason(), kLongestReason)}});
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "analysis/mass_bounds.h"
 #include "analysis/object_kinds.h"
 #include "analysis/physics_values.h"
 #include "core/format_text.h"
@@ -25,13 +26,6 @@ constexpr double kRigid_pa = 200e6, kYields_pa = 1e6;
 constexpr double kStiff_pa = 20e6;
 // A part of less than this share of the mass holds nothing and names nothing.
 constexpr double kHoldingShare = 0.05, kTellingShare = 0.1;
-// A hull, or a density of the table, is that much too small at most.
-constexpr double kRoomSlack = 4.0;
-// What is called solid is held to its volume only where that is a lump's: a surface that is less compact, or thinner than
-// kResolved of what LIVE-GS's alpha shape draws it with (0.03 of the diagonal), encloses air.
-constexpr double kCompactSolidity = 0.7, kCompactOpenness = 0.15, kResolved = 1.5, kSurfaceRadius = 0.03;
-// A wall is told in round millimetres, of its thickest place, and may be pierced.
-constexpr double kWallSlack = 8.0;
 
 Span3 span_of(const EstimatedValue& value) { return {value.low(), value.best(), value.high()}; }
 
@@ -122,62 +116,6 @@ bool material_fits(const Answer& answer, const Kinds& found, const std::vector<K
   const NameMatch named = match_name(answer.name);
   const bool agreed = named.row && (means(*found.match.row, *named.row) || means(*named.row, *found.match.row));
   return agreed && any(true);
-}
-
-std::string materials_of(const Answer& answer) {
-  std::string names;
-  for (size_t i = 0; i < std::min<size_t>(answer.parts.size(), 3); ++i)
-    names += (i ? ", " : "") + answer.parts[i].material->name;
-  return names;
-}
-
-// Cloth, stuffing, paper, leaves and wickerwork hold air between themselves, machines within.
-bool airy(const MaterialRow& material) {
-  for (const char* name : {"textile", "stuffed", "paper", "plant", "assembly"}) {
-    if (material.material_class == name) return true;
-  }
-  return material.name == "wicker";
-}
-
-// Of the stuff that it names, how much there must be by what it says of the filling; 0: nothing is said. What is filled or put
-// together may hold what it does not name, and a surface may enclose air.
-double least_stuff_m3(const Answer& answer, const ObjectFacts& facts) {
-  const MeshFacts& mesh = facts.mesh;
-  for (const AnswerPart& part : answer.parts) {
-    if (part.share >= kTellingShare && airy(*part.material)) return 0;
-  }
-  if (answer.fill == Physics::SOLID) {
-    const bool compact = mesh.solidity >= kCompactSolidity && mesh.openness <= kCompactOpenness &&
-                         mesh.mean_wall_m >= kResolved * kSurfaceRadius * sorted_box_m(mesh).norm();
-    return compact ? mesh.volume_m3 / kRoomSlack : 0;
-  }
-  const std::optional<double> wall_m = answer.parts.front().thickness_m;
-  if ((answer.fill != Physics::SHELL && answer.fill != Physics::OPEN_SHELL) || !wall_m) return 0;
-  // What is open may have been captured inside and out.
-  const double wall_m2 = answer.fill == Physics::OPEN_SHELL ? 0.5 * mesh.area_m2 : mesh.area_m2;
-  return std::min(*wall_m * wall_m2, mesh.volume_m3) / kWallSlack;
-}
-
-// Whether the materials that it names take up more room than there is, or leave much of it empty.
-std::string mass_at_odds(const Answer& answer, const ObjectFacts& facts) {
-  double least_m3 = 0, most_m3 = 0;
-  for (const AnswerPart& part : answer.parts) {
-    least_m3 += answer.mass_kg.best * part.share / part.material->density_kg_m3.high;
-    most_m3 += answer.mass_kg.best * part.share / part.material->density_kg_m3.low;
-  }
-  const double scale = facts.scale_known ? 1.0 : kGuessedVolume;
-  const double holds_m3 = std::max(facts.mesh.volume_m3, facts.mesh.hull_volume_m3);
-  // What is filled may hold what it does not name.
-  if (answer.fill != Physics::FILLED && holds_m3 > 0 && least_m3 > holds_m3 * kRoomSlack * scale) {
-    return format_text("mass_g.best: %.4g g of %s take up %.3g cm3 at least, and the object is of %.3g cm3",
-                       answer.mass_kg.best * 1e3, materials_of(answer).c_str(), least_m3 * 1e6, holds_m3 * 1e6);
-  }
-  const double needed_m3 = least_stuff_m3(answer, facts) / scale;
-  if (most_m3 >= needed_m3) return "";
-  return format_text("mass_g.best: %.4g g of %s are %.3g cm3 at most, and %s has %.3g cm3 of it at least",
-                     answer.mass_kg.best * 1e3, materials_of(answer).c_str(), most_m3 * 1e6,
-                     answer.fill == Physics::SOLID ? "a solid of this volume" : "a wall of this thickness and area",
-                     needed_m3 * 1e6);
 }
 
 // What is rigid is held by something that is; a crumb of stoneware in foam holds nothing.

@@ -5,17 +5,19 @@
 #include <cmath>
 #include <vector>
 
+#include "analysis/answer.h"
+#include "analysis/prompt_words.h"
+#include "core/format_text.h"
+
 namespace livegs {
 namespace {
 
-constexpr double kLightest_kg = 1e-5, kHeaviest_kg = 2000.0;
 // Ranges in the tables hold nine of ten: 3.29 standard deviations wide.
 constexpr double kNineOfTen = 3.29;
 // Of the logarithm: how well a volume and an area of a captured surface are known. Sheets and threads are
 // drawn as thick as the surface's radius allows, so that their volume says little.
 constexpr double kVolumeSd = 0.15, kThinVolumeSd = 0.6, kAreaSd = 0.15;
-constexpr double kThickened = 0.25;      // ln of by how much, of what is not resolved at all: a judgement
-constexpr double kSurfaceRadius = 0.03;  // of LIVE-GS's alpha shape, in parts of the diagonal
+constexpr double kThickened = 0.25;  // ln of by how much, of what is not resolved at all: a judgement
 // Both looks share the size, and who wrote both tables.
 constexpr double kLooksCorrelation = 0.3;
 // No estimate from looks is better than this, of ln(mass).
@@ -24,6 +26,8 @@ constexpr double kLeastSd = 0.05;
 constexpr double kOtherMaterialSd = 0.35;
 // Of the logarithm of a size whose scale is a guess, as in kind_likelihood.
 constexpr double kGuessedSizeSd = 0.7;
+
+const PromptWords& reasons() { return PromptWords::reasons(); }
 
 double log_sd(const Span3& span) { return std::max(0.01, std::log(span.high / span.low) / kNineOfTen); }
 
@@ -71,7 +75,7 @@ double own_misfit(const ObjectRow& row) {
 
 struct Physics {
   LogNormal mass;
-  std::string factors;
+  double density_kg_m3 = 0, wall_m = 0, extent = 0;  // as in KindMass
 };
 
 Physics physics_mass(const Kind& kind, const ObjectFacts& facts) {
@@ -79,7 +83,7 @@ Physics physics_mass(const Kind& kind, const ObjectFacts& facts) {
   const MeshFacts& mesh = facts.mesh;
   const MaterialRow& material = kind.material ? *kind.material : material_row(row.material);
   Physics physics;
-  char text[160];
+  physics.density_kg_m3 = material.density_kg_m3.best;
   if (walled(row) && !facts.solid) {
     const Span3 wall_m = kind.material ? usual_wall_m(*kind.material) : row.wall_m;
     // Where a hollow was captured its wall counts twice in the area, inside and out.
@@ -88,20 +92,19 @@ Physics physics_mass(const Kind& kind, const ObjectFacts& facts) {
     const double area_m2 = std::max(both_sides ? 0.5 * mesh.area_m2 : mesh.area_m2, 1e-12);
     physics.mass = {std::log(material.density_kg_m3.best * wall_m.best * area_m2),
                     std::hypot(log_sd(material.density_kg_m3), log_sd(wall_m), kAreaSd)};
-    std::snprintf(text, sizeof text, "%.4g kg/m3 x %.3g mm x %.4g m2 of wall", material.density_kg_m3.best,
-                  wall_m.best * 1e3, area_m2);
+    physics.wall_m = wall_m.best;
+    physics.extent = area_m2;
   } else {
     const double volume_m3 = std::max(mesh.volume_m3, 1e-12);
     // What is thinner than the surface's radius is drawn thicker than it is.
-    const double resolved = mesh.mean_wall_m / (kSurfaceRadius * sorted_box_m(mesh).norm());
+    const double resolved = mesh.mean_wall_m / least_drawn_wall_m(mesh);
     const double thin = std::clamp(1.5 - resolved, 0.0, 1.0);
     const double volume_sd = facts.solid ? 0.02 : kVolumeSd + (kThinVolumeSd - kVolumeSd) * thin;
     physics.mass = {
         std::log(material.density_kg_m3.best * volume_m3) - (facts.solid ? 0.0 : kThickened * thin),
         std::hypot(log_sd(material.density_kg_m3), volume_sd, facts.solid ? 0.0 : own_misfit(row))};
-    std::snprintf(text, sizeof text, "%.4g kg/m3 x %.4g m3 enclosed", material.density_kg_m3.best, volume_m3);
+    physics.extent = volume_m3;
   }
-  physics.factors = text;
   return physics;
 }
 
@@ -121,14 +124,14 @@ LogNormal usual_mass(const Kind& kind, const ObjectFacts& facts) {
   return mass;
 }
 
+std::string factors_of(const KindMass& mass) {
+  return mass.wall_m > 0 ? wall_factors(mass.density_kg_m3, mass.wall_m, mass.extent)
+                         : volume_factors(mass.density_kg_m3, mass.extent);
+}
+
 std::string grams_or_kg(double mass_kg) {
-  char text[40];
-  if (mass_kg < 1) {
-    std::snprintf(text, sizeof text, "%.3g g", mass_kg * 1e3);
-  } else {
-    std::snprintf(text, sizeof text, "%.3g kg", mass_kg);
-  }
-  return text;
+  return mass_kg < 1 ? reasons().say("reason_grams", {{"mass", format_text("%.3g", mass_kg * 1e3)}})
+                     : reasons().say("reason_kilograms", {{"mass", format_text("%.3g", mass_kg)}});
 }
 
 }  // namespace
@@ -149,41 +152,47 @@ KindMass kind_mass(const Kind& kind, const ObjectFacts& facts) {
   result.mass.sd = std::max(kLeastSd, std::hypot(result.mass.sd, exponent * size.sd));
   result.usual_kg = std::exp(usual.mean_ln);
   result.physics_kg = std::exp(physics.mass.mean_ln);
-  result.physics = physics.factors;
+  result.density_kg_m3 = physics.density_kg_m3;
+  result.wall_m = physics.wall_m;
+  result.extent = physics.extent;
   return result;
 }
 
 MassEstimate mass_of_kinds(const Kinds& kinds, const ObjectFacts& facts) {
   std::vector<WeightedLogNormal> mixture;
   for (const Kind& kind : kinds.kinds) mixture.push_back({kind.probability, kind_mass(kind, facts).mass});
-  const auto kilograms = [](double ln) { return std::clamp(std::exp(ln), kLightest_kg, kHeaviest_kg); };
+  const auto kilograms = [](double ln) { return std::clamp(std::exp(ln), kMassRange_kg.low, kMassRange_kg.high); };
   MassEstimate estimate;
   estimate.mass_kg = {kilograms(mixture_quantile_ln(mixture, 0.05)), kilograms(mixture_mean_ln(mixture)),
                       kilograms(mixture_quantile_ln(mixture, 0.95))};
   const Kind& first = kinds.kinds.front();
   const KindMass mass = kind_mass(first, facts);
   if (facts.solid) {
-    estimate.reason = mass.physics;
+    estimate.reason = factors_of(mass);
   } else if (kinds.match.row) {
-    estimate.reason = first.row->label + (first.material ? " of " + first.material->name : "") + ": " +
-                      grams_or_kg(mass.usual_kg) + " usual at this size; " + grams_or_kg(mass.physics_kg) +
-                      " = " + mass.physics;
+    const std::string& label = first.row->label;
+    const std::string kind =
+        first.material ? reasons().say("reason_of_material", {{"kind", label}, {"material", first.material->name}}) : label;
+    estimate.reason = reasons().say("reason_usual", {{"kind", kind},
+                                                     {"usual", grams_or_kg(mass.usual_kg)},
+                                                     {"physics", grams_or_kg(mass.physics_kg)},
+                                                     {"factors", factors_of(mass)}});
   } else {
-    estimate.reason = "like things of its size and shape";
+    estimate.reason = reasons().say("reason_looks");
   }
   const size_t others = kinds.match.row ? 2 : 3;
   for (size_t i = kinds.match.row ? 1 : 0; i < std::min(others + 1, kinds.kinds.size()); ++i) {
     const Kind& kind = kinds.kinds[i];
     if (kind.probability < 0.02) break;
-    char share[24];
-    std::snprintf(share, sizeof share, " (%.0f %%)", 100 * kind.probability);
-    estimate.reason += (kinds.match.row ? "; or "
-                        : i             ? ", "
-                                        : ": ") +
-                       kind.row->label + share + " " +
-                       grams_or_kg(std::exp(kind_mass(kind, facts).mass.mean_ln));
+    const std::string other =
+        reasons().say("reason_other", {{"kind", kind.row->label},
+                                       {"share", format_text("%.0f", 100 * kind.probability)},
+                                       {"mass", grams_or_kg(std::exp(kind_mass(kind, facts).mass.mean_ln))}});
+    estimate.reason += kinds.match.row ? reasons().say("reason_or", {{"other", other}})
+                       : i             ? reasons().say("reason_next_look", {{"other", other}})
+                                       : reasons().say("reason_first_look", {{"other", other}});
   }
-  if (!facts.scale_known) estimate.reason += "; the scale is a guess";
+  if (!facts.scale_known) estimate.reason += reasons().say("reason_guessed_scale");
   return estimate;
 }
 

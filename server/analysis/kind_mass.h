@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <string>
-
 #include "analysis/log_normal.h"
 #include "analysis/mass_model.h"
 #include "analysis/object_kinds.h"
@@ -15,7 +13,8 @@ struct KindMass {
   LogNormal mass;
   double usual_kg = 0;    // the first look alone
   double physics_kg = 0;  // the second look alone
-  std::string physics;    // its factors, in words
+  // Its factors: a density and an area of wall, or, where the wall is 0, a volume.
+  double density_kg_m3 = 0, wall_m = 0, extent = 0;
 };
 KindMass kind_mass(const Kind& kind, const ObjectFacts& facts);
 

@@ -18,4 +18,8 @@ struct MassEstimate {
 MassEstimate estimate_mass(const Span3& density_kg_m3, v1::Physics::Fill fill, const Span3& wall_m,
                            const ObjectFacts& facts);
 
+// "2200 kg/m3 x 4.5 mm x 0.0275 m2 of wall", "720 kg/m3 x 0.001 m3 enclosed": words of mass_reasons.json.
+std::string wall_factors(double density_kg_m3, double wall_m, double area_m2);
+std::string volume_factors(double density_kg_m3, double volume_m3);
+
 }  // namespace livegs

@@ -2,6 +2,7 @@
 #include "analysis/estimate.h"
 #include "analysis/knowledge.h"
 #include "analysis/mass_model.h"
+#include "analysis/prompt_words.h"
 
 namespace livegs {
 namespace {
@@ -12,12 +13,15 @@ using v1::Physics;
 // Whose words they are, and how reasons speak of that.
 struct Author {
   EstimatedValue::Source source;
-  const char* whose;    // "the scene's"
-  const char* written;  // "written in the scene"
+  const char* whose;  // "the scene's"
+  std::string written;  // "written in the scene"
+  const char *by_density, *by_fill;  // lines of mass_reasons.json
 };
 Author author_of(EstimatedValue::Source by) {
-  if (by == EstimatedValue::PERSON) return {by, "a person's", "edited by a person"};
-  return {EstimatedValue::SCENE, "the scene's", "written in the scene"};
+  const PromptWords& reasons = PromptWords::reasons();
+  if (by == EstimatedValue::PERSON)
+    return {by, "a person's", reasons.say("reason_person"), "reason_person_density", "reason_person_fill"};
+  return {EstimatedValue::SCENE, "the scene's", reasons.say("reason_scene"), "reason_scene_density", "reason_scene_fill"};
 }
 
 }  // namespace
@@ -86,12 +90,12 @@ Result<v1::PhysicalParameters> merge_scene_physics(const v1::PhysicalParameters&
     const MassEstimate mass = estimate_mass(density, merged.fill(), {wall, wall, wall}, known);
     EstimatedValue& value = *merged.mutable_mass_kg();
     if (written.has_density_kg_m3()) {
-      told_as(value, mass.mass_kg.best, "from " + whose + " density: " + mass.reason);
+      told_as(value, mass.mass_kg.best, PromptWords::reasons().say(author.by_density, {{"reason", mass.reason}}));
     } else {
       value.set_low(mass.mass_kg.low);
       value.set_best(mass.mass_kg.best);
       value.set_high(mass.mass_kg.high);
-      value.set_reason("from " + whose + " fill: " + mass.reason);
+      value.set_reason(PromptWords::reasons().say(author.by_fill, {{"reason", mass.reason}}));
     }
   }
   if (merged.fragile() && !written.has_break_impulse_n_s() &&

@@ -15,6 +15,7 @@
 #include "analysis/physics_kept.h"
 #include "analysis/physics_values.h"
 #include "core/content_hash.h"
+#include "core/format_text.h"
 
 namespace livegs {
 namespace {
@@ -43,21 +44,26 @@ std::string one_line(std::string text) {
   return text;
 }
 
+Error newer(double version) {
+  return {ErrorCode::Unsupported,
+          format_text("a newer LiveGS wrote it (layout %.0f, this one reads up to %u): update this one, or move it and its .log away to "
+                      "go on without them; nothing in them is changed",
+                      version, kPhysicsLayout)};
+}
+
 Result<v1::PhysicsFile> parse_file(const std::string& text) {
   const Result<Json> json = parse_commented_json(text);
   if (!json) return json.error();
   if (!json->is_object()) return invalid_data("must hold one JSON object");
+  // Before what such a file may hold that nobody here knows.
+  if (const auto version = number_member(*json, "version"); version && *version > kPhysicsLayout) return newer(*version);
   v1::PhysicsFile file;
-  const auto status = google::protobuf::util::JsonStringToMessage(
-      dump_json(*json), &file);
+  const auto status = google::protobuf::util::JsonStringToMessage(dump_json(*json), &file);
   if (!status.ok()) {
     return invalid_data(one_line(std::string(status.message())) +
                         " (field names are those of PhysicsFile in proto/livegs/v1/physics.proto)");
   }
-  if (file.version() > kPhysicsLayout) {
-    return Error{ErrorCode::Unsupported, "version: is " + std::to_string(file.version()) +
-                                             "; this program knows up to " + std::to_string(kPhysicsLayout)};
-  }
+  if (file.version() > kPhysicsLayout) return newer(file.version());  // written as text
   if (auto checked = check_scene_physics(file.edits()); !checked) {
     return invalid_argument("edits." + checked.error().message);
   }
@@ -97,7 +103,8 @@ Result<PhysicsKept> read_kept(const fs::path& path) {
   auto text = read_text_file(path, kMaxPhysicsFileBytes);
   if (!text && text.error().code != ErrorCode::NotFound) return text.error();
   const auto in_file = [&](const Error& error) {
-    return Error{error.code, path.string() + ": " + error.message + "; mend it, or delete the file to forget it"};
+    const char* remedy = error.code == ErrorCode::Unsupported ? "" : "; mend it, or delete the file to forget it";
+    return Error{error.code, path.string() + ": " + error.message + remedy};
   };
   if (text) {
     auto file = parse_file(*text);

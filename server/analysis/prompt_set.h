@@ -17,7 +17,8 @@ namespace livegs {
 class PromptSet {
  public:
   // What is compiled in, with the files of `folder` in place of those of the same name; an empty path: none.
-  // Fails on a file that is not what its name says (JSON, a template without its slots).
+  // Fails on a file that is not what its name says: no JSON, a template without its slots or with one that nothing fills. The
+  // message has the file's path. A file of another name is told in the log and not read.
   static Result<PromptSet> load(const std::filesystem::path& folder);
 
   const std::string& version() const { return version_; }  // "1-3f2a9c01d2e4"

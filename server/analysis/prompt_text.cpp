@@ -31,10 +31,9 @@ bool is_control(std::string_view character) {
          (code >= 0x2060 && code <= 0x206F) || code == 0xFEFF;
 }
 
-}  // namespace
-
-std::string quoted_text(std::string_view text, std::size_t longest) {
-  std::string quoted = "\"";
+// What may stand between double quotes; `own`: braces and angle brackets with it.
+std::string on_one_line(std::string_view text, std::size_t longest, bool own) {
+  std::string line;
   std::size_t count = 0;
   for (std::size_t at = 0; at < text.size() && count < longest;) {
     const std::size_t size = character_size(text, at);
@@ -45,20 +44,28 @@ std::string quoted_text(std::string_view text, std::size_t longest) {
     const std::string_view character = text.substr(at, size);
     at += size;
     if (is_control(character)) {
-      if (quoted.back() != ' ') quoted += ' ';
+      if (!line.ends_with(' ')) line += ' ';
     } else if (character == "\"" || character == "`") {
-      quoted += '\'';
-    } else if (character == "<" || character == "{") {
-      quoted += '(';
-    } else if (character == ">" || character == "}") {
-      quoted += ')';
+      line += '\'';
+    } else if (!own && (character == "<" || character == "{")) {
+      line += '(';
+    } else if (!own && (character == ">" || character == "}")) {
+      line += ')';
     } else {
-      quoted += character;
+      line += character;
     }
     ++count;
   }
-  return quoted + "\"";
+  return line;
 }
+
+}  // namespace
+
+std::string quoted_text(std::string_view text, std::size_t longest) { return '"' + line_text(text, longest) + '"'; }
+
+std::string line_text(std::string_view text, std::size_t longest) { return on_one_line(text, longest, false); }
+
+std::string quoted_line(std::string_view line, std::size_t longest) { return '"' + on_one_line(line, longest, true) + '"'; }
 
 std::string plain_text(std::string_view text, std::size_t longest) {
   std::string plain;

@@ -12,6 +12,11 @@ namespace livegs {
 // without control characters, quotes or angle brackets, so that it can neither end its line nor imitate what
 // stands around it.
 std::string quoted_text(std::string_view text, std::size_t longest = 80);
+// The same without the quotes around it: a text from anybody as a part of a line of our own.
+std::string line_text(std::string_view text, std::size_t longest = 80);
+// A line of our own in double quotes: braces and angle brackets stay as they are written. What others gave it must have come
+// into it by line_text.
+std::string quoted_line(std::string_view line, std::size_t longest);
 
 // Facts: control characters but newlines left out, runs of dashes that could end the data broken up, cut at
 // `longest` bytes.

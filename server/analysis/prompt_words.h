@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <filesystem>
 #include <initializer_list>
 #include <map>
 #include <string>
@@ -20,8 +21,13 @@ class PromptWords {
 
   static const PromptWords& built_in();
   // `texts` by the names of kFiles; a file that is not given is the one that is compiled in. Fails on what is no object
-  // of texts, and on a file that lacks a line of its own or has one more.
-  static Result<PromptWords> read(const std::map<std::string, std::string>& texts);
+  // of texts, on a file that lacks a line of its own or has one more, and on a slot that the line does not have; the message
+  // begins with the file's path in `folder`.
+  static Result<PromptWords> read(const std::map<std::string, std::string>& texts,
+                                  const std::filesystem::path& folder = "prompts");
+  // Not of prompts/: how an estimate says where a mass comes from (mass_reasons.json), which a person reads and the line of an
+  // offline estimate takes along. It is written into sidecars, so no folder of prompts takes its place.
+  static const PromptWords& reasons();
 
   // The line with its {{slots}} filled, in one pass: what they are filled with is not looked at again. A name that is in no
   // file gives itself: a test finds it.

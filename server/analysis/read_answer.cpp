@@ -8,6 +8,7 @@
 #include "analysis/knowledge.h"
 #include "analysis/knowledge_search.h"
 #include "analysis/name_match.h"
+#include "analysis/prompt_text.h"
 
 // Steps 1 to 4 of the gate: parse, schema, order, hard ranges. The first thing that is wrong ends the
 // reading; what is merely odd is mended and noted.
@@ -179,7 +180,7 @@ class Reader {
                                  part.material->name);
       }
     }
-    if (!part.material) return fail("part_unknown", {{"field", field}, {"told", shown_text(material, 40)}});
+    if (!part.material) return fail("part_unknown", {{"field", field}, {"told", line_text(material, 40)}});
     const auto share = value.find("share");
     if (share == value.end() || share->is_null()) {
       part.share = 1;
@@ -284,7 +285,7 @@ class Reader {
 
  private:
   void other_type(const json& value, const std::string& field, const char* form) {
-    fail("other_type", {{"field", field}, {"type", value.type_name()}, {"form", words_.say(form)}});
+    fail("other_type", {{"field", field}, {"type", std::string("JSON ") + value.type_name()}, {"form", words_.say(form)}});
   }
   // Of a field's numbers.
   std::string unit_of(const std::string& field) const {

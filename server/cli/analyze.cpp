@@ -3,6 +3,8 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -10,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <thread>
+#include <tuple>
 
 #include "analysis/answer.h"
 #include "analysis/endpoint_choice.h"
@@ -218,7 +221,21 @@ int print(const AnalyzeCommand& options, const std::vector<Analysed>& all) {
   return 0;
 }
 
+// A scene says these of each of its objects; nobody would hear of them here.
+Result<void> check_options(const AnalyzeCommand& options) {
+  if (!is_scene(options.path)) return {};
+  for (const auto& [option, field, given] : {std::tuple("--name", "name", !options.name.empty()),
+                                             {"--scale", "scale", options.scale > 0},
+                                             {"--up", "up", !options.up.empty()}}) {
+    if (given) {
+      return invalid_argument(std::string(option) + ": is for one asset; in a scene file give an object its \"" + field + "\"");
+    }
+  }
+  return {};
+}
+
 int run(const AnalyzeCommand& options) {
+  if (auto checked = check_options(options); !checked) return report(checked.error());
   if (options.decision.any()) {
     const auto scene = scene_of(options);
     if (!scene) return report(scene.error());
@@ -311,7 +328,11 @@ void add_analyze(CLI::App& app, int& exit_code) {
   command->add_option("SCENE_OR_ASSET", options->path, "A *.scene.json, a folder of assets, or a splat asset")
       ->required();
   command->add_option("--name", options->name, "What the asset shows; the file's name when left out");
-  command->add_option("--scale", options->scale, "Metres per unit of the asset; guessed when left out");
+  command->add_option("--scale", options->scale, "Metres per unit of the asset; guessed when left out")
+      ->check([](const std::string& text) {
+        const double scale = std::strtod(text.c_str(), nullptr);
+        return scale > 0 && std::isfinite(scale) ? "" : "is " + text + "; it must be above 0";
+      });
   command->add_option("--up", options->up, "The asset's up axis: x -x y -y z -z")->default_str("-y");
   command->add_flag("--json", options->json,
                     "Print JSON: livegs.v1.PhysicalParameters, of a scene one an object");

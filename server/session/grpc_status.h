@@ -3,11 +3,13 @@
 
 #include <grpcpp/support/status.h>
 
+#include "core/log.h"
 #include "core/result.h"
+#include "session/without_folders.h"
 
 namespace livegs {
 
-// The one place where an ErrorCode becomes a code of gRPC.
+// The one place where an ErrorCode becomes a code of gRPC. A path of this machine is told as a name, and whole in the log.
 inline grpc::Status to_status(const Error& error) {
   const auto code = [&] {
     switch (error.code) {
@@ -29,7 +31,9 @@ inline grpc::Status to_status(const Error& error) {
     }
     return grpc::StatusCode::INTERNAL;
   }();
-  return {code, error.message};
+  std::string told = without_folders(error.message);
+  if (told != error.message) log_warn("a client was told: %s", error.message.c_str());
+  return {code, std::move(told)};
 }
 
 }  // namespace livegs

@@ -10,6 +10,7 @@
 #include "analysis/physics_file.h"
 #include "core/format_text.h"
 #include "core/log.h"
+#include "session/without_folders.h"
 
 namespace livegs {
 namespace {
@@ -41,6 +42,18 @@ v1::AnalysisProgress::Verdict verdict_of(const AnalysisUpdate& update) {
 
 constexpr const char* kHowToDecide =
     "Accept in the window or livegs analyze --accept takes it; Decline, --decline or an edit of the object ends it";
+
+// As a client may read it; where that leaves something out, the log has it.
+std::string told(const std::string& object, const std::string& message) {
+  std::string line = without_folders(message);
+  if (line != message) log_warn("%s: %s", shown_text(object, 80).c_str(), message.c_str());
+  return line;
+}
+
+const std::string& logged(const std::string& object, const std::string& warning) {
+  log_warn("%s: %s", shown_text(object, 80).c_str(), warning.c_str());
+  return warning;
+}
 
 // One line an object: what became of its question, and what a person can do.
 void log_finished(const std::string& name, const v1::AnalysisProgress& progress) {
@@ -237,7 +250,7 @@ void LiveAnalysis::work(Request& request, std::stop_token stop) {
         progress.set_object(known.object->name);
         progress.set_stage(stage_of(update.stage));
         progress.set_objects(static_cast<uint32_t>(request.targets.size()));
-        progress.set_message(update.judgement.message);
+        progress.set_message(told(known.object->name, update.judgement.message));
         *progress.mutable_record() = update.record;
         if (update.stage == AnalysisStage::Finished) {
           ++finished;
@@ -249,7 +262,7 @@ void LiveAnalysis::work(Request& request, std::stop_token stop) {
             wait_for_person(update.object_id, update.judgement.proposal);  // the scene stays as it is
           }
           if (progress.verdict() == v1::AnalysisProgress::ACCEPTED) {
-            if (const std::string note = land(update); !note.empty()) progress.set_message(note);
+            if (const std::string note = land(update); !note.empty()) progress.set_message(told(known.object->name, note));
           }
           if (!update.cancelled) log_finished(known.object->name, progress);
         }
@@ -290,16 +303,15 @@ std::string LiveAnalysis::land(const AnalysisUpdate& update) {
 Result<v1::PhysicsReply> LiveAnalysis::reply_of(const Known& known, const v1::PhysicsFile& file, const std::string& note) {
   const SceneAnalysis::Object object = loaded(known);
   v1::PhysicsReply reply;
-  if (!note.empty()) reply.add_warnings(note);
+  if (!note.empty()) reply.add_warnings(without_folders(logged(object.name, note)));
   std::string size_note;
   auto layered = layered_physics(file, object.written, *facts_by_name(object, file), size_note);
   if (!layered) return layered.error();
-  if (!size_note.empty()) reply.add_warnings(size_note);
+  if (!size_note.empty()) reply.add_warnings(logged(object.name, size_note));
   *layered->mutable_longest_side_m() = object.target.offline.longest_side_m();
   reply.set_object(object.name);
-  for (const std::string& later : hold_as_built(object.built, *layered)) reply.add_warnings(later);
+  for (const std::string& later : hold_as_built(object.built, *layered)) reply.add_warnings(logged(object.name, later));
   *reply.mutable_parameters() = std::move(*layered);
-  for (const std::string& later : reply.warnings()) log_warn("%s: %s", object.name.c_str(), later.c_str());
   return reply;
 }
 

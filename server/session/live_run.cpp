@@ -6,6 +6,7 @@
 #include <exception>
 
 #include "core/log.h"
+#include "session/without_folders.h"
 
 namespace livegs {
 namespace {
@@ -50,7 +51,7 @@ Result<void> LiveRun::reset() {
   loop_.set_loading(true, "");
   const auto failed = [this](const std::string& why) {
     log_warn("reset: %s", why.c_str());
-    loop_.set_loading(false, "reset: " + why);
+    loop_.set_loading(false, "reset: " + without_folders(why));
   };
   try {
     loading_ = std::jthread([this, failed, first_id = (now.resets + 1) * kIdsOfOneLoading + 1] {

@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // How long a person waits for an analysis with a model that answers in four seconds: one object, and twenty.
 //   analyze_bench SCENE OUTPUT_FOLDER
-// loads the scene, draws its views, asks a made-up model and writes analyze.csv: wall time from the start of the load to the
-// values of the first object and of the last, and from the first question to the end of the last object. The objects are the scene's, again and again.
+// loads the scene, draws its views, asks a made-up model in a process of its own over HTTP, as `livegs analyze` asks a real one,
+// and writes analyze.csv: wall time from the start of the load to the values of the first object and of the last, and from the
+// first question to the end of the last object. The objects are the scene's, again and again. Requests leave at the default
+// rate: four a second after a burst of eight.
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
+#include "analysis/model_endpoint.h"
+#include "bench/made_up_endpoint.h"
 #include "core/clock.h"
 #include "core/log.h"
 #include "scene/scene_analysis.h"
-#include "server/analysis/fake_endpoint.h"
 
 using namespace livegs;
 
@@ -20,37 +22,12 @@ namespace {
 
 constexpr std::chrono::milliseconds kAnswer{4000};
 
-// What the offline estimate says, in the form of an answer: it passes the gate at once.
-Result<std::string> agree(const AnalysisQuestion&, const ToolBox& tools, int) {
-  const v1::PhysicalParameters known = estimate_offline(tools.object());
-  const bool elastic = known.behavior() == v1::Physics::ELASTIC;
-  const auto span = [](const v1::EstimatedValue& value, double factor) {
-    return nlohmann::json{
-        {"low", factor * value.low()}, {"best", factor * value.best()}, {"high", factor * value.high()}};
-  };
-  return nlohmann::json{
-      {"name", known.label()},
-      {"evidence", "as estimated"},
-      {"fill", "solid"},
-      {"parts", {{{"name", "all"}, {"material_id", known.material()}, {"share", 1}}}},
-      {"behaviour", elastic ? "elastic" : "rigid"},
-      {"mass_g", span(known.mass_kg(), 1e3)},
-      {"young_mpa", elastic ? span(known.youngs_modulus_pa(), 1e-6) : nlohmann::json()},
-      {"structure_s", elastic ? nlohmann::json(known.structure_coefficient().best()) : nlohmann::json()},
-      {"plasticity", elastic ? nlohmann::json(known.plasticity().best()) : nlohmann::json()},
-      {"fragile", known.fragile()},
-      {"friction", known.friction().best()},
-      {"restitution", known.restitution().best()},
-      {"confidence", 0.9}}
-      .dump();
-}
-
 struct Waited {
   double first_s = 0, loaded_s = 0, all_s = 0, views_s = 0;
   size_t answered = 0;
 };
 
-Result<Waited> wait_for(const std::filesystem::path& path, size_t count) {
+Result<Waited> wait_for(const std::filesystem::path& path, size_t count, const std::string& base_url) {
   auto file = read_scene_file(path);
   if (!file) return file.error();
   const int given = file->objects_size();
@@ -80,33 +57,42 @@ Result<Waited> wait_for(const std::filesystem::path& path, size_t count) {
   if (!analysis) return analysis.error();
   const auto targets = analysis->targets();
   if (!targets) return targets.error();
-  FakeEndpoint endpoint(agree);
-  endpoint.delay = [](const std::string&) { return kAnswer; };
+  EndpointSettings settings;
+  settings.base_url = base_url;
+  auto endpoint = open_model_endpoint(std::move(settings));
+  if (!endpoint) return endpoint.error();
   AnalysisOptions options;
   options.behind = false;
   const int64_t asked_ns = now_ns();
-  const AnalysisSummary summary = analyze_scene(*targets, &endpoint, analysis->views(), options, [](const auto&) {});
+  const AnalysisSummary summary = analyze_scene(*targets, endpoint->get(), analysis->views(), options, [](const auto&) {});
   waited.all_s = seconds_from_ns(now_ns() - asked_ns);
   waited.views_s = summary.slowest_views_s;
   waited.answered = summary.accepted + summary.review;
+  if (waited.answered != count) return Error{ErrorCode::Internal, "not all were answered: " + summary.failure};
   return waited;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc == 2 && std::string(argv[1]) == kServe) return serve_made_up_answers(kAnswer);
   if (argc != 3) {
     std::fprintf(stderr, "usage: analyze_bench SCENE OUTPUT_FOLDER\n");
     return 2;
   }
   set_log_level(LogLevel::Error);
+  const auto model = MadeUpEndpoint::start();
+  if (!model) {
+    std::fprintf(stderr, "%s\n", model.error().message.c_str());
+    return 1;
+  }
   std::filesystem::create_directories(argv[2]);
   std::ofstream csv(std::filesystem::path(argv[2]) / "analyze.csv");
   csv << "objects,answered,answer_s,load_1min,first_values_s,values_of_all_s,all_s,all_bar_s,slowest_views_s\n";
   for (const auto& [count, bar_s] : {std::pair(size_t{1}, 6), {size_t{20}, 30}}) {
     double load = 0;
     (void)::getloadavg(&load, 1);
-    const auto waited = wait_for(argv[1], count);
+    const auto waited = wait_for(argv[1], count, model->base_url());
     if (!waited) {
       std::fprintf(stderr, "%s\n", waited.error().message.c_str());
       return 1;

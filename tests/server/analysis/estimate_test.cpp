@@ -23,7 +23,7 @@ ObjectFacts facts_of_box(const char* name, const Eigen::Vector3d& size_m) {
 
 void expect_sound(const v1::PhysicalParameters& p) {
   const std::tuple<const char*, const v1::EstimatedValue*, double, double> values[] = {
-      {"mass_kg", &p.mass_kg(), 1e-5, 2000},
+      {"mass_kg", &p.mass_kg(), 1e-6, 2e4},
       {"youngs_modulus_pa", &p.youngs_modulus_pa(), 1, 1e12},
       {"poisson_ratio", &p.poisson_ratio(), 0, 0.49},
       {"structure_coefficient", &p.structure_coefficient(), 1e-4, 1},

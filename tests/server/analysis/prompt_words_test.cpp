@@ -8,12 +8,14 @@
 #include <set>
 #include <sstream>
 
+#include "analysis/answer.h"
 #include "analysis/ask_model.h"
 #include "analysis/fact_slots.h"
 #include "analysis/gate.h"
 #include "analysis/knowledge_search.h"
 #include "analysis/model_endpoint.h"
 #include "analysis/prompt_set.h"
+#include "core/content_hash.h"
 #include "core/file.h"
 #include "model_endpoint_cases.h"
 #include "scratch_folder.h"
@@ -31,8 +33,9 @@ TEST(PromptWords, EveryLineIsSaidAndEveryLineThatIsSaidIsThere) {
   for (const auto& file : fs::directory_iterator(kRepository / "server/analysis")) {
     if (file.path().extension() == ".cpp") code += *read_text_file(file.path());
   }
-  const auto& lines = PromptWords::built_in().lines();
+  auto lines = PromptWords::built_in().lines();
   ASSERT_GT(lines.size(), 60u);
+  for (const auto& [name, text] : PromptWords::reasons().lines()) EXPECT_TRUE(lines.emplace(name, text).second) << name;
   const std::regex slot("\\{\\{([a-z_]+)\\}\\}");
   for (const auto& [name, text] : lines) {
     EXPECT_NE(code.find("\"" + name + "\""), std::string::npos) << name;
@@ -47,6 +50,38 @@ TEST(PromptWords, EveryLineIsSaidAndEveryLineThatIsSaidIsThere) {
     ++count;
   }
   EXPECT_GT(count, 60);
+}
+
+// The words of a mass's reason reach the model in the line of the offline estimate. prompts/judged.json does not speak of
+// them: who changes this hash changes what was judged.
+TEST(PromptWords, TheReasonsOfAMassAreThoseThatWereToldBefore) {
+  const std::string text = *read_text_file(kRepository / "server/analysis/mass_reasons.json");
+  EXPECT_EQ(content_hash(std::as_bytes(std::span(text))), "432807ba3c2dc69f29c9bba26c7e0ac4d88065409d66f37fe10d94c010b15fb9");
+  const auto reason = [](const ObjectFacts& facts) { return estimate_offline(facts).mass_kg().reason(); };
+  EXPECT_TRUE(std::regex_match(reason(mug_facts()), std::regex("mug: [0-9.]+ g usual at this size; [0-9.]+ g = 2200 kg/m3 x 4.5 mm x "
+                                                               "0.0275 m2 of wall; or [a-z ]+ \\([0-9]+ %\\) [0-9.]+ g; or .*")))
+      << reason(mug_facts());
+  ObjectFacts unnamed = sponge_facts();
+  unnamed.name = "";
+  unnamed.scale_known = false;
+  EXPECT_TRUE(std::regex_match(reason(unnamed), std::regex("like things of its size and shape: [a-z ]+ \\([0-9]+ %\\) [0-9.]+ g, .*; "
+                                                           "the scale is a guess")))
+      << reason(unnamed);
+  ObjectFacts solid = pillow_facts();
+  solid.name = "wood block";
+  solid.solid = true;
+  EXPECT_EQ(reason(solid), "500 kg/m3 x 0.011 m3 enclosed");
+  v1::Physics written;
+  written.set_density_kg_m3(500);
+  const auto told = [&](v1::EstimatedValue::Source by) {
+    return merge_scene_physics(estimate_offline(solid), written, solid, by)->mass_kg().reason();
+  };
+  EXPECT_EQ(told(v1::EstimatedValue::SCENE), "from the scene's density: 500 kg/m3 x 0.011 m3 enclosed");
+  EXPECT_EQ(told(v1::EstimatedValue::PERSON), "from a person's density: 500 kg/m3 x 0.011 m3 enclosed");
+  written.Clear();
+  written.set_mass_kg(3);
+  EXPECT_EQ(told(v1::EstimatedValue::SCENE), "written in the scene");
+  EXPECT_EQ(told(v1::EstimatedValue::PERSON), "edited by a person");
 }
 
 // To the byte what was told before the words were in files (version 2).
@@ -118,6 +153,30 @@ TEST(PromptWords, WhatFillsASlotIsNotLookedAtAgain) {
             "parts[0].material_id: \"\" is not in the table; give a name from it");
 }
 
+// Braces that stand in our own complaints reach the model as they stand; what the model itself wrote opens no slot and ends no
+// quote.
+TEST(PromptWords, AComplaintsOwnBracesReachTheModelAndNobodyElses) {
+  const auto prompts = PromptSet::load({});
+  const auto told = [&](const nlohmann::json& answer) {
+    const auto read = read_answer(answer.dump());
+    EXPECT_FALSE(read);
+    const std::string turn = read ? "" : prompts->repair(read.error().message);
+    return turn.substr(0, turn.find('\n'));
+  };
+  const std::string found = "A check of your answer found this: ";
+  nlohmann::json answer = mug_answer();
+  answer["mass_g"] = nullptr;
+  EXPECT_EQ(told(answer), found + "\"mass_g: is missing; give {low, best, high} in grams\"");
+  answer["mass_g"] = nlohmann::json::array({1, 2, 3});
+  EXPECT_EQ(told(answer), found + "\"mass_g: is a JSON array; give {low, best, high}\"");
+  answer["mass_g"] = {{"low", 3}, {"best", 2}, {"high", 4}};
+  EXPECT_EQ(told(answer), found + "\"mass_g: low <= best <= high does not hold; give them in order, in grams\"");
+  answer = mug_answer();
+  answer["parts"][0]["material_id"] = "{{problem}}\" <b>`ore`\n{low}";
+  EXPECT_EQ(told(answer),
+            found + "\"parts[0].material_id: '((problem))' (b)'ore' (low)' is not in the table; give a name from it\"");
+}
+
 // prompts/FILE with one line in other words.
 std::string with_line(const char* file, const char* line, const char* text) {
   auto json = nlohmann::ordered_json::parse(*read_text_file(kRepository / "prompts" / file));
@@ -154,39 +213,71 @@ TEST(PromptWords, AFoldersOwnWordsReachTheModelAndMakeAnotherVersion) {
   EXPECT_NE(PromptSet::load(scratch / "prompts")->version(), PromptSet::load({})->version());
 }
 
-TEST(PromptWords, AFileThatLacksALineOrHasOneMoreIsAnErrorThatNamesIt) {
+// What loading a folder with this one file in it says, without the folder's path.
+std::string refusal_of(const char* file, const std::string& text) {
   const ScratchFolder scratch;
-  const auto refusal = [&](const std::string& text) {
-    scratch.write("prompts/complaints.json", text);
-    const auto loaded = PromptSet::load(scratch / "prompts");
-    return loaded ? "" : loaded.error().message;
-  };
+  scratch.write(std::string("prompts/") + file, text);
+  const auto loaded = PromptSet::load(scratch / "prompts");
+  if (loaded) return "";
+  const std::string path = (scratch / "prompts" / file).string() + ": ";
+  EXPECT_TRUE(loaded.error().message.starts_with(path)) << loaded.error().message;
+  EXPECT_EQ(loaded.error().message.find('\n'), std::string::npos) << loaded.error().message;
+  return loaded.error().message.substr(std::min(path.size(), loaded.error().message.size()));
+}
+
+TEST(PromptWords, AFileThatLacksALineOrHasOneMoreIsAnErrorThatNamesIt) {
+  const auto refusal = [](const std::string& text) { return refusal_of("complaints.json", text); };
   const std::string whole = *read_text_file(kRepository / "prompts/complaints.json");
   EXPECT_EQ(refusal(whole), "");
   nlohmann::json json = nlohmann::json::parse(whole);
   json.erase("too_wide");
-  EXPECT_EQ(refusal(json.dump()), "prompts/complaints.json: has no line too_wide");
+  EXPECT_EQ(refusal(json.dump()), "has no line too_wide");
   json["too_wide"] = 3;
-  EXPECT_EQ(refusal(json.dump()), "prompts/complaints.json: too_wide is no text");
+  EXPECT_EQ(refusal(json.dump()), "too_wide is no text");
   json["too_wide"] = json["to_wide"] = "x";
-  EXPECT_EQ(refusal(json.dump()), "prompts/complaints.json: to_wide is no line that is ever said");
-  EXPECT_EQ(refusal("["), "prompts/complaints.json: not a JSON object");
+  EXPECT_EQ(refusal(json.dump()), "to_wide is no line that is ever said");
+  EXPECT_EQ(refusal("["), "not a JSON object");
 }
 
 // Both ended the program.
 TEST(PromptFolder, AFileOfAnotherFormIsAnErrorThatNamesIt) {
-  const ScratchFolder scratch;
-  const auto refusal = [&](const char* file, const std::string& text) {
-    std::filesystem::remove_all(scratch / "prompts");
-    scratch.write(std::string("prompts/") + file, text);
-    const auto loaded = PromptSet::load(scratch / "prompts");
-    return loaded ? "" : loaded.error().message;
-  };
   const std::string deep = std::string(200'000, '[') + std::string(200'000, ']');
-  EXPECT_EQ(refusal("examples.json", R"({"a": {"facts": "x", "answer": {}}})"), "prompts/examples.json: must be a list of examples");
-  EXPECT_EQ(refusal("examples.json", R"([{"facts": "x", "answer": )" + deep + "}]"), "prompts/examples.json: nested too deep");
-  EXPECT_EQ(refusal("answer.schema.json", R"({"required": [], "enum": ["{{material_ids}}"], "a": )" + deep + "}"),
-            "prompts/answer.schema.json: nested too deep");
+  EXPECT_EQ(refusal_of("examples.json", R"({"a": {"facts": "x", "answer": {}}})"), "must be a list of examples");
+  EXPECT_EQ(refusal_of("examples.json", R"([{"facts": "x", "answer": )" + deep + "}]"), "nested too deep");
+  EXPECT_EQ(refusal_of("answer.schema.json", R"({"required": [], "enum": ["{{material_ids}}"], "a": )" + deep + "}"),
+            "nested too deep");
+}
+
+// Each of these left its line out, or was sent as it stands, and nobody was told.
+TEST(PromptFolder, ASlotThatNothingFillsIsAnErrorThatNamesItAndTheRemedy) {
+  EXPECT_EQ(refusal_of("user.md", "Name: {{name}}\nSize: {{szie}}\n"), "line 2: {{szie}} is filled by nothing: write {{size}} or take it out");
+  EXPECT_EQ(refusal_of("user.md", "Name: {{name}}, {{camera_azimut}}\n"),
+            "line 1: {{camera_azimut}} is filled by nothing: write {{camera_azimuth}} or take it out");
+  EXPECT_EQ(refusal_of("user.md", "Name: {{name}}\n{{}}\n").substr(0, 67),
+            "line 2: {{}} names no slot: take it out or write one of {{camera_az");
+  EXPECT_EQ(refusal_of("user.md", "Name: {{name}} of {{size\n"), "line 1: {{size has no end: write it as {{slot}}, on one line");
+  EXPECT_EQ(refusal_of("user.md", "Name: {{name}} of {{size} m\n"), "line 1: {{size has no end: write it as {{slot}}, on one line");
+  EXPECT_EQ(refusal_of("user.md", "Name: {{ name }}{{name}}\n"), "line 1: {{ name }} is filled by nothing: write {{name}} or take it out");
+  EXPECT_EQ(refusal_of("user.md", ""),
+            "has no {{name}}: write it where that is to stand, or delete the file so that the built-in one counts");
+  EXPECT_EQ(refusal_of("repair.md", "{{problem}} {{name}}\n"), "line 1: {{name}} is filled by nothing: take it out or write one of {{problem}}");
+  EXPECT_EQ(refusal_of("system.md", "About {{name}}.\n"), "line 1: {{name}} is filled by nothing: nothing in this text is filled: take it out");
+  EXPECT_EQ(refusal_of("system.md", "Write {\"a\": {\"b\": 1}}, never {{...}}.\n"), "");
+  EXPECT_EQ(refusal_of("search.md", "{{name}} {{size}} {{scale}}\n"), "");  // filled from what fills the question
+  EXPECT_EQ(refusal_of("search.md", "{{name}} {{others}}\n").substr(0, 42), "line 1: {{others}} is filled by nothing: t");
+  EXPECT_EQ(refusal_of("complaints.json", with_line("complaints.json", "too_deep", "no {{field}}")),
+            "too_deep, line 1: {{field}} is filled by nothing: nothing in this text is filled: take it out");
+  EXPECT_EQ(refusal_of("complaints.json", with_line("complaints.json", "too_wide", "no {{feild}}")),
+            "too_wide, line 1: {{feild}} is filled by nothing: write {{field}} or take it out");
+  EXPECT_EQ(refusal_of("facts.json", with_line("facts.json", "size", "{{length}} m\u2028{{hight}}\x1b")),
+            "size, line 1: {{hight}} is filled by nothing: write {{height}} or take it out");
+}
+
+// All of the built-in ones, from a folder.
+TEST(PromptFolder, TheBuiltInFilesPass) {
+  const auto built_in = PromptSet::load({}), folder = PromptSet::load(kRepository / "prompts");
+  ASSERT_TRUE(folder) << folder.error().message;
+  EXPECT_EQ(folder->version(), built_in->version());
 }
 
 }  // namespace

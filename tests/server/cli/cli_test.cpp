@@ -297,6 +297,7 @@ TEST(Cli, BadInputIsOneLine) {
   ScratchFolder folder;
   folder.write("broken.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 5\n");
   folder.write("bad.scene.json", R"({ "objects": [ { "nam": "x" } ] })");
+  const fs::path prompts = folder.write("prompts/user.md", "{{nmae}} {{name}}\n");
   const std::pair<std::vector<std::string>, const char*> cases[] = {
       {{"info", folder / "absent.ply"}, "absent.ply"},
       {{"info", folder / "broken.ply"}, "broken.ply"},
@@ -310,6 +311,10 @@ TEST(Cli, BadInputIsOneLine) {
       {{"simulate", folder / "absent.scene.json", "-o", folder / "o"}, "absent.scene.json"},
       {{"simulate", folder / "bad.scene.json", "-o", folder / "o"}, "nam"},
       {{"analyze", folder / "broken.ply"}, "broken.ply"},
+      {{"analyze", folder / "ok.scene.json", "--name", "mug"}, "--name: is for one asset"},
+      {{"analyze", folder / "ok.scene.json", "--scale", "2"}, "--scale: is for one asset"},
+      {{"analyze", folder / "broken.ply", "--offline", "--prompts", prompts.parent_path()},
+       "user.md: line 1: {{nmae}} is filled by nothing: write {{name}} or take it out"},
       {{"mesh", folder / "broken.ply"}, "broken.ply"},
   };
   for (const auto& [words, named] : cases) {

@@ -119,7 +119,7 @@ TEST_F(LiveRunTest, AResetIsTheSceneAsItWasLoaded) {
 }
 
 TEST_F(LiveRunTest, AResetThatFailsSaysWhyAndTheSceneGoesOn) {
-  LiveRun broken(loop_, [](uint32_t) -> Result<Scene> { return not_found("cup.ply: is not there any more"); });
+  LiveRun broken(loop_, [](uint32_t) -> Result<Scene> { return not_found("/srv/my scenes/cup.ply: is not there any more"); });
   loop_.start();
   ASSERT_TRUE(broken.control(reset()));
   ASSERT_TRUE(log_.wait([](const Ticks& ticks) { return !ticks.empty() && !ticks.back().run.message.empty(); }));

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/made_up_endpoint.h"
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <utility>
+
+#include "server/analysis/test_model_server.h"
+
+namespace livegs {
+namespace {
+
+using nlohmann::json;
+
+// The line of the estimate as facts.json words it, in a request's JSON.
+std::string agree(const std::string& request) {
+  static const std::regex line(
+      R"(which may be wrong: (.{1,60}?) of ([^,]{1,60}), mass ([0-9.e+-]+) g \(([0-9.e+-]+) to ([0-9.e+-]+)\), (RIGID|ELASTIC), )");
+  std::smatch told;
+  const size_t at = request.find("which may be wrong: ");
+  const std::string around = at == std::string::npos ? "" : request.substr(at, 400);
+  if (!std::regex_search(around, told, line)) return "";
+  const double best = std::strtod(told[3].str().c_str(), nullptr), low = std::strtod(told[4].str().c_str(), nullptr),
+               high = std::strtod(told[5].str().c_str(), nullptr);
+  return json{{"description", "as estimated"},
+              {"evidence", "as estimated"},
+              {"name", told[1].str()},
+              {"name_confidence", 0.9},
+              {"is_replica", false},
+              {"fill", "assembly"},
+              {"parts", {{{"name", "all"}, {"material_id", told[2].str()}, {"share", 1}, {"thickness_mm", nullptr}}}},
+              {"behaviour", told[6] == "RIGID" ? "rigid" : "elastic"},
+              {"size_m", nullptr},
+              {"mass_g", {{"low", std::max(low, best / 4)}, {"high", std::min(high, best * 4)}, {"best", best}}},
+              {"young_mpa", nullptr},
+              {"structure_s", nullptr},
+              {"plasticity_level", nullptr},
+              {"plasticity", nullptr},
+              {"fragile", false},
+              {"friction", 0.4},
+              {"restitution", 0.3},
+              {"confidence", 0.9},
+              {"kb_ids", json::array()}}
+      .dump();
+}
+
+}  // namespace
+
+int serve_made_up_answers(std::chrono::milliseconds delay) {
+  Reply models;
+  models.body = json{{"object", "list"}, {"data", {{{"id", "made-up-1"}, {"object", "model"}}}}}.dump();
+  TestModelServer server(
+      [delay](const SeenRequest& request, int) {
+        const std::string answer = agree(request.body);
+        Reply reply;
+        reply.delay_ms = static_cast<int>(delay.count());
+        reply.status = answer.empty() ? 400 : 200;
+        reply.body = answer.empty() ? R"({"error": {"message": "the estimate is not told as expected"}})"
+                                    : json{{"id", "1"},
+                                           {"model", "made-up-1"},
+                                           {"choices",
+                                            {{{"index", 0},
+                                              {"finish_reason", "stop"},
+                                              {"message", {{"role", "assistant"}, {"content", answer}}}}}},
+                                           {"usage", {{"prompt_tokens", 1500}, {"completion_tokens", 200}}}}
+                                          .dump();
+        return reply;
+      },
+      models);
+  std::printf("%s\n", server.base_url().c_str());
+  std::fflush(stdout);
+  while (std::getchar() != EOF) {
+  }
+  return 0;
+}
+
+Result<MadeUpEndpoint> MadeUpEndpoint::start() {
+  int life[2], address[2];
+  if (::pipe2(life, O_CLOEXEC) != 0 || ::pipe2(address, O_CLOEXEC) != 0)
+    return Error{ErrorCode::Internal, "no pipe to the endpoint"};
+  MadeUpEndpoint endpoint;
+  endpoint.process_ = ::fork();
+  if (endpoint.process_ == 0) {
+    ::dup2(life[0], STDIN_FILENO);
+    ::dup2(address[1], STDOUT_FILENO);
+    ::execl("/proc/self/exe", "analyze_bench", kServe, nullptr);
+    ::_exit(127);
+  }
+  ::close(life[0]);
+  ::close(address[1]);
+  endpoint.end_of_life_ = life[1];
+  char c = 0;
+  while (::read(address[0], &c, 1) == 1 && c != '\n') endpoint.base_url_ += c;
+  ::close(address[0]);
+  if (endpoint.process_ < 0 || c != '\n') return Error{ErrorCode::Internal, "the endpoint did not start"};
+  return endpoint;
+}
+
+MadeUpEndpoint::MadeUpEndpoint(MadeUpEndpoint&& other) noexcept
+    : process_(std::exchange(other.process_, -1)),
+      end_of_life_(std::exchange(other.end_of_life_, -1)),
+      base_url_(std::move(other.base_url_)) {}
+
+MadeUpEndpoint::~MadeUpEndpoint() {
+  if (end_of_life_ >= 0) ::close(end_of_life_);
+  if (process_ > 0) ::waitpid(process_, nullptr, 0);
+}
+
+}  // namespace livegs
