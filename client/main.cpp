@@ -68,6 +68,7 @@ std::string what_is_not_done(const std::string& of, const std::string& display, 
       {"--output", headset, "is for what a window or offscreen pictures leave; give --display window or --display offscreen"},
       {"--every", headset, "is for what a window or offscreen pictures leave; give --display window or --display offscreen"},
       {"--size", headset, "is for a headset to say; leave it out"},
+      {"--full-size", !window, "is about a window's pictures; offscreen and in a headset leave it out, or give --display window"},
       {"--no-video", !offscreen, "is about the video that --display offscreen makes; leave it out or give that"},
       {"--video-rate", !offscreen, "is about the video that --display offscreen makes; leave it out or give that"},
       {"--output", of == "a recording" && window, "is for pictures in files; a recording in a window leaves none. Give --display offscreen"},
@@ -100,7 +101,7 @@ int main(int argc, char** argv) {
   std::string replay_file, subscribe;
   double from_s = 0;
   int threads = 0;
-  bool verbose = false, no_video = false, unpair = false;
+  bool verbose = false, no_video = false, unpair = false, full_size = false;
   livegs::AccessOptions access;
   CLI::App app("Sees and touches a scene that livegs-server streams", "livegs-client");
   auto* address = app.add_option("HOST:PORT", options.address, "Where the server listens");
@@ -147,6 +148,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
   app.add_flag("--no-video", no_video, "PNGs only");
+  app.add_flag("--full-size", full_size, "Of a window: draw every picture at its size, where one that is late is drawn smaller otherwise");
   app.add_option("--cache", options.cache,
                  "Where fetched assets are kept; $XDG_CACHE_HOME/livegs when left out");
   app.add_option("--connect-timeout", options.connect_timeout_s, "Seconds to wait for a server to be ready")
@@ -211,7 +213,7 @@ int main(int argc, char** argv) {
   if (display == "auto") {
     const bool of_files = !options.script_file.empty() || !subscribe.empty() || no_video || app.count("--video-rate") > 0 ||
                           (!replay_file.empty() && app.count("--output") + app.count("--every") > 0);
-    const bool of_window = !forces.empty() || !select.empty();
+    const bool of_window = !forces.empty() || !select.empty() || full_size;
     display = of_window || (!of_files && livegs::WindowDisplay::is_possible()) ? "window" : "offscreen";
   }
   const std::string of = !replay_file.empty() ? "a recording" : !subscribe.empty() ? "publications" : display;
@@ -232,6 +234,7 @@ int main(int argc, char** argv) {
     replayed.png_every = options.png_every;
     replayed.video = options.video;
     replayed.renderer = options.renderer;
+    replayed.full_size = full_size;
     return run_replayed(replayed, display == "window");
   }
   auto chosen = livegs::choose_access(options.address, access);
@@ -274,6 +277,7 @@ int main(int argc, char** argv) {
     window.seconds = app.count("--seconds") > 0 ? options.seconds : 0.0;
     window.size = options.size;
     window.camera_file = options.camera_file;
+    window.full_size = full_size;
     window.poke = options.poke;
     window.select = select;
     for (const std::string& force : forces) {

@@ -75,7 +75,8 @@ Result<void> RecordingPlayback::take_difference(const std::map<uint32_t, v1::Obj
 
 Result<void> RecordingPlayback::seek(double seconds) {
   error_.reset();
-  waiting_.clear();
+  // What came and went stays to be taken, since the next difference begins there; its frame does not.
+  std::erase_if(waiting_, [](const StreamItem& item) { return std::holds_alternative<ReceivedFrame>(item); });
   decoded_ = 0;
   const double length_ns = 1e9 * std::max(0.0, std::min(std::isfinite(seconds) ? seconds : 0.0, length_s()));
   const int64_t moment_ns = recording_.totals().first_ns() + static_cast<int64_t>(length_ns);

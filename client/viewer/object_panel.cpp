@@ -99,7 +99,7 @@ std::vector<std::string> object_facts(const StreamedObject& object) {
   if (object.elastic) facts.push_back(stiffness_text(*object.elastic));
   if (object.fragility && object.fragility->bodies() > 1) {
     facts.push_back(format_text("Broken into %u", object.fragility->bodies()));
-  } else if (object.fragility) {
+  } else if (object.fragility && physics.fragile()) {  // what was fragile keeps its pieces
     facts.push_back(format_text("Breaks into up to %u when it falls %.2f m", object.fragility->pieces(),
                          object.fragility->drop_height_m()));
   }

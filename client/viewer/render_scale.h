@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace livegs {
 
@@ -12,6 +13,9 @@ namespace livegs {
 inline double window_budget_ms(double refresh_hz) {
   return std::clamp(0.9 * 2000.0 / (refresh_hz > 0 ? refresh_hz : 60.0), 8.0, 40.0);
 }
+
+// Of pictures that are drawn at full size however long they take.
+inline constexpr double kUnhurried_ms = std::numeric_limits<double>::infinity();
 
 // How much smaller than its window a picture is drawn, and which kernels are left out of it, so that it is drawn in
 // time. Cost is taken to go with the number of pixels; steps of an eighth, and a dead zone, keep the size from

@@ -3,11 +3,13 @@
 
 #include <atomic>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
 #include "core/result.h"
 #include "render/choose_renderer.h"
+#include "splat/image.h"
 #include "viewer/asset_library.h"
 #include "viewer/camera_file.h"
 #include "viewer/frame_log.h"
@@ -27,10 +29,18 @@ struct ReplayOptions {
   int png_every = 30;
   bool video = true;
   RendererChoice renderer = RendererChoice::Auto;
+  // Of the window.
+  bool full_size = false;  // pictures are drawn at its size even where they come late
+  struct Moment {
+    double shown_s = 0;  // after the first frame
+    bool paused = false, at_end = false;
+  };
+  std::function<void(const Image& shown, const Moment& moment)> on_picture;  // called with each, panels included
 };
 
 struct ReplaySummary {
   std::string file, renderer, scene;
+  std::string notice;  // as OffscreenRunSummary has it
   double length_s = 0, from_s = 0;
   size_t frames_decoded_to_seek = 0;
   AssetLibrary::Totals assets;

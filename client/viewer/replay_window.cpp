@@ -17,14 +17,14 @@ namespace {
 
 constexpr double kJump_s = 5;
 constexpr const char* kHelp =
-    "right: turn   middle: shift   wheel: nearer   WASDQE: fly\nP: pause   full stop: step   arrows: 5 s back and on   "
-    "Home: the beginning";
+    "right: turn   middle: shift\nwheel: nearer   WASDQE: fly\nP: pause   full stop: step\narrows: 5 s back and on\n"
+    "Home: to the start   H: hide panels";
 
 class ReplayWindow {
  public:
   ReplayWindow(const ReplayOptions& options, RecordingPlayback& playback, AssetLibrary& assets, SceneView& view,
                WindowDisplay& display)
-      : options_(options), playback_(playback), assets_(assets), view_(view), display_(display), scale_(window_budget_ms(display.refresh_hz())) {}
+      : options_(options), playback_(playback), assets_(assets), view_(view), display_(display), scale_(options.full_size ? kUnhurried_ms : window_budget_ms(display.refresh_hz())) {}
 
   Result<void> run(const std::atomic<bool>& interrupted) {
     if (auto begun = go_to(options_.from_s); !begun) return begun;
@@ -39,7 +39,9 @@ class ReplayWindow {
       if (auto drawn = view_.draw(*history_.at(moment_ns_), planned->views, pictures_); !drawn) return drawn;
       scale_.drew(view_.last_times().raster_ms);
       display_.set_overlay(overlay());
+      if (options_.on_picture) display_.keep_next(screenshot_);
       if (auto submitted = display_.submit(*planned, pictures_); !submitted) return submitted;
+      if (options_.on_picture) options_.on_picture(screenshot_, {shown_s(), paused_, at_end_ && moment_ns_ >= history_.newest().simulated_ns});
       if (options_.seconds > 0 && shown_s() >= options_.from_s + options_.seconds) break;
       if (options_.seconds > 0 && at_end_ && moment_ns_ >= history_.newest().simulated_ns) break;
     }
@@ -115,13 +117,16 @@ class ReplayWindow {
     if (input.middle) camera_.pan(input.moved_px, height);
     if (input.scrolled != 0) camera_.zoom(input.scrolled);
     camera_.fly(input.flown, input.passed_s);
+    if (input.hide) panels_shown_ = !panels_shown_;
     const PanelActions& actions = display_.actions();
     if (actions.pause || input.pause) paused_ = actions.pause.value_or(!paused_);
     if (input.home || actions.reset) return go_to(0);
     if (input.jump != 0) return go_to(shown_s() + kJump_s * input.jump);
     if (input.step || actions.step) {
       paused_ = true;
-      if (auto taken = take_frame(); !taken) return taken;
+      if (moment_ns_ >= history_.newest().simulated_ns) {  // else it halted before that one
+        if (auto taken = take_frame(); !taken) return taken;
+      }
       moment_ns_ = history_.newest().simulated_ns;
     } else if (!paused_) {
       moment_ns_ += static_cast<int64_t>(1e9 * input.passed_s);
@@ -131,13 +136,16 @@ class ReplayWindow {
 
   WindowOverlay overlay() const {
     WindowOverlay overlay;
+    overlay.panels.shown = panels_shown_;
+    overlay.panels.run.recorded = true;
     overlay.panels.run.paused = paused_;
-    if (playback_.error()) overlay.panels.run.notice = playback_.error()->message;
+    overlay.panels.run.notice = playback_.error() ? playback_.error()->message : view_.notice();
     overlay.panels.run.lines.push_back("recording " + options_.file.filename().string());
     overlay.panels.run.lines.push_back(format_text("%.2f s of %.1f s, tick %llu%s%s", shown_s(), playback_.length_s(),
                                                    static_cast<unsigned long long>(tick_), paused_ ? ", paused" : "",
                                                    at_end_ ? ", the end" : ""));
     overlay.panels.run.lines.push_back(view_.renderer_name());
+    overlay.panels.run.lines.push_back(format_text("drawn at %.0f %%", 100.0 * scale_.value()));
     overlay.panels.run.help = kHelp;
     return overlay;
   }
@@ -153,8 +161,9 @@ class ReplayWindow {
   FrameHistory history_{kFramesKept};
   int64_t first_ns_ = 0, moment_ns_ = 0;  // simulated time of the first frame, and of what is shown
   uint64_t tick_ = 0;
-  bool paused_ = false, at_end_ = false;
+  bool paused_ = false, at_end_ = false, panels_shown_ = true;
   std::vector<Image> pictures_;
+  Image screenshot_;
 };
 
 }  // namespace

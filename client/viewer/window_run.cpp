@@ -39,7 +39,7 @@ class WindowRun {
   WindowRun(const WindowRunOptions& options, SessionClient& client, SceneControl& control, ArrivingObjects& arriving,
             SceneView& view, WindowDisplay& display)
       : options_(options), client_(client), calls_(control), arriving_(arriving), stream_(arriving), view_(view), display_(display),
-        scale_(window_budget_ms(display.refresh_hz())) {
+        scale_(options.full_size ? kUnhurried_ms : window_budget_ms(display.refresh_hz())) {
     for (const StreamedObject& object : client.scene().objects) objects_[object.id] = object;
   }
 
@@ -359,8 +359,10 @@ WindowPanels WindowRun::panels() const {
   run.loading = frame_ && frame_->run.loading();
   run.notice = notice_.text(!refusal_.empty() ? refusal_ : frame_ ? frame_->run.message() : "");
   if (run.notice.empty()) run.notice = view_.notice();
-  run.lines.push_back(view_.renderer_name() + format_text(", drawn at %.0f %%", 100.0 * scale_.value()) +
-                      (scale_.min_contribution_px() > 0 ? format_text(", without what adds under %.2g px", scale_.min_contribution_px()) : ""));
+  run.lines.push_back(view_.renderer_name());
+  // Short enough to stand on one line: what is longer is broken behind the number's point.
+  run.lines.push_back(format_text("drawn at %.0f %%", 100.0 * scale_.value()) +
+                      (scale_.min_contribution_px() > 0 ? format_text(", leaving out under %.1g px", scale_.min_contribution_px()) : ""));
   run.lines.push_back(format_text("%.0f pictures a second of %.0f ticks", meter_.pictures_a_second(), meter_.ticks_a_second()));
   if (frame_) {
     run.lines.push_back(format_text("tick %llu, %.1f s simulated%s", static_cast<unsigned long long>(frame_->tick),

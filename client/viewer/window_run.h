@@ -18,6 +18,7 @@ namespace livegs {
 struct WindowRunOptions : JoinOptions {
   double seconds = 0;  // 0: until the window is closed
   std::optional<PictureSize> size;
+  bool full_size = false;  // pictures are drawn at the window's size even where they come late
   std::filesystem::path camera_file;  // empty: all objects from a little above
   std::string poke;                   // an object that is poked as if by the mouse; empty: none
   std::string select;                 // an object that the panels are about from the start; empty: none

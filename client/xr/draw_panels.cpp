@@ -77,10 +77,13 @@ PanelActions PanelDrawer::draw(const WindowPanels& panels, float width_px, float
   ImGui::Begin("Run", nullptr, ImGuiWindowFlags_NoResize);
   see_whether_open(Panel::Run);
   draw_run(panels.run, actions);
-  ImGui::Separator();
-  draw_force(panels.force, actions);
+  if (!panels.run.recorded) {
+    ImGui::Separator();
+    draw_force(panels.force, actions);
+  }
   const float below_px = kMargin_px + ImGui::GetWindowHeight() + kGap_px;
   ImGui::End();
+  if (panels.run.recorded) return actions;
 
   const float right_px = std::min(kRightWidth_px, stacked_ ? across_px : width_px - kLeftWidth_px - 3 * kMargin_px);
   // With an object open it takes the whole height: a panel that fits itself to what it holds is a picture late.
@@ -110,10 +113,10 @@ void PanelDrawer::draw_run(const RunPanel& run, PanelActions& actions) {
   ImGui::SameLine();
   actions.step = button("Step", true, third);
   ImGui::SameLine();
-  actions.reset = button(run.loading ? "Loading" : "Reset", !run.loading, third);
+  actions.reset = button(run.recorded ? "To the start" : run.loading ? "Loading" : "Reset", !run.loading, third);
   if (!run.notice.empty()) coloured(kRefusalInk, run.notice);
   for (const std::string& line : run.lines) coloured(kDimInk, line);
-  draw_frame_graph(run.graph);
+  if (!run.recorded) draw_frame_graph(run.graph);
   if (!run.latency.empty()) coloured(kDimInk, run.latency);
   if (!run.help.empty()) coloured(kDimInk, run.help);
 }

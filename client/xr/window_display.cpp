@@ -129,7 +129,7 @@ void GlfwWindowDisplay::take_input() {
   const ImGuiIO& io = ImGui::GetIO();
   const double now_s = glfwGetTime();
   WindowInput taken;
-  taken.passed_s = now_s - last_s_;
+  if (planned_ > 0) taken.passed_s = now_s - last_s_;  // else what was loaded since the window was opened
   last_s_ = now_s;
   glfwGetCursorPos(window_, &taken.mouse_px.x(), &taken.mouse_px.y());
   taken.moved_px = planned_ == 0 ? Eigen::Vector2d(0, 0) : Eigen::Vector2d(taken.mouse_px - input_.mouse_px);

@@ -25,7 +25,7 @@ struct WindowInput {
   bool home = false;               // the Home key went down
   int jump = 0;                    // the right arrow went down: 1; the left: -1
   Eigen::Vector3d flown{0, 0, 0};  // D - A, E - Q, S - W: -1, 0 or 1 each
-  double passed_s = 0;             // since the frame before
+  double passed_s = 0;             // since the frame before; 0 in the first
 };
 
 // What stands over the picture.

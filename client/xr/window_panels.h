@@ -46,6 +46,7 @@ struct FrameGraph {
 
 struct RunPanel {
   bool paused = false, loading = false;
+  bool recorded = false;           // nothing can be done to the scene: it is watched, and begun anew
   std::string notice;              // what is out of order, in red; empty when nothing is
   std::vector<std::string> lines;  // status, one a line
   FrameGraph graph;
@@ -71,7 +72,7 @@ struct LoadingPanel {
 struct WindowPanels {
   bool shown = true;
   std::optional<LoadingPanel> loading;
-  RunPanel run;
+  RunPanel run;  // alone where it is of a recording
   ForcePanel force;
   ObjectsPanel objects;
 };

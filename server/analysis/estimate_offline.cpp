@@ -146,7 +146,7 @@ v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
   const bool rigid = stiffness.best > kRigidYoungs_pa || (stiffness.best > kStiffYoungs_pa && !soft);
   answer.set_behavior(rigid ? v1::Physics::RIGID : v1::Physics::ELASTIC);
   answer.set_behavior_reason(
-      format_text("E* = s E = %.3g MPa, %s", stiffness.best * 1e-6,
+      format_text("E* = s E = %.3g %s, %s", stiffness.best * (stiffness.best < 1e9 ? 1e-6 : 1e-9), stiffness.best < 1e9 ? "MPa" : "GPa",
                   rigid ? "too stiff to deform visibly" : "soft enough to deform visibly"));
 
   set(*answer.mutable_wall_thickness_m(), wall_m,

@@ -237,6 +237,7 @@ TEST_F(Programs, WhatADisplayDoesNotDoIsOneLineAndCodeTwo) {
                                    {{"--display", "openxr", "--size", "640x480"}, "--size:", "leave it out"},
                                    {{"--display", "openxr", "--no-video"}, "--no-video:", "--display offscreen"},
                                    {{"--display", "openxr", "--video-rate", "60"}, "--video-rate:", "--display offscreen"},
+                                   {{"--display", "offscreen", "--full-size"}, "--full-size:", "--display window"},
                                    {{"--display", "window", "--no-video"}, "--no-video:", "--display offscreen"},
                                    {{"--display", "window", "--video-rate", "60"}, "--video-rate:", "--display offscreen"},
                                    {{"--select", "box", "--no-video"}, "--no-video:", "--display offscreen"},

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "splat/image.h"
 #include "system/programs_fixture.h"
 
 namespace livegs {
@@ -43,7 +44,11 @@ TEST_F(Recordings, AreLookedAtWatchedAndSimulatedAgain) {
   Program watched({LIVEGS_CLIENT, "--display", "offscreen", "--replay", file(), "--from", "1", "--output", folder_ / "watched", "--cache",
                    folder_ / "empty", "--size", "160x120", "--no-video", "--every", "10", "--threads", "1"});
   ASSERT_EQ(watched.wait(), 0) << watched.err();
-  EXPECT_TRUE(std::filesystem::exists(folder_ / "watched/last.png"));
+  const auto last = read_png(folder_ / "watched/last.png");
+  ASSERT_TRUE(last);
+  size_t bright = 0;  // the floor and the cube
+  for (int i = 0; i < last->width * last->height; ++i) bright += last->pixels[4 * i + 2] > 0.3f;
+  EXPECT_GT(bright, 2000u);
   EXPECT_NE(watched.out().find("from 1.0 s"), std::string::npos) << watched.out();
 
   EXPECT_NE(summary.out().find("whole      every check sum\n"), std::string::npos) << summary.out();

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
@@ -53,13 +54,13 @@ class WindowOnADisplay : public Window {
 };
 
 // Between the panels.
-constexpr int kLeft = 315, kRight = 875;
+constexpr int kLeft = 315, kRight = 875;  // or the right end of a narrow window, which has one panel
 
 // Pixels there that differ by more than a twentieth.
 size_t changed(const Image& a, const Image& b) {
   size_t count = 0;
   for (int y = 0; y < a.height; ++y) {
-    for (int x = kLeft; x < kRight; ++x) {
+    for (int x = kLeft; x < std::min(kRight, a.width); ++x) {
       double most = 0;
       for (int c = 0; c < 3; ++c) most = std::max<double>(most, std::abs(a.at(x, y)[c] - b.at(x, y)[c]));
       count += most > 0.05;
@@ -72,13 +73,19 @@ size_t changed(const Image& a, const Image& b) {
 size_t force_pixels(const Image& image) {
   size_t count = 0;
   for (int y = 0; y < image.height; ++y) {
-    for (int x = kLeft; x < kRight; ++x) {
+    for (int x = kLeft; x < std::min(kRight, image.width); ++x) {
       const float* pixel = image.at(x, y);
       count += std::abs(pixel[0] - 1.0f) < 0.01f && std::abs(pixel[1] - 150 / 255.0f) < 0.01f &&
                std::abs(pixel[2] - 30 / 255.0f) < 0.01f;
     }
   }
   return count;
+}
+
+// What falls back to the CPU would be held against itself.
+void expect_drawn_by_vulkan(Program& window) {
+  EXPECT_NE(window.err().find("drawing with vulkan: "), std::string::npos) << window.err();
+  EXPECT_EQ(window.err().find("the cpu draws"), std::string::npos) << window.err();
 }
 
 // Pixels of a part of the picture that are as bright as a panel's text.
@@ -101,6 +108,33 @@ size_t read_shots(const std::filesystem::path& folder, const std::function<void(
     const auto image = read_png(folder / name);
     if (!image) return i;
     see(*image);
+  }
+}
+
+// The first screenshot from number `from` on of which this is true, while they are being written; those before the newest are
+// written to their end.
+std::optional<Image> first_shot(const std::filesystem::path& folder, int from, int& newest, const std::function<bool(const Image&)>& wanted) {
+  const auto name = [&](int number) {
+    char text[32];
+    std::snprintf(text, sizeof text, "window_%03d.png", number);
+    return folder / text;
+  };
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  for (int number = from; std::chrono::steady_clock::now() < give_up;) {
+    if (!std::filesystem::exists(name(number + 1))) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      continue;
+    }
+    auto image = read_png(name(number));
+    newest = number++;
+    if (image && wanted(*image)) return std::move(*image);
+  }
+  return std::nullopt;
+}
+
+void keep(const char* name, const Image& image) {
+  if (const char* folder = std::getenv("LIVEGS_TEST_PICTURES")) {
+    EXPECT_TRUE(write_png(std::filesystem::path(folder) / name, image));
   }
 }
 
@@ -135,6 +169,76 @@ TEST_F(WindowOnADisplay, ShowsTheSceneAndAPull) {
 
   server_->send(SIGTERM);
   EXPECT_EQ(server_->wait(), 0) << server_->err();
+}
+
+// The same scene at rest by both renderers, at the size of the window, beside the one panel that it is wide enough for.
+TEST_F(WindowOnADisplay, VulkanShowsWhatTheCpuShows) {
+  size_ = "690x300";
+  const std::string camera = folder_.write("camera.json", R"({ "position_m": [-0.35, 0.5, 1.5], "look_at_m": [-0.35, 0.1, 0],
+                                                              "vertical_fov_deg": 40 })");
+  const auto same = [](const Image& a, const Image& b) {
+    for (int y = 0; y < a.height; ++y) {
+      if (!std::equal(a.at(kLeft, y), a.at(kLeft, y) + 4 * (a.width - kLeft), b.at(kLeft, y))) return false;
+    }
+    return true;
+  };
+  // One that the three after it are bit by bit: nothing moves any more.
+  const auto at_rest = [&](const std::string& renderer) -> std::optional<Image> {
+    const std::filesystem::path shots = folder_ / renderer;
+    Program window(window_words(display_, port_, {"--renderer", renderer, "--full-size", "--camera", camera, "--output", shots.string(), "--every", "2"}));
+    Image last;
+    int newest = 0, still = 0;
+    auto rests = first_shot(shots, 0, newest, [&](const Image& image) {
+      still = !last.pixels.empty() && same(last, image) ? still + 1 : 0;
+      last = image;
+      return still == 3;
+    });
+    EXPECT_TRUE(rests) << window.err();
+    window.send(SIGINT);
+    EXPECT_EQ(window.wait(), 0) << window.err();
+    if (renderer == "vulkan") expect_drawn_by_vulkan(window);
+    if (rests) keep((renderer + ".png").c_str(), *rests);
+    return rests;
+  };
+  const auto cpu = at_rest("cpu"), vulkan = at_rest("vulkan");
+  ASSERT_TRUE(cpu && vulkan);
+  double squares = 0;
+  size_t count = 0;
+  const float *least = cpu->at(kLeft, 0), *most = least;
+  for (int y = 0; y < cpu->height; ++y) {
+    for (int x = kLeft; x < cpu->width; ++x, count += 3) {
+      const float *a = cpu->at(x, y), *b = vulkan->at(x, y);
+      for (int c = 0; c < 3; ++c) squares += static_cast<double>(a[c] - b[c]) * (a[c] - b[c]);
+      if (a[0] < *least) least = a;
+      if (a[0] > *most) most = a;
+    }
+  }
+  ASSERT_GT(*most - *least, 0.4f);  // something is there
+  ASSERT_GT(squares, 0) << "not a bit is another: the CPU has drawn both";
+  const double psnr_db = 10 * std::log10(static_cast<double>(count) / squares);
+  std::printf("%.1f dB\n", psnr_db);
+  EXPECT_GT(psnr_db, 50);
+}
+
+// A pull, drawn by Vulkan: the arrow comes and goes, and the box is drawn up meanwhile.
+TEST_F(WindowOnADisplay, VulkanShowsAPull) {
+  size_ = "690x300";
+  const std::filesystem::path shots = folder_ / "shots";
+  const std::string camera = folder_.write("camera.json", R"({ "position_m": [-0.6, 0.4, 1.8], "look_at_m": [-0.6, 0.3, 0],
+                                                              "vertical_fov_deg": 40 })");
+  Program window(window_words(display_, port_, {"--poke", "box", "--renderer", "vulkan", "--camera", camera, "--output", shots.string(), "--every", "1"}));
+  int newest = 0;
+  const auto before = first_shot(shots, 0, newest, [](const Image&) { return true; });
+  ASSERT_TRUE(before) << window.err();
+  EXPECT_EQ(force_pixels(*before), 0u);
+  const auto pulled = first_shot(shots, newest + 1, newest, [&](const Image& image) { return force_pixels(image) > 60 && changed(*before, image) > 2000; });
+  ASSERT_TRUE(pulled) << window.err();
+  keep("vulkan_pulled.png", *pulled);
+  const auto after = first_shot(shots, newest + 1, newest, [](const Image& image) { return force_pixels(image) == 0; });
+  EXPECT_TRUE(after) << window.err();
+  window.send(SIGINT);
+  EXPECT_EQ(window.wait(), 0) << window.err();
+  expect_drawn_by_vulkan(window);
 }
 
 // The panel of an object: text from top to bottom on the right, none of it beyond the panel.
@@ -189,6 +293,52 @@ TEST_F(WindowOnADisplay, RecordsAForceWithItsSentence) {
     EXPECT_TRUE(std::filesystem::exists(study / name)) << name;
   }
   EXPECT_GT(std::filesystem::file_size(study / "study_001.mp4"), 2000u);
+}
+
+// What the video shows moves: 40 N lift a cube of 2.4 kg, and in the middle of the video it is still in the air.
+TEST_F(WindowOnADisplay, TheVideoShowsTheThingThatMoves) {
+  if (!std::filesystem::exists("/usr/bin/ffmpeg")) GTEST_SKIP() << "no ffmpeg; install ffmpeg (deploy/packages.txt has it)";
+  size_ = "480x300";
+  const std::filesystem::path study = folder_ / "study";
+  const std::string camera = folder_.write("camera.json", R"({ "position_m": [0, 0.5, 2.4], "look_at_m": [0, 0.4, 0],
+                                                              "vertical_fov_deg": 40 })");
+  Program window(window_words(display_, port_, {"--force", "cube:0,0.1,0:0,40,0:0.3", "--output", study.string(), "--renderer", "cpu",
+                                                "--camera", camera}));
+  EXPECT_EQ(window.wait(), 0) << window.err();
+  // 2.3 s, 30 pictures a second: the first, one while the force acts, the middle and the last second.
+  Program frames({"/usr/bin/ffmpeg", "-v", "error", "-i", (study / "study_001.mp4").string(), "-vf", "select=eq(n\\,0)+eq(n\\,20)+eq(n\\,34)+eq(n\\,60)",
+                  "-vsync", "0", (study / "window_%03d.png").string()});
+  ASSERT_EQ(frames.wait(), 0) << frames.err();
+  struct Cube {
+    double y = 0;
+    size_t pixels = 0;
+  };
+  const auto cube_of = [](const Image& image) {
+    Cube cube;
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) {
+        const float* pixel = image.at(x, y);
+        if (!(pixel[2] > 0.25f && pixel[2] > 1.4f * pixel[0])) continue;
+        cube.y += y;
+        ++cube.pixels;
+      }
+    }
+    cube.y /= static_cast<double>(std::max<size_t>(cube.pixels, 1));
+    return cube;
+  };
+  std::vector<Cube> cubes;
+  for (int i = 1; i <= 4; ++i) {
+    char name[32];
+    std::snprintf(name, sizeof name, "window_%03d.png", i);
+    const auto image = read_png(study / name);
+    ASSERT_TRUE(image) << name;
+    keep((std::string("video_") + name).c_str(), *image);
+    cubes.push_back(cube_of(*image));
+    ASSERT_GT(cubes.back().pixels, 300u) << name;
+  }
+  EXPECT_LT(cubes[1].y, cubes[0].y - 3);
+  EXPECT_LT(cubes[2].y, cubes[0].y - 20);
+  EXPECT_GT(cubes[3].y, cubes[2].y + 10);
 }
 
 // Several points at once.
@@ -323,31 +473,8 @@ TEST_F(WindowOnADisplay, OutlivesItsServer) {
   const std::string camera = folder_.write("camera.json", R"({ "position_m": [-0.3, 0.4, 1.8], "look_at_m": [-0.3, 0.3, 0],
                                                               "vertical_fov_deg": 40 })");
   Program window(window_words(display_, port_, {"--renderer", "cpu", "--camera", camera, "--output", shots.string(), "--every", "4"}));
-  // The first screenshot from number `from` on of which this is true; those before the newest are written to their end.
   int newest = 0;
-  const auto shot = [&](int from, const std::function<bool(const Image&)>& wanted) -> std::optional<Image> {
-    const auto name = [&](int number) {
-      char text[32];
-      std::snprintf(text, sizeof text, "window_%03d.png", number);
-      return shots / text;
-    };
-    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-    for (int number = from; std::chrono::steady_clock::now() < give_up;) {
-      if (!std::filesystem::exists(name(number + 1))) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(20));
-        continue;
-      }
-      auto image = read_png(name(number));
-      newest = number++;
-      if (image && wanted(*image)) return std::move(*image);
-    }
-    return std::nullopt;
-  };
-  const auto keep = [](const char* name, const Image& image) {
-    if (const char* folder = std::getenv("LIVEGS_TEST_PICTURES")) {
-      EXPECT_TRUE(write_png(std::filesystem::path(folder) / name, image));
-    }
-  };
+  const auto shot = [&](int from, const std::function<bool(const Image&)>& wanted) { return first_shot(shots, from, newest, wanted); };
   ASSERT_TRUE(server_->says("streaming to")) << server_->err();
   const auto before = shot(5, [](const Image&) { return true; });
   ASSERT_TRUE(before) << window.err();

@@ -55,22 +55,22 @@ void XHands::move(double x_px, double y_px) {
   XSync(window_->display, False);
 }
 
-void XHands::button(bool down) {
+void XHands::button(bool down, int which) {
   XEvent event{};
   event.type = down ? ButtonPress : ButtonRelease;
   event.xbutton.window = window_->window;
   event.xbutton.root = DefaultRootWindow(window_->display);
   event.xbutton.x = event.xbutton.x_root = window_->x_px;
   event.xbutton.y = event.xbutton.y_root = window_->y_px;
-  event.xbutton.state = down ? 0 : Button1Mask;
-  event.xbutton.button = Button1;
+  event.xbutton.state = down ? 0 : Button1Mask << (which - 1);
+  event.xbutton.button = static_cast<unsigned>(which);
   event.xbutton.same_screen = True;
   XSendEvent(window_->display, window_->window, False, down ? ButtonPressMask : ButtonReleaseMask, &event);
   XSync(window_->display, False);
 }
 
-void XHands::press() { button(true); }
-void XHands::release() { button(false); }
+void XHands::press(int which) { button(true, which); }
+void XHands::release(int which) { button(false, which); }
 
 void XHands::key(const std::string& name, bool down) {
   XEvent event{};
@@ -96,7 +96,8 @@ void XHands::close() {
 
 Image XHands::picture() const {
   XWindowAttributes size{};
-  if (!XGetWindowAttributes(window_->display, window_->window, &size)) return {};
+  // One that is not on the screen yet has none, and X would end who asks for it.
+  if (!XGetWindowAttributes(window_->display, window_->window, &size) || size.map_state != IsViewable) return {};
   XImage* read = XGetImage(window_->display, window_->window, 0, 0, static_cast<unsigned>(size.width), static_cast<unsigned>(size.height),
                            AllPlanes, ZPixmap);
   if (!read) return {};

@@ -17,16 +17,16 @@ class XHands {
   ~XHands();
 
   void move(double x_px, double y_px);  // from the window's top left
-  void press();                         // the left button, where the pointer is
-  void release();
+  void press(int button = 1);           // 1 the left, 2 the middle, 3 the right; where the pointer is
+  void release(int button = 1);
   void key(const std::string& name, bool down);  // X's name of it: "space"
   void close();                                  // as a window manager asks a window to
-  Image picture() const;                         // what the window shows
+  Image picture() const;                         // what the window shows; empty until it is on the screen
 
  private:
   struct Window;
   explicit XHands(std::unique_ptr<Window> window);
-  void button(bool down);
+  void button(bool down, int which);
   std::unique_ptr<Window> window_;
 };
 

@@ -74,6 +74,23 @@ TEST_F(RecordingPlaybackTest, SeeksAnywhereAndGoesOnFromThere) {
   EXPECT_EQ(next_frame(*playback)->tick, 1u);
 }
 
+// One that was just opened, too, and one that was sought again before anything was taken: nothing that came or went is lost.
+TEST_F(RecordingPlaybackTest, SeeksBeforeAnythingIsTaken) {
+  const std::filesystem::path file = write(2000);
+  for (const uint64_t tick : {1u, 500u, 1500u}) {
+    there_.clear();
+    auto playback = RecordingPlayback::open(file);
+    ASSERT_TRUE(playback);
+    for (const uint64_t at : {tick, uint64_t{700}, tick}) ASSERT_TRUE(playback->seek((static_cast<double>(at - 1) + 0.001) * kPeriod_s));
+    for (uint64_t more = 0; more < 3; ++more) {
+      const auto frame = next_frame(*playback);
+      ASSERT_TRUE(frame);
+      EXPECT_EQ(frame->tick, tick + more);
+      EXPECT_FALSE(there_.empty());
+    }
+  }
+}
+
 TEST_F(RecordingPlaybackTest, RefusesOneWithoutFrames) {
   const auto playback = RecordingPlayback::open(write(20, true));
   ASSERT_FALSE(playback);

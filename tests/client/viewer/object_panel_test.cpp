@@ -53,6 +53,20 @@ TEST(ObjectPanel, ShowsValuesRangesReasonsAndSources) {
   EXPECT_EQ(mass.text_at(mass.position), "0.72 kg");
 }
 
+// What a person has made tough keeps the pieces that it was cut into.
+TEST(ObjectPanel, SaysOfWhatIsFragileAloneThatItBreaks) {
+  StreamedObject cup;
+  cup.name = "cup";
+  cup.physics.set_behavior(v1::Physics::RIGID);
+  cup.physics.set_fragile(true);
+  cup.fragility.emplace();
+  cup.fragility->set_pieces(32);
+  cup.fragility->set_drop_height_m(0.5);
+  EXPECT_EQ(object_facts(cup), (std::vector<std::string>{"Rigid", "Breaks into up to 32 when it falls 0.50 m"}));
+  cup.physics.set_fragile(false);
+  EXPECT_EQ(object_facts(cup), (std::vector<std::string>{"Rigid"}));
+}
+
 TEST(ObjectPanel, ASliderThatIsLetGoIsOneCall) {
   const auto objects = pillow_and_room();
   ObjectPanel panel;

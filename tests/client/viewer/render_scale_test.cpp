@@ -32,6 +32,13 @@ struct Drawer {
   }
 };
 
+TEST(RenderScale, LeavesPicturesAloneThatNobodyWaitsFor) {
+  RenderScale scale(kUnhurried_ms);
+  Drawer{5000, 5000}.draw(scale, 100);
+  EXPECT_EQ(scale.value(), 1.0);
+  EXPECT_EQ(scale.min_contribution_px(), 0.0f);
+}
+
 TEST(RenderScale, LeavesPicturesInTimeAlone) {
   RenderScale scale(kBudget_ms);
   Drawer{5, 14}.draw(scale, 100);

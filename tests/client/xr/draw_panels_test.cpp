@@ -131,6 +131,19 @@ TEST_F(PanelTest, HiddenPanelsDoNothing) {
   EXPECT_FALSE(find([](const PanelActions& actions) { return actions.pause || actions.selected || actions.released; }, 15, 400));
 }
 
+// Nothing can be done to a recording: Run stands alone, without a force, and goes to its start.
+TEST_F(PanelTest, OfARecordingRunStandsAlone) {
+  panels_.run.recorded = true;
+  const float with_force = panel("Run")->Size.y;
+  for (int i = 0; i < 4; ++i) frame();
+  EXPECT_FALSE(panel("Objects")->Active);
+  EXPECT_LT(panel("Run")->Size.y, with_force);
+  EXPECT_TRUE(find([](const PanelActions& actions) { return actions.pause == true; }, 15, 310));
+  EXPECT_TRUE(find([](const PanelActions& actions) { return actions.step; }, 15, 310));
+  EXPECT_TRUE(find([](const PanelActions& actions) { return actions.reset; }, 15, 310));
+  EXPECT_FALSE(find([](const PanelActions& actions) { return actions.selected || actions.undo || actions.analyse_all; }, 890, 1270));
+}
+
 TEST_F(PanelTest, InAWideWindowBothAreOpenBesideEachOther) {
   for (const auto& [width, height] : {std::pair(1280, 800), std::pair(700, 500), std::pair(900, 200), std::pair(2560, 1400)}) {
     SCOPED_TRACE(width);
