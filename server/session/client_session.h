@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <string>
 
@@ -119,21 +120,33 @@ class ClientSession {
     window_.restart();
     return true;
   }
-  // Whatever stream it has is over.
-  void park() {
+  // The stream it has or waits for, and what writes it, if anything does.
+  struct Stream {
+    std::shared_ptr<SessionWriter> writer;
+    uint64_t number = 0;
+  };
+  Stream stream() const {
     std::lock_guard lock(mutex_);
+    return {writer_.lock(), stream_};
+  }
+  std::shared_ptr<SessionWriter> writer() const { return stream().writer; }
+  // That stream is over, whether it has begun or not. Nothing if the session has gone on to another.
+  void give_up(uint64_t stream) {
+    std::lock_guard lock(mutex_);
+    if (stream != stream_) return;
     state_ = State::Parked;
     writer_.reset();
     window_.restart();
   }
-  std::shared_ptr<SessionWriter> writer() const {
-    std::lock_guard lock(mutex_);
-    return writer_.lock();
-  }
 
+  // False when its stream has to end: too many wait, or there is no memory for this one.
   bool add_event(const v1::SessionEvent& event) {
     std::lock_guard lock(mutex_);
-    return state_ == State::Parked || window_.add_event(event);
+    try {
+      return state_ == State::Parked || window_.add_event(event);
+    } catch (const std::bad_alloc&) {
+      return false;
+    }
   }
   // What its frames are, as it joined last.
   v1::JoinRequest::Encoding encoding() const {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
+#include <iterator>
 #include <utility>
 
 #include "core/clock.h"
@@ -22,6 +23,36 @@ constexpr std::chrono::milliseconds kSweepInterval{100};
 constexpr int64_t kDropInterval_ns = 1'000'000'000;
 // When an asset that could not be encoded is tried again.
 constexpr int64_t kEncodeAgainAfter_ns = 1'000'000'000;
+// When memory that is short is asked for again.
+constexpr std::chrono::milliseconds kMemoryPause{5};
+
+// Nothing is copied, and nothing is changed when there is no memory for both.
+template <class Happened>
+void go_before(std::vector<Happened>& older, std::vector<Happened>& newer) {
+  if (older.empty()) return;
+  older.reserve(older.size() + newer.size());
+  std::move(newer.begin(), newer.end(), std::back_inserter(older));
+  newer.swap(older);
+  older.clear();
+}
+
+// Ids are never used twice, so all that came, then all that changed, then all that went is the order of any number of ticks.
+void go_before(SteppedTick& older, SteppedTick& newer) {
+  go_before(older.added, newer.added);
+  go_before(older.changed, newer.changed);
+  go_before(older.removed, newer.removed);
+}
+
+// Of what waits for its kernels: as clients know it, or not at all.
+void show_held(DriverFrame& drivers, const auto& held_objects) {
+  if (held_objects.empty()) return;
+  std::erase_if(drivers.objects, [&](ObjectDrivers& one) {
+    const auto held = held_objects.find(one.object_id);
+    if (held == held_objects.end()) return false;
+    if (held->second.shown) one = *held->second.shown;
+    return !held->second.shown;
+  });
+}
 
 }  // namespace
 
@@ -45,12 +76,8 @@ void FramePublisher::publish(SteppedTick tick) {
   {
     std::lock_guard lock(mutex_);
     if (waiting_) {
-      // Ids are never used twice, so all that came, then all that changed, then all that went is the order of any number
-      // of ticks.
       ++skipped_;
-      tick.added.insert(tick.added.begin(), waiting_->added.begin(), waiting_->added.end());
-      tick.changed.insert(tick.changed.begin(), waiting_->changed.begin(), waiting_->changed.end());
-      tick.removed.insert(tick.removed.begin(), waiting_->removed.begin(), waiting_->removed.end());
+      go_before(*waiting_, tick);
     }
     waiting_ = std::move(tick);
   }
@@ -67,13 +94,41 @@ void FramePublisher::run() {
       tick = std::move(waiting_);
       waiting_.reset();
     }
-    if (tick) deliver(*std::move(tick));
-    const int64_t now = now_ns();
-    table_.sweep(now);
-    if (now - dropped_ns_ < kDropInterval_ns) continue;
-    dropped_ns_ = now;
-    assets_.drop_unused(table_.asset_hashes(), now);
+    try {
+      if (tick) take(*std::move(tick));
+      const int64_t now = now_ns();
+      table_.sweep(now);
+      if (now - dropped_ns_ < kDropInterval_ns) continue;
+      dropped_ns_ = now;
+      assets_.drop_unused(table_.asset_hashes(), now);
+    } catch (const std::exception& error) {  // memory is short now, and may not be the next time
+      note_short(error.what());
+    }
   }
+}
+
+void FramePublisher::take(SteppedTick tick) {
+  while (left_out_) {
+    try {
+      go_before(*left_out_, tick);
+      left_out_.reset();
+    } catch (const std::exception& error) {
+      note_short(error.what());
+      std::unique_lock lock(mutex_);
+      if (changed_.wait_for(lock, kMemoryPause, [&] { return stopping_; })) return;
+    }
+  }
+  try {
+    deliver(tick);
+  } catch (const std::exception& error) {
+    left_out_ = std::move(tick);
+    note_short(error.what());
+  }
+}
+
+void FramePublisher::note_short(const char* why) {
+  if (std::exchange(told_of_shortage_, true)) return;
+  log_warn("a frame is left out: %s; what happened in it is told with the next", why);
 }
 
 SessionTable::Object FramePublisher::describe(const SceneObject& object) {
@@ -93,15 +148,13 @@ void FramePublisher::encode(const std::shared_ptr<const GaussianAsset>& asset, b
 void FramePublisher::encode_next() {
   if (encoding_.valid()) {
     if (encoding_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
-    if (const std::string failed = encoding_.get(); !failed.empty()) note_failed(failed);
-    encoded_.reset();
+    note_encoded(encoding_.get());
   }
   if (now_ns() < encode_after_ns_) return;
   // What another has encoded meanwhile, and what nobody draws any more.
   std::erase_if(to_encode_, [&](const auto& asset) { return asset.use_count() == 1 || assets_.has(asset); });
   if (to_encode_.empty()) return;
-  encoded_ = std::move(to_encode_.front());
-  to_encode_.pop_front();
+  encoded_ = to_encode_.front();
   try {
     encoding_ = std::async(std::launch::async, [this, asset = encoded_]() -> std::string {
       try {
@@ -112,20 +165,25 @@ void FramePublisher::encode_next() {
       }
     });
   } catch (const std::exception& error) {  // there is no thread for it
-    note_failed(error.what());
-    encoded_.reset();
+    note_encoded(error.what());
   }
 }
 
-void FramePublisher::note_failed(const std::string& why) {
-  to_encode_.push_back(encoded_);
+void FramePublisher::note_encoded(const std::string& failed) {
+  const auto done = std::find(to_encode_.begin(), to_encode_.end(), encoded_);
+  encoded_.reset();
+  if (failed.empty()) {
+    if (done != to_encode_.end()) to_encode_.erase(done);
+    return;
+  }
+  if (done != to_encode_.end()) std::rotate(done, done + 1, to_encode_.end());
   encode_after_ns_ = now_ns() + kEncodeAgainAfter_ns;
   if (std::exchange(told_of_failure_, true)) return;
-  log_warn("an object's kernels cannot be encoded: %s; clients see it as it was; trying again each second", why.c_str());
+  log_warn("an object's kernels cannot be encoded: %s; clients see it as it was; trying again each second", failed.c_str());
 }
 
-void FramePublisher::hold(const SceneObject& object, bool known) {
-  Held& held = held_[object.id];
+void FramePublisher::hold(const SceneObject& object, bool known, Waiting& waiting) {
+  Held& held = waiting.held[object.id];
   held.object = object;
   held.known = known;
   encode(object.asset, true);
@@ -135,49 +193,49 @@ void FramePublisher::hold(const SceneObject& object, bool known) {
   if (shown != before.end()) held.shown = *shown;
 }
 
-FramePublisher::Events FramePublisher::take_events(const SteppedTick& tick) {
+FramePublisher::Events FramePublisher::take_events(const SteppedTick& tick, Waiting& waiting) {
   encode_next();
   Events events;
   for (const SceneObject& object : tick.added) {
     if (assets_.has(object.asset))
       events.added.push_back(object);
     else
-      hold(object, false);
+      hold(object, false, waiting);
   }
   for (const SceneObject& object : tick.changed) {
-    if (const auto held = held_.find(object.id); held != held_.end()) {
+    if (const auto held = waiting.held.find(object.id); held != waiting.held.end()) {
       held->second.object = object;
       encode(object.asset, true);
       continue;
     }
     // What has just been cut is told of when its other kernels are encoded; by then it may have broken.
     const bool cut = object.broken && object.rest.revision == 0 && !assets_.has(object.broken->asset);
-    const bool waits = cut && !cut_.contains(object.id);
+    const bool waits = cut && !waiting.cut.contains(object.id);
     if (cut) {
       encode(object.broken->asset, false);
-      cut_.insert_or_assign(object.id, object);
+      waiting.cut.insert_or_assign(object.id, object);
     } else {
-      cut_.erase(object.id);
+      waiting.cut.erase(object.id);
     }
     if (!assets_.has(object.asset))
-      hold(object, true);
+      hold(object, true, waiting);
     else if (!waits)
       events.changed.push_back(object);
   }
   for (const uint32_t id : tick.removed) {
-    cut_.erase(id);
-    const auto held = held_.find(id);
-    const bool known = held == held_.end() || held->second.known;
-    if (held != held_.end()) held_.erase(held);
+    waiting.cut.erase(id);
+    const auto held = waiting.held.find(id);
+    const bool known = held == waiting.held.end() || held->second.known;
+    if (held != waiting.held.end()) waiting.held.erase(held);
     if (known) events.removed.push_back(id);
   }
-  std::erase_if(held_, [&](const auto& one) {
+  std::erase_if(waiting.held, [&](const auto& one) {
     const Held& held = one.second;
     if (!assets_.has(held.object.asset)) return false;
     (held.known ? events.changed : events.added).push_back(held.object);
     return true;
   });
-  std::erase_if(cut_, [&](const auto& one) {
+  std::erase_if(waiting.cut, [&](const auto& one) {
     if (!assets_.has(one.second.broken->asset)) return false;
     events.changed.push_back(one.second);
     return true;
@@ -186,19 +244,10 @@ FramePublisher::Events FramePublisher::take_events(const SteppedTick& tick) {
   return events;
 }
 
-void FramePublisher::show_held(DriverFrame& drivers) const {
-  if (held_.empty()) return;
-  std::erase_if(drivers.objects, [&](ObjectDrivers& one) {
-    const auto held = held_.find(one.object_id);
-    if (held == held_.end()) return false;
-    if (held->second.shown) one = *held->second.shown;
-    return !held->second.shown;
-  });
-}
-
-void FramePublisher::deliver(SteppedTick tick) {
-  const Events events = take_events(tick);
-  show_held(tick.drivers);
+void FramePublisher::deliver(SteppedTick& tick) {
+  Waiting waiting = waits_;
+  const Events events = take_events(tick, waiting);
+  show_held(tick.drivers, waiting.held);
   std::vector<SessionTable::Object> added, changed;
   for (const SceneObject& object : events.added) added.push_back(describe(object));
   for (const SceneObject& object : events.changed) changed.push_back(describe(object));
@@ -207,15 +256,21 @@ void FramePublisher::deliver(SteppedTick tick) {
   published->step_ms = tick.step_ms;
   published->run = tick.run;
   published->hands = std::move(tick.hands);
+  kernels_.take(events.added, events.changed, events.removed);
+  const uint64_t event_number = table_.deliver(published, added, changed, events.removed);
+  waits_ = std::move(waiting);
   last_ = published;
   {
     std::lock_guard lock(mutex_);
     ++frames_;
   }
-  const uint64_t event_number = table_.deliver(published, added, changed, events.removed);
-  kernels_.publish(published, events.added, events.changed, events.removed);
-  if (fan_out_ && fan_out_->heard())
-    fan_out_->publish({table_.instance(), event_number, tick.stepped_ns, published->drivers()});
+  kernels_.publish(published);
+  try {
+    if (fan_out_ && fan_out_->heard())
+      fan_out_->publish({table_.instance(), event_number, tick.stepped_ns, published->drivers()});
+  } catch (const std::exception& error) {  // a publication is followed by the next
+    note_short(error.what());
+  }
 }
 
 PublisherSummary FramePublisher::summary() const {

@@ -40,15 +40,22 @@ void KernelPublisher::begin_with(std::span<const SceneObject* const> objects) {
   for (const SceneObject* object : objects) objects_.push_back(*object);
 }
 
-void KernelPublisher::publish(std::shared_ptr<PublishedTick> tick, std::span<const SceneObject> added,
-                              std::span<const SceneObject> changed, std::span<const uint32_t> removed) {
+void KernelPublisher::take(std::span<const SceneObject> added, std::span<const SceneObject> changed,
+                           std::span<const uint32_t> removed) {
+  if (added.empty() && changed.empty() && removed.empty()) return;
+  std::lock_guard lock(mutex_);
+  objects_.insert(objects_.end(), added.begin(), added.end());
+  objects_.insert(objects_.end(), changed.begin(), changed.end());
+  removed_.insert(removed_.end(), removed.begin(), removed.end());
+  taken_ = true;
+}
+
+void KernelPublisher::publish(std::shared_ptr<PublishedTick> tick) {
   const bool wanted = table_.wants(v1::JoinRequest::KERNELS) || table_.wants(v1::JoinRequest::KERNELS_EXACT);
-  if (!wanted && added.empty() && changed.empty() && removed.empty()) return;
   {
     std::lock_guard lock(mutex_);
-    objects_.insert(objects_.end(), added.begin(), added.end());
-    objects_.insert(objects_.end(), changed.begin(), changed.end());
-    removed_.insert(removed_.end(), removed.begin(), removed.end());
+    const bool news = std::exchange(taken_, false);
+    if (!wanted && !news) return;
     waiting_ = std::move(tick);
   }
   changed_.notify_one();

@@ -23,9 +23,10 @@ class KernelPublisher {
 
   // What there is before the first tick.
   void begin_with(std::span<const SceneObject* const> objects);
-  // What came, changed and went, then the tick. Any thread, one at a time; returns at once.
-  void publish(std::shared_ptr<PublishedTick> tick, std::span<const SceneObject> added, std::span<const SceneObject> changed,
-               std::span<const uint32_t> removed);
+  // What comes, changes and goes with the next tick that is published. What is told twice is taken once. Any thread, one at a
+  // time, as the next; both return at once.
+  void take(std::span<const SceneObject> added, std::span<const SceneObject> changed, std::span<const uint32_t> removed);
+  void publish(std::shared_ptr<PublishedTick> tick);
 
  private:
   void run();
@@ -41,6 +42,7 @@ class KernelPublisher {
   std::shared_ptr<PublishedTick> waiting_;
   std::vector<SceneObject> objects_;  // in order; ids are never used twice, so those that went go last
   std::vector<uint32_t> removed_;
+  bool taken_ = false;  // since the last tick
   bool stopping_ = false;
 
   std::thread thread_;

@@ -19,6 +19,12 @@ std::string random_id() {
   return text;
 }
 
+std::shared_ptr<const ObjectReaches> reaches_of(std::span<const SessionTable::Object> objects) {
+  auto reaches = std::make_shared<ObjectReaches>();
+  for (const SessionTable::Object& object : objects) reaches->emplace(object->object_id(), object->reach_m());
+  return reaches;
+}
+
 }  // namespace
 
 SessionTable::SessionTable() : instance_(random_id()) {}
@@ -31,7 +37,7 @@ void SessionTable::open(std::string scene, double rate_hz, std::vector<Object> o
   rate_hz_ = rate_hz;
   objects_ = std::move(objects);
   for (Object& object : objects_) object = with_proposal(std::move(object));
-  note_reaches();
+  reaches_ = reaches_of(objects_);
   inputs_ = &inputs;
   open_ = true;
 }
@@ -54,7 +60,6 @@ void SessionTable::close(const std::string& reason) {
 }
 
 Result<SessionTable::Joined> SessionTable::join(std::string_view resumed_id, ClientIdentity who, const JoinTerms& terms) {
-  std::shared_ptr<ClientSession> parked_longest;
   std::shared_ptr<SessionWriter> left;
   Joined joined;
   {
@@ -66,6 +71,7 @@ Result<SessionTable::Joined> SessionTable::join(std::string_view resumed_id, Cli
       left = joined.session->rejoin(now_ns(), terms);
     } else {
       if (sessions_.size() >= most_) {
+        std::shared_ptr<ClientSession> parked_longest;
         for (const auto& [id, session] : sessions_) {
           if (session->state() == ClientSession::State::Parked &&
               (!parked_longest || session->heard_ns < parked_longest->heard_ns)) {
@@ -76,6 +82,7 @@ Result<SessionTable::Joined> SessionTable::join(std::string_view resumed_id, Cli
           return Error{ErrorCode::TooLarge,
                        std::to_string(most_) + " clients are here already; try again later, or start the server with a larger --clients"};
         }
+        remove(*parked_longest, lock);
       }
       joined.session = std::make_shared<ClientSession>(random_id(), next_number_++, now_ns(), std::move(who), terms);
       sessions_.emplace(joined.session->id, joined.session);
@@ -84,7 +91,6 @@ Result<SessionTable::Joined> SessionTable::join(std::string_view resumed_id, Cli
     joined.objects = objects_;
   }
   if (left) left->abort();
-  if (parked_longest) remove(*parked_longest);
   return joined;
 }
 
@@ -110,29 +116,31 @@ void SessionTable::stream_ended(ClientSession& session, uint64_t stream, bool in
 }
 
 void SessionTable::remove(const ClientSession& session) {
-  InputSink* inputs = nullptr;
-  {
-    std::lock_guard lock(mutex_);
-    const auto found = sessions_.find(session.id);
-    if (found == sessions_.end()) return;
-    totals_.frames_sent += session.frames_sent();
-    totals_.frames_replaced += session.frames_replaced();
-    inputs = inputs_;
-    sessions_.erase(found);
-  }
-  if (inputs != nullptr) inputs->forget(session.number);
+  std::lock_guard lock(mutex_);
+  remove(session, lock);
+}
+
+void SessionTable::remove(const ClientSession& session, const std::lock_guard<std::mutex>&) {
+  const auto found = sessions_.find(session.id);
+  if (found == sessions_.end()) return;
+  totals_.frames_sent += session.frames_sent();
+  totals_.frames_replaced += session.frames_replaced();
+  const std::shared_ptr<ClientSession> last_share = std::move(found->second);
+  sessions_.erase(found);
+  if (inputs_ != nullptr) inputs_->forget(last_share->number);
 }
 
 void SessionTable::end(ClientSession& session, const Error& why) {
   log_info("session %.8s: ended: %s", session.id.c_str(), why.message.c_str());
-  if (const auto writer = session.writer()) {
+  const ClientSession::Stream stream = session.stream();
+  if (stream.writer) {
     {
       std::lock_guard lock(mutex_);
-      ending_.push_back({writer, now_ns()});
+      ending_.push_back({stream.writer, now_ns()});
     }
-    writer->end(why);
+    stream.writer->end(why);
   }
-  session.park();
+  session.give_up(stream.number);
   remove(session);
 }
 
@@ -156,42 +164,44 @@ Result<std::string> SessionTable::end_session(std::string_view id_begin, const E
   return found->id;
 }
 
-void SessionTable::note_reaches() {
-  auto reaches = std::make_shared<ObjectReaches>();
-  for (const Object& object : objects_) reaches->emplace(object->object_id(), object->reach_m());
-  reaches_ = std::move(reaches);
-}
-
 uint64_t SessionTable::deliver(std::shared_ptr<PublishedTick> tick, std::span<const Object> added,
                                std::span<const Object> changed, std::span<const uint32_t> removed) {
   uint64_t event_number = 0;
   std::vector<std::shared_ptr<ClientSession>> sessions;
-  std::vector<std::shared_ptr<ClientSession>> not_reading;
+  std::vector<NotReading> not_reading;
   {
     std::lock_guard lock(mutex_);
-    tick_ = tick->tick();
+    // All that takes memory comes first: short of it, nobody is told anything.
+    sessions.reserve(sessions_.size());
+    not_reading.reserve(sessions_.size());
     std::vector<v1::SessionEvent> events;
+    const bool news = !added.empty() || !changed.empty() || !removed.empty();
+    std::vector<Object> objects = news ? objects_ : std::vector<Object>();
     for (const Object& object : added) {
-      objects_.push_back(with_proposal(object));
-      *events.emplace_back().mutable_object_added() = *objects_.back();
+      objects.push_back(with_proposal(object));
+      *events.emplace_back().mutable_object_added() = *objects.back();
     }
     for (const Object& object : changed) {
-      const auto known = std::find_if(objects_.begin(), objects_.end(), [&](const Object& one) {
+      const auto known = std::find_if(objects.begin(), objects.end(), [&](const Object& one) {
         return one->object_id() == object->object_id();
       });
-      if (known == objects_.end()) continue;  // it went meanwhile
+      if (known == objects.end()) continue;  // it went meanwhile
       *known = with_proposal(object);
       *events.emplace_back().mutable_object_changed() = **known;
     }
     for (uint32_t id : removed) {
-      std::erase_if(objects_, [&](const Object& object) { return object->object_id() == id; });
+      std::erase_if(objects, [&](const Object& object) { return object->object_id() == id; });
       events.emplace_back().mutable_object_removed()->set_object_id(id);
     }
+    if (news) {
+      reaches_ = reaches_of(objects);
+      objects_ = std::move(objects);
+    }
+    tick_ = tick->tick();
     event_number = event_number_ += events.size();
-    if (!events.empty()) note_reaches();
     tick->reaches = reaches_;
     for (const auto& [id, session] : sessions_) sessions.push_back(session);
-    not_reading = tell(events);
+    tell(events, not_reading);
   }
   for (const auto& session : sessions) {
     session->offer(tick);
@@ -201,23 +211,21 @@ uint64_t SessionTable::deliver(std::shared_ptr<PublishedTick> tick, std::span<co
   return event_number;
 }
 
-std::vector<std::shared_ptr<ClientSession>> SessionTable::tell(std::span<const v1::SessionEvent> events) {
-  std::vector<std::shared_ptr<ClientSession>> not_reading;
+void SessionTable::tell(std::span<const v1::SessionEvent> events, std::vector<NotReading>& not_reading) {
   for (const auto& [id, session] : sessions_) {
     for (const v1::SessionEvent& event : events) {
       if (!session->add_event(event)) {
-        not_reading.push_back(session);
+        not_reading.push_back({session, session->stream()});
         break;
       }
     }
   }
-  return not_reading;
 }
 
-void SessionTable::cut_off(std::span<const std::shared_ptr<ClientSession>> not_reading) {
-  for (const auto& session : not_reading) {
-    if (const auto writer = session->writer()) writer->abort();
-    session->park();  // when it comes back it is told of all there is
+void SessionTable::cut_off(std::span<const NotReading> not_reading) {
+  for (const auto& [session, stream] : not_reading) {
+    if (stream.writer) stream.writer->abort();
+    session->give_up(stream.number);  // when it comes back it is told of all there is
   }
 }
 
@@ -230,7 +238,7 @@ SessionTable::Object SessionTable::with_proposal(Object object) const {
 }
 
 void SessionTable::propose(const std::string& object, const v1::PhysicalParameters* proposal) {
-  std::vector<std::shared_ptr<ClientSession>> not_reading;
+  std::vector<NotReading> not_reading;
   {
     std::lock_guard lock(mutex_);
     proposal ? void(proposals_[object] = *proposal) : void(proposals_.erase(object));
@@ -243,7 +251,8 @@ void SessionTable::propose(const std::string& object, const v1::PhysicalParamete
       *events.emplace_back().mutable_object_changed() = *one;
     }
     event_number_ += events.size();
-    not_reading = tell(events);
+    not_reading.reserve(sessions_.size());
+    tell(events, not_reading);
   }
   for (const auto& session : sessions_now()) {
     if (const auto writer = session->writer()) writer->wake();
@@ -297,7 +306,7 @@ void SessionTable::sweep(int64_t now) {
     const int64_t patience_ns = state == ClientSession::State::Streaming ? kSilentAfter_ns
                                 : state == ClientSession::State::Parked  ? kParkedExpiry_ns
                                                                          : kJoinExpiry_ns;
-    const auto writer = session->writer();
+    const auto [writer, stream] = session->stream();
     if (silent_ns < patience_ns) {
       if (writer) writer->beat(now);
       continue;
@@ -306,10 +315,14 @@ void SessionTable::sweep(int64_t now) {
       log_info("session %.8s: silent for %.1f s, its stream ends", session->id.c_str(), seconds_from_ns(silent_ns));
       // First cancelled, then parked: else a client that hangs up in between is told that all went well.
       if (writer) writer->abort();
-      session->park();
+      session->give_up(stream);
     } else {
+      {
+        std::lock_guard lock(mutex_);  // under which clients come back
+        if (session->state() != state || now - session->heard_ns.load() < patience_ns) continue;
+        remove(*session, lock);
+      }
       log_info("session %.8s: silent for %.1f s, dropped", session->id.c_str(), seconds_from_ns(silent_ns));
-      remove(*session);
     }
   }
 }
@@ -329,13 +342,10 @@ std::vector<std::string> SessionTable::object_names() const {
 }
 
 void SessionTable::hear(const ClientSession& session, std::span<const InputSample> samples) {
-  InputSink* inputs = nullptr;
-  {
-    std::lock_guard lock(mutex_);
-    // Not after it was dropped.
-    if (session.who.grant.allows(v1::INTERACT) && sessions_.contains(session.id)) inputs = inputs_;
-  }
-  if (inputs != nullptr) inputs->hear(session.number, samples);
+  // The lock is held until it was heard: what comes after forget() would be kept for a session that nobody ends any more.
+  std::lock_guard lock(mutex_);
+  if (inputs_ != nullptr && session.who.grant.allows(v1::INTERACT) && sessions_.contains(session.id))
+    inputs_->hear(session.number, samples);
 }
 
 SessionTable::Status SessionTable::status() const {

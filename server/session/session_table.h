@@ -69,7 +69,8 @@ class SessionTable {
   // Ends the one session whose id begins so; its id. NotFound for none, InvalidArgument for several or too few digits.
   Result<std::string> end_session(std::string_view id_begin, const Error& why);
 
-  // A new tick for everybody, with what came, changed and went in it. The event number from then on.
+  // A new tick for everybody, with what came, changed and went in it. The event number from then on. When memory is short
+  // for it std::bad_alloc, and nothing was done; when it is for what one client is told, that one's stream ends.
   uint64_t deliver(std::shared_ptr<PublishedTick> tick, std::span<const Object> added,
                    std::span<const Object> changed, std::span<const uint32_t> removed);
   // Objects of this name are described with this answer of a model, which waits for a person; nullptr: none waits any
@@ -96,7 +97,7 @@ class SessionTable {
   // Of what clients may fetch now.
   std::set<std::string> asset_hashes() const;
   std::vector<std::shared_ptr<ClientSession>> sessions_now() const;
-  // Nothing of a session that may only look.
+  // Nothing of a session that may only look, and nothing once it was removed.
   void hear(const ClientSession& session, std::span<const InputSample> samples);
 
   struct Status {
@@ -114,12 +115,16 @@ class SessionTable {
   Totals totals() const;  // over sessions that have ended
 
  private:
-  void note_reaches();  // under the lock, when objects_ changed
   Object with_proposal(Object object) const;  // under the lock
-  // Tells everybody, under the lock; gives those who do not read, to be cut off without it.
-  std::vector<std::shared_ptr<ClientSession>> tell(std::span<const v1::SessionEvent> events);
-  static void cut_off(std::span<const std::shared_ptr<ClientSession>> not_reading);
+  // Tells everybody, under the lock; adds those who do not read, to be cut off without it, to a list with room for all.
+  struct NotReading {
+    std::shared_ptr<ClientSession> session;
+    ClientSession::Stream stream;
+  };
+  void tell(std::span<const v1::SessionEvent> events, std::vector<NotReading>& not_reading);
+  static void cut_off(std::span<const NotReading> not_reading);
   void remove(const ClientSession& session);
+  void remove(const ClientSession& session, const std::lock_guard<std::mutex>& lock);
   void end(ClientSession& session, const Error& why);
 
   const std::string instance_;

@@ -74,14 +74,14 @@ class TickRecorder {
   virtual void record(const TickActions& actions, const SteppedTick& tick, const Scene& scene) = 0;
 };
 
-// Takes what clients do. Any thread; returns at once.
+// Takes what clients do. Any thread, one at a time; returns at once and calls nobody who asks the session table.
 class InputSink {
  public:
   virtual ~InputSink() = default;
   // A sign of life of a session, with the samples it brought: oldest first, each already checked, repeated
   // ones welcome (a sequence that was seen before is skipped).
   virtual void hear(SessionNumber session, std::span<const InputSample> samples) = 0;
-  // The session is gone; what it held is let go.
+  // The session is gone; what it held is let go. It is not heard any more.
   virtual void forget(SessionNumber session) = 0;
 };
 

@@ -10,14 +10,15 @@
 #include "server/physics/elastic_bodies.h"
 
 // Four elastic blocks of 28 cm (1e4 Pa, 10 x 10 x 10 cells each) that are torn to and fro by springs whose targets jump
-// about, up to 0.3 m twice a second, while 200 boxes of 4 cm fall onto a floor among them.
+// about, up to 0.3 m twice a second, while 200 boxes of 4 cm fall onto a floor among them. Blocks of another side have as many cells
+// and are pulled by springs as stiff for their faces.
 
 namespace livegs::bench {
 
 inline constexpr int kBlocks = 4, kBoxes = 200;
 inline constexpr double kSide_m = 0.28;
 
-inline World dragged_blocks() {
+inline World dragged_blocks(double side_m = kSide_m) {
   WorldSettings settings;
   World world(settings);
   Collider floor;
@@ -26,7 +27,7 @@ inline World dragged_blocks() {
   world.add_collider(floor);
   for (uint32_t i = 0; i < kBlocks; ++i) {
     ElasticBodyDescription block =
-        test::describe(test::particle_grid(Eigen::Vector3d::Constant(kSide_m), kSide_m / 10), 1e4, 0.3, kSide_m / 10);
+        test::describe(test::particle_grid(Eigen::Vector3d::Constant(side_m), side_m / 10), 1e4, 0.3, side_m / 10);
     block.object_id = i + 1;
     block.material.loss_factor = 0.1;
     block.world_from_object.position_m = {0.8 * (i % 2), 0.5, 0.8 * (i / 2)};
@@ -49,17 +50,18 @@ inline World dragged_blocks() {
   return world;
 }
 
-inline void drag(World& world, uint64_t tick) {
+inline void drag(World& world, uint64_t tick, double side_m = kSide_m) {
+  const double face = side_m * side_m / (kSide_m * kSide_m);
   for (uint32_t i = 0; i < kBlocks; ++i) {
     const uint64_t jump = tick / 45 + i;
     const Eigen::Vector3d away(0.3 * std::sin(2.1 * static_cast<double>(jump)),
                         0.3 + 0.2 * std::sin(3.7 * static_cast<double>(jump)),
                         0.3 * std::cos(1.3 * static_cast<double>(jump)));
     world.set_spring(i, i + 1,
-                     {{0.4 * kSide_m, 0.4 * kSide_m, 0.0},
+                     {{0.4 * side_m, 0.4 * side_m, 0.0},
                       Eigen::Vector3d(0.8 * (i % 2), 0.3, 0.8 * (i / 2)) + away,
-                      2000.0,
-                      400.0});
+                      2000.0 * face,
+                      400.0 * face});
   }
 }
 

@@ -13,11 +13,11 @@ namespace livegs::bench {
 namespace {
 
 // The best reached, and a little for motions that come out otherwise when the physics change.
-constexpr double kMostBytesP95 = 12'000, kMostMbit_s = 7.6, kMostOff_mm = 0.0496;
+constexpr double kMostBytesP95 = 10'500, kMostMbit_s = 6.5, kMostOff_mm = 0.0496;
 constexpr double kGoalBytesP95 = 12'000, kGoalMbit_s = 8, kGoalOff_mm = 0.05;
 // Of turns the goal is 0.1 degree for all kernels, and is missed. Some are in cells that are crushed, where a step of the grid is a large
 // turn: held is what all but a thousandth have, how many turn by more, and of the largest, which hangs on which cell is crushed, little.
-constexpr double kMostTurnP999_deg = 0.085, kMostTurn_deg = 14.0, kMostTurned_percent = 0.065, kGoalTurn_deg = 0.1;
+constexpr double kMostTurnP999_deg = 0.085, kMostTurn_deg = 4.0, kMostTurned_percent = 0.065, kGoalTurn_deg = 0.1;
 constexpr size_t kKernelsABlock = 5000, kLookedAtEvery = 45;
 
 TEST(DraggedBytes, FourTornBlocksAndTwoHundredBoxesFitANarrowLink) {
@@ -29,6 +29,9 @@ TEST(DraggedBytes, FourTornBlocksAndTwoHundredBoxesFitANarrowLink) {
   StreamReader reader;
   std::vector<double> sizes;
   float off_m = 0;
+  // How far each object's first driver went from tick to tick.
+  std::vector<double> gone_m(kBlocks + kBoxes, 0);
+  std::vector<Eigen::Vector3d> last_m;
   for (int i = 0; i < 540; ++i) {
     drag(world, world.tick());
     world.step();
@@ -37,6 +40,13 @@ TEST(DraggedBytes, FourTornBlocksAndTwoHundredBoxesFitANarrowLink) {
     baseline = encoded.next;
     const auto read = reader.read(encoded.bytes);
     ASSERT_TRUE(read) << read.error().message;
+    ASSERT_EQ(frame.objects.size(), gone_m.size());
+    ASSERT_EQ(read->objects.size(), gone_m.size());
+    std::vector<Eigen::Vector3d> places_m;
+    for (const ObjectDrivers& one : read->objects)
+      places_m.push_back(one.kind == DriverKind::Rigid ? one.poses.at(0).position_m : one.positions_m.at(0).cast<double>());
+    for (size_t k = 0; k < last_m.size(); ++k) gone_m[k] += (places_m[k] - last_m[k]).norm();
+    last_m = std::move(places_m);
     if (i < 90) continue;
     sizes.push_back(static_cast<double>(encoded.bytes.size()));
     for (size_t block = 0; block < kBlocks; ++block) {
@@ -45,6 +55,8 @@ TEST(DraggedBytes, FourTornBlocksAndTwoHundredBoxesFitANarrowLink) {
       if (i % kLookedAtEvery == 0) add_errors(bound[block].pose(frame.objects[block]), bound[block].pose(read->objects[block]), kernels);
     }
   }
+  // They are what the figures are said to be of: blocks that are torn about, 0.3 m twice a second, and boxes that fall half a metre.
+  for (size_t k = 0; k < gone_m.size(); ++k) EXPECT_GT(gone_m[k], k < kBlocks ? 2.0 : 0.4) << "m, object " << k;
   double mean = 0;
   for (const double size : sizes) mean += size / static_cast<double>(sizes.size());
   std::sort(sizes.begin(), sizes.end());

@@ -78,8 +78,12 @@ std::string Program::first_line() {
   return line;
 }
 
-bool Program::says(const std::string& text) {
-  return wait_for("err", [&](const std::string& all) { return all.find(text) != std::string::npos; });
+bool Program::says_often(const std::string& text, size_t times) {
+  return wait_for("err", [&](const std::string& all) {
+    size_t said = 0;
+    for (size_t at = all.find(text); at != std::string::npos && said < times; at = all.find(text, at + text.size())) ++said;
+    return said >= times;
+  });
 }
 
 bool Program::wait_for(const std::string& name, const std::function<bool(const std::string&)>& enough) {

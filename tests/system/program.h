@@ -27,8 +27,9 @@ class Program {
   std::string err() const;
   // Waits for the first whole line on its standard output; empty when it ends without one.
   std::string first_line();
-  // Waits until this stands in its standard error; false when it ends without it.
-  bool says(const std::string& text);
+  // Waits until this stands in its standard error, so often; false when it ends without it.
+  bool says(const std::string& text) { return says_often(text, 1); }
+  bool says_often(const std::string& text, size_t times);
 
  private:
   bool wait_for(const std::string& name, const std::function<bool(const std::string&)>& enough);

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -43,6 +45,15 @@ class Programs : public ::testing::Test {
                                       "--threads",   "1"};
     words.insert(words.end(), more.begin(), more.end());
     return words;
+  }
+  // Of the frames that a client with this output got.
+  std::vector<uint64_t> ticks_of(const std::string& output) const {
+    std::ifstream file(folder_ / output / "frames.csv");
+    std::string line;
+    std::getline(file, line);  // the header
+    std::vector<uint64_t> ticks;
+    while (std::getline(file, line)) ticks.push_back(std::stoull(line));
+    return ticks;
   }
   // Exactly one line on standard error, which names this, and nothing on standard output.
   static void expect_one_line(const Program& program, const std::string& named) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <thread>
 
@@ -12,6 +13,7 @@
 #include "stream/retry_schedule.h"
 #include "stream/session_client.h"
 #include "system/fault_proxy.h"
+#include "system/lateness.h"
 #include "system/served_scene.h"
 #include "viewer/offscreen_run.h"
 
@@ -20,10 +22,14 @@ namespace {
 
 constexpr int kNobody = 1;  // a port on which connections are refused at once
 
-// The goals. `resume_bench` measured at most 139 and 145 ms of ten each (resume.csv, frames_again_ms). Beside other work everything
-// takes longer, but not each time: the best of three has to be within the goal.
+// The goals. `resume_bench` measured at most 139 and 145 ms of ten each (resume.csv, frames_again_ms). Each time has to be within
+// the goal, but that beside other work each of the waits on the way may be late: the pause, the connection's handshake, Join and its
+// reply, the stream, its first message, the tick, the frame, and what hands them over on both sides.
 constexpr double kAfterCut_ms = 300, kAfterRestart_ms = 500;
-constexpr size_t kTries = 3;
+constexpr int kWaits = 10;
+constexpr double kRetryPause_ms = 150;
+constexpr size_t kTimes = 3;
+constexpr int64_t kCut_ns = 5'000'000'000;
 
 // How long after `moment_ns` the first frame came that came after it.
 double first_frame_after_ms(const SinkLog::State& state, int64_t moment_ns) {
@@ -77,27 +83,27 @@ TEST_F(Resume, AResetConnectionLosesNeitherSessionNorScene) {
 // fresh connection every 150 ms, and that the first that can brings the frames.
 TEST_F(Resume, AfterACutTheFirstConnectionBringsTheFrames) {
   start();
-  double best_ms = 1e9;
-  for (size_t cuts = 1; cuts <= kTries && best_ms > kAfterCut_ms; ++cuts) {
-    const uint64_t before = proxy_->connections();
-    proxy_->cut();
-    const int64_t cut_ns = now_ns();
-    ASSERT_TRUE(sink_.wait([&](const SinkLog::State& state) { return state.lost.size() >= cuts; }));
-    EXPECT_GE(seconds_from_ns(now_ns() - cut_ns), 0.9);
-    sleep_until_ns(cut_ns + 2'700'000'000);
-    EXPECT_EQ(served_->server->streaming_count(), 0u);  // given up after two seconds and a sweep
-    const uint64_t tried = proxy_->connections();
-    EXPECT_GE(tried - before, 5u);
-    proxy_->heal();
-    const int64_t healed_ns = now_ns();
-    ASSERT_TRUE(sink_.wait_resumed(cuts));
-    EXPECT_LE(proxy_->connections(), tried + 2);
-    ASSERT_TRUE(sink_.wait_frames(5));
-    const double ms = first_frame_after_ms(sink_.state(), healed_ns);
-    std::printf("moving %.0f ms after a cut of 2.7 s healed (goal %.0f)\n", ms, kAfterCut_ms);
-    best_ms = std::min(best_ms, ms);
-  }
-  EXPECT_LE(best_ms, kAfterCut_ms);
+  const uint64_t before = proxy_->connections();
+  proxy_->cut();
+  const int64_t cut_ns = now_ns();
+  ASSERT_TRUE(sink_.wait([](const SinkLog::State& state) { return !state.lost.empty(); }));
+  EXPECT_GE(seconds_from_ns(now_ns() - cut_ns), 0.9);
+  sleep_until_ns(cut_ns + kCut_ns);
+  EXPECT_EQ(served_->server->streaming_count(), 0u);  // given up after two seconds and a sweep
+  const uint64_t tried = proxy_->connections();
+  EXPECT_GE(tried - before, 10u);
+  Lateness lateness;
+  proxy_->heal();
+  const int64_t healed_ns = now_ns();
+  ASSERT_TRUE(sink_.wait_resumed(1));
+  const uint64_t needed = proxy_->connections() - tried;
+  ASSERT_TRUE(sink_.wait_frames(20));
+  const double late_ms = lateness.p99_ms(), ms = first_frame_after_ms(sink_.state(), healed_ns);
+  std::printf("moving %.0f ms after a cut of %.0f s healed (goal %.0f); the machine is late by %.1f ms\n", ms, seconds_from_ns(kCut_ns),
+              kAfterCut_ms, late_ms);
+  EXPECT_LE(ms, kAfterCut_ms + kWaits * late_ms);
+  // The one that was being made, the first that can, and those for which there was time beyond the goal.
+  EXPECT_LE(static_cast<double>(needed), 2 + std::ceil(std::max(0.0, ms - kAfterCut_ms) / kRetryPause_ms));
   const SinkLog::State state = sink_.state();
   EXPECT_TRUE(state.resumed.front().same_server);
   EXPECT_TRUE(state.added.empty() && state.changed.empty() && state.removed.empty());
@@ -155,21 +161,20 @@ TEST(RetrySchedule, LeavesNoPauseLongerThanTheBarsAllow) {
 // The server's end, as a client sees it: its connections are reset and its port answers no more.
 TEST_F(Resume, AServerThatIsStartedAnewHasTheSameScene) {
   start();
-  double best_ms = 1e9;
-  for (size_t ends = 1; ends <= kTries && best_ms > kAfterRestart_ms; ++ends) {
+  for (size_t ends = 1; ends <= kTimes; ++ends) {
     proxy_->set_server(kNobody);
     proxy_->reset();
     ASSERT_TRUE(sink_.wait([&](const SinkLog::State& state) { return state.lost.size() >= ends; }));
     served_ = std::make_unique<ServedScene>(box_scene());
+    Lateness lateness;
     proxy_->set_server(served_->port());
     const int64_t back_ns = now_ns();
     ASSERT_TRUE(sink_.wait_resumed(ends));
-    ASSERT_TRUE(sink_.wait_frames(5));
-    const double ms = first_frame_after_ms(sink_.state(), back_ns);
-    std::printf("moving %.0f ms after the server was back (goal %.0f)\n", ms, kAfterRestart_ms);
-    best_ms = std::min(best_ms, ms);
+    ASSERT_TRUE(sink_.wait_frames(20));
+    const double late_ms = lateness.p99_ms(), ms = first_frame_after_ms(sink_.state(), back_ns);
+    std::printf("moving %.0f ms after the server was back (goal %.0f); the machine is late by %.1f ms\n", ms, kAfterRestart_ms, late_ms);
+    EXPECT_LE(ms, kAfterRestart_ms + kWaits * late_ms);
   }
-  EXPECT_LE(best_ms, kAfterRestart_ms);
   EXPECT_TRUE(client_->stop());
   const SinkLog::State state = sink_.state();
   EXPECT_FALSE(state.resumed.back().same_server);

@@ -18,6 +18,12 @@ std::string text_of(const std::filesystem::path& path) {
   return text.str();
 }
 
+size_t count_of(const std::string& what, const std::string& text) {
+  size_t count = 0;
+  for (size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + what.size())) ++count;
+  return count;
+}
+
 class SecurePrograms : public Programs {
  protected:
   std::vector<std::string> secure_server(const std::string& state = "state", const std::string& port = "0") {
@@ -42,8 +48,8 @@ class SecurePrograms : public Programs {
     return program.out();
   }
   // A token of its own in a file of its name; the token.
-  std::string make_token(const std::string& port, const std::string& name, const std::string& scope) {
-    const std::string token = ctl(port, {"tokens", "add", name, "--scope", scope});
+  std::string make_token(const std::string& port, const std::string& name, const std::string& scope, const std::string& days = "90") {
+    const std::string token = ctl(port, {"tokens", "add", name, "--scope", scope, "--days", days});
     folder_.write(name, token);
     return token.substr(0, token.find('\n'));
   }
@@ -157,6 +163,35 @@ TEST_F(SecurePrograms, ARestartKeepsPairingAndTokensAndARevocationEndsAStream) {
   EXPECT_EQ(client.wait(), 1) << client.err();
   EXPECT_NE(client.err().find("\"good\" was revoked"), std::string::npos) << client.err();
   EXPECT_EQ(client.err().find("connecting again"), std::string::npos) << client.err();
+}
+
+// While a client is there, and afterwards: the token's own sentence, at once, and nothing else.
+TEST_F(SecurePrograms, ATokenThatExpiresEndsItsStreamAndLetsNobodyInAgain) {
+  Program server(secure_server());
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  make_token(port, "good", "interact");
+  const std::string code = pairing_code(port);
+  make_token(port, "guest", "view", "0.00017");  // 15 s
+  auto words = viewer(port, {"--pair", code, "--token-file", folder_ / "guest", "--reconnect", "60"}, "guest's pins", "0");
+  words.erase(std::find(words.begin(), words.end(), "--verbose"));
+  Program guest(words);
+  ASSERT_TRUE(server.says("streaming to")) << server.err() << guest.err();
+  Program host(viewer(port, {"--pair", code, "--token-file", folder_ / "good"}, "pins", "0"));
+  EXPECT_EQ(guest.wait(), 1) << guest.err();
+  const std::string err = guest.err(), answer = "the token \"guest\" has expired; ask who runs the server for a new one";
+  EXPECT_NE(err.find(answer), std::string::npos) << err;
+  EXPECT_EQ(err.find(answer), err.rfind(answer)) << err;
+  // It does not try again for that. (It does when a busy machine has it wait for a second.)
+  EXPECT_EQ(count_of("connecting again", err), count_of("nothing came from it for a second; connecting again", err)) << err;
+  for (const char* state : {"guest's pins", "nobody's pins"})
+    expect_refused(viewer(port, {"--pair", code, "--token-file", folder_ / "guest"}, state), answer);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "nobody's pins"));
+  EXPECT_NE(ctl(port, {"tokens", "list"}).find("expired"), std::string::npos);
+  // Others were not disturbed.
+  ASSERT_TRUE(server.says_often("streaming to", 2)) << server.err();
+  host.send(SIGINT);
+  EXPECT_EQ(host.wait(), 0) << host.err();
 }
 
 TEST_F(SecurePrograms, OtherMachinesAreLetInWithTlsAndTokensOnly) {

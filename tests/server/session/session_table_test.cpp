@@ -4,7 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <atomic>
+#include <condition_variable>
+#include <thread>
+
 #include "core/clock.h"
+#include "core/log.h"
 
 namespace livegs {
 namespace {
@@ -29,6 +35,59 @@ class Writer final : public SessionWriter {
   std::string ended;
   int beats = 0, overdue = 0;
   bool aborted = false;
+};
+
+// Takes its time over what it hears: until somebody is forgotten, or as long as it would wait for that.
+class SlowListener final : public InputSink {
+ public:
+  void hear(SessionNumber session, std::span<const InputSample>) override {
+    std::unique_lock lock(mutex_);
+    hearing_ = true;
+    changed_.notify_all();
+    changed_.wait_for(lock, std::chrono::milliseconds(50), [&] { return forgotten_ == session; });
+    if (forgotten_ == session) ++heard_after;
+    hearing_ = false;
+  }
+  void forget(SessionNumber session) override {
+    std::lock_guard lock(mutex_);
+    forgotten_ = session;
+    changed_.notify_all();
+  }
+  void wait_hearing() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return hearing_; });
+  }
+  int heard_after = 0;
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  SessionNumber forgotten_ = 0;
+  bool hearing_ = false;
+};
+
+// Counts what it hears of whom it has forgotten.
+class Attentive final : public InputSink {
+ public:
+  void hear(SessionNumber session, std::span<const InputSample>) override {
+    std::lock_guard lock(mutex_);
+    ++heard;
+    if (gone_.contains(session)) ++heard_after;
+  }
+  void forget(SessionNumber session) override {
+    std::lock_guard lock(mutex_);
+    if (!gone_.insert(session).second) ++forgotten_again;
+  }
+  size_t forgotten() {
+    std::lock_guard lock(mutex_);
+    return gone_.size();
+  }
+  int heard_after = 0, forgotten_again = 0;
+  size_t heard = 0;
+
+ private:
+  std::mutex mutex_;
+  std::set<SessionNumber> gone_;
 };
 
 class SessionTableTest : public ::testing::Test {
@@ -151,6 +210,69 @@ TEST_F(SessionTableTest, AStreamHasTheTermsOfItsOwnJoin) {
   EXPECT_FALSE(session->take(stream->stream, 0));
   session->offer(tick);
   EXPECT_TRUE(session->take(stream->stream, 0));
+}
+
+// What came of it after it was forgotten would be kept in the simulation for a session that nobody ends any more.
+TEST(SessionTable, WhoIsForgottenIsNotHeardAnyMore) {
+  SlowListener inputs;
+  SessionTable table;
+  table.open("scene", 90, {}, inputs);
+  const auto session = table.join()->session;
+  std::thread speaker([&] { table.hear(*session, {}); });
+  inputs.wait_hearing();
+  EXPECT_TRUE(table.end_session(session->id, invalid_argument("enough")));
+  speaker.join();
+  EXPECT_EQ(inputs.heard_after, 0);
+  table.hear(*session, {});
+  EXPECT_EQ(inputs.heard_after, 0);
+}
+
+// Two clients that speak, join again, are kicked, revoked and looked after, and in the end the server that says goodbye, all at
+// once: each session is forgotten once, and nothing is heard of it afterwards. (With thread sanitizer it is also a race's test.)
+TEST(SessionTable, ClientsThatSpeakWhileTheyAreEndedAreForgottenOnceAndLast) {
+  set_log_level(LogLevel::Warn);
+  Attentive inputs;
+  SessionTable table;
+  table.check_grants_with([](const Grant& grant) -> Result<void> {
+    if (grant.token_id.size() % 2 == 1) return invalid_argument("it was revoked");
+    return {};
+  });
+  table.open("scene", 90, {}, inputs);
+  std::atomic<bool> over{false};
+  std::atomic<size_t> joins{0};
+  const auto client = [&] {
+    std::string last;
+    for (size_t turn = 0; !over; ++turn) {
+      ClientIdentity who;
+      who.grant.token_id = turn % 3 == 0 ? "odd" : "even";
+      const auto joined = table.join(last, who);
+      if (!joined) return;  // it has closed
+      ++joins;
+      ClientSession& session = *joined->session;
+      last = session.id;
+      const auto writer = std::make_shared<Writer>();
+      const auto stream = session.attach(writer);
+      for (int words = 0; words < 100 && table.find(last) && !over; ++words) table.hear(session, {});
+      for (int late = 0; late < 3; ++late) table.hear(session, {});
+      if (stream) table.stream_ended(session, stream->stream, turn % 2 == 0);
+    }
+  };
+  std::array<std::thread, 2> clients{std::thread(client), std::thread(client)};
+  while (joins == 0) std::this_thread::yield();
+  for (size_t turn = 0; joins < 400; ++turn) {
+    for (const auto& session : table.sessions_now()) (void)table.end_session(session->id, invalid_argument("enough"));
+    if (turn % 2 == 0) table.end_refused();
+    table.sweep(now_ns());
+  }
+  table.close("the test is over");
+  over = true;
+  for (std::thread& one : clients) one.join();
+  for (const auto& session : table.sessions_now()) (void)table.end_session(session->id, invalid_argument("enough"));
+  EXPECT_GT(inputs.heard, 400u);
+  EXPECT_EQ(inputs.heard_after, 0);
+  EXPECT_EQ(inputs.forgotten_again, 0);
+  EXPECT_EQ(inputs.forgotten(), table.totals().sessions);
+  set_log_level(LogLevel::Info);
 }
 
 TEST_F(SessionTableTest, AParkedSessionGathersNothing) {

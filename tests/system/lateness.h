@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+#include <vector>
+
+#include "core/clock.h"
+
+namespace livegs {
+
+inline double percentile(std::vector<double> numbers, double share) {
+  std::sort(numbers.begin(), numbers.end());
+  return numbers.at(static_cast<size_t>(share * static_cast<double>(numbers.size() - 1)));
+}
+
+// How much later than told this machine wakes a thread up, the worst of a hundred times: what a wait costs beside other work.
+class Lateness {
+ public:
+  Lateness() : thread_([this] {
+    while (!stopping_) {
+      const int64_t due_ns = now_ns() + 5'000'000;
+      sleep_until_ns(due_ns);
+      late_ms_.push_back(milliseconds_from_ns(now_ns() - due_ns));
+    }
+  }) {}
+  double p99_ms() {
+    stopping_ = true;
+    if (thread_.joinable()) thread_.join();
+    return percentile(late_ms_, 0.99);
+  }
+  ~Lateness() { (void)p99_ms(); }
+
+ private:
+  std::atomic<bool> stopping_{false};
+  std::vector<double> late_ms_{0};
+  std::thread thread_;
+};
+
+}  // namespace livegs
