@@ -5,7 +5,9 @@
 // a minute, of as many as a minute holds, at least three. skin: the pass that skins them, alone, and skin_rigid the one
 // for kernels of a thousand rigid bodies; upload: drivers, 64 bytes a node; project, with skinning, sort and draw as RenderTimes
 // has them, draw with resolve and reading back; device_...: the passes alone, by the device's clock. Bytes are those of a kernel
-// on the device with its share of cells and nodes, pictures left out. Run by hand; a number of kernels measures that alone:
+// on the device with its share of cells and nodes, pictures left out. On a GPU, skinning, projecting and sorting a million kernels
+// for both eyes takes 4 ms of its clock at the median, or the program says so and ends with 1; one in software is not held to it.
+// Run by hand; a number of kernels measures that alone:
 //   vulkan_bench > tests/bench/results/<processor>/vulkan.csv
 #include <algorithm>
 #include <cmath>
@@ -31,6 +33,8 @@ constexpr double kMost_s = 60;         // for a row's frames, if the fewest allo
 constexpr int kWidth = 640, kHeight = 480;  // of an eye
 constexpr uint32_t kBodies = 1000;
 constexpr double kBarBytes = 256;  // of a kernel with three bands, for two eyes
+constexpr size_t kBarKernels = 1'000'000;
+constexpr double kBar_ms = 4;  // for skin, project and sort of so many, both eyes, on a GPU
 
 [[noreturn]] void stop(const Error& error) {
   std::fprintf(stderr, "vulkan_bench: %s\n", error.message.c_str());
@@ -141,7 +145,8 @@ std::vector<Camera> eyes_at(double angle_rad, int count) {
   return eyes;
 }
 
-void measure(const std::shared_ptr<VulkanDevice>& device, const synthetic::Object& object, const Ridden& lattice,
+// Whether it holds the bar that is set for it.
+bool measure(const std::shared_ptr<VulkanDevice>& device, const synthetic::Object& object, const Ridden& lattice,
              const Ridden& bodies, int eye_count, BlendPrecision precision) {
   const auto renderer =
       take(create_vulkan_renderer(device, {.precision = precision, .separate_times = true}));
@@ -186,26 +191,35 @@ void measure(const std::shared_ptr<VulkanDevice>& device, const synthetic::Objec
     std::printf(",%.2f", samples->median());
   std::printf(",%.1f,%.0f\n", bytes_a_kernel(device, object.asset, lattice, eye_count), kBarBytes);
   std::fflush(stdout);
+  // Without a clock of the device, what the host waited for.
+  const double passes_ms = device_project.median() > 0 ? device_skin.median() + device_project.median() + device_sort.median()
+                                                       : project.median() + sort.median();
+  if (object.size() != kBarKernels || eye_count < 2 || device->is_software() || passes_ms <= kBar_ms) return true;
+  std::fprintf(stderr, "vulkan_bench: %s skins, projects and sorts %zu kernels for both eyes in %.2f ms; the bar is %.0f ms\n",
+               device->name().c_str(), object.size(), passes_ms, kBar_ms);
+  return false;
 }
 
-void measure_all(size_t only) {
+int measure_all(size_t only) {
   const auto device = take(VulkanDevice::create());
   std::printf("# %s\n", device->name().c_str());
   std::printf(
       "kernels,eyes,width,height,blend_bits,frames,skin_ms,skin_max_ms,skin_rigid_ms,skin_rigid_max_ms,upload_ms,upload_max_ms,"
       "project_ms,project_max_ms,sort_ms,sort_max_ms,draw_ms,draw_max_ms,device_skin_ms,device_project_ms,device_sort_ms,"
       "device_draw_ms,device_resolve_ms,bytes_a_kernel,bar_bytes\n");
+  bool held = true;
   for (const size_t count : only > 0 ? std::vector{only} : std::vector<size_t>{50'000, 200'000, 1'000'000}) {
     // Kernels shrink as they grow in number, so that the shell stays as opaque.
     const synthetic::Object object =
         synthetic::shell(count, 3, 0.9 / std::sqrt(static_cast<double>(count)), 1);
     const Ridden lattice = ride_lattice(object.asset), bodies = ride_bodies(object.asset);
-    for (const int eyes : {1, 2}) measure(device, object, lattice, bodies, eyes, BlendPrecision::Half);
-    measure(device, object, lattice, bodies, 1, BlendPrecision::Full);
+    for (const int eyes : {1, 2}) held = measure(device, object, lattice, bodies, eyes, BlendPrecision::Half) && held;
+    held = measure(device, object, lattice, bodies, 1, BlendPrecision::Full) && held;
   }
+  return held ? 0 : 1;
 }
 
 }  // namespace
 }  // namespace livegs
 
-int main(int argc, char** argv) { livegs::measure_all(argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 0); }
+int main(int argc, char** argv) { return livegs::measure_all(argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 0); }

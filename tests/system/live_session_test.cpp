@@ -173,6 +173,71 @@ TEST_F(LiveSession, TheLastPictureByVulkanIsTheOraclesToo) {
   EXPECT_GE(psnr_db(last, own), 50.0);
 }
 
+// What is made while the session runs has its Vulkan picture held against the oracle's too: the sherds' asset with its cut faces,
+// and balls.
+TEST_F(LiveSession, SherdsAndBallsByVulkanAreTheOraclesToo) {
+  if (const auto device = VulkanDevice::create(); !device) GTEST_SKIP() << device.error().message;
+  Scene scene = breaking_scene();
+  const size_t whole_kernels = scene.find("box")->asset->size();
+  start(std::move(scene));
+  // So often that one is on its way from the eye whenever the session ends.
+  std::string shots;
+  for (double time_s = 0.2; time_s < 2; time_s += 0.15)
+    shots += (shots.empty() ? "" : ", ") + (R"({ "ball": { "object": "box", "time_s": )" + std::to_string(time_s)) + " } }";
+  std::ofstream(folder_ / "script.json") << R"({ "actions": [ )" << shots << " ] }";
+  OffscreenRunOptions run = options("view", 2.0);
+  run.renderer = RendererChoice::Vulkan;
+  run.video_rate_hz = 4;
+  run.script_file = folder_ / "script.json";
+  const auto summary = run_offscreen(run, interrupted_);
+  ASSERT_TRUE(summary) << summary.error().message;
+  ASSERT_FALSE(summary->stream_error) << summary->stream_error->message;
+  EXPECT_EQ(summary->renderer.rfind("vulkan: ", 0), 0u) << summary->renderer;
+  EXPECT_EQ(summary->notice, "");
+
+  const auto bytes = read_file(run.output / "last_frame.bin");
+  ASSERT_TRUE(bytes);
+  const auto frame = decode_frame(*bytes);
+  ASSERT_TRUE(frame) << frame.error().message;
+  size_t balls = 0, sherds = 0;
+  for (const ObjectDrivers& drivers : frame->objects) {
+    std::lock_guard lock(mutex_);
+    const SceneObject& object = objects_.at({drivers.object_id, drivers.revision});
+    if (object.asset == Scene::ball_asset()) ++balls;
+    if (object.name != "box") continue;
+    sherds = drivers.poses.size();
+    EXPECT_GE(drivers.revision, 1u);
+    EXPECT_GT(object.asset->size(), whole_kernels);
+  }
+  EXPECT_GE(balls, 1u);
+  EXPECT_GE(sherds, 2u);
+
+  Image last, own;
+  ASSERT_NO_FATAL_FAILURE(read_last(run, last, own));
+  const auto camera = read_camera_file(run.output / "camera.json", std::nullopt);
+  ASSERT_TRUE(camera);
+  // What is left out of it would be seen: a ball, or the floor instead of the sherds.
+  const auto without = [&](const auto& left_out) {
+    DriverFrame drivers = simulated(frame->tick);
+    std::erase_if(drivers.objects, [&](const ObjectDrivers& one) {
+      std::lock_guard lock(mutex_);
+      return left_out(objects_.at({one.object_id, one.revision}));
+    });
+    SceneView view;
+    add_objects(drivers, view);
+    std::vector<Image> picture;
+    EXPECT_TRUE(view.draw(drivers, {&*camera, 1}, picture));
+    return picture.at(0);
+  };
+  const double no_balls_db = psnr_db(without([](const SceneObject& one) { return one.asset == Scene::ball_asset(); }), own);
+  const double no_sherds_db = psnr_db(without([](const SceneObject& one) { return one.name == "box"; }), own);
+  std::printf("%s: %zu sherds and %zu balls, %.1f dB; %.1f without balls, %.1f without sherds\n", summary->renderer.c_str(), sherds, balls,
+              psnr_db(last, own), no_balls_db, no_sherds_db);
+  EXPECT_GE(psnr_db(last, own), 50.0);
+  EXPECT_LT(no_sherds_db, 40.0);
+  EXPECT_LT(no_balls_db, 40.0);
+}
+
 // What a client that was there when it broke sees, and what one sees that comes afterwards.
 TEST_F(LiveSession, ABreakReachesTheClientThatIsThereAndTheOneThatComesLater) {
   start(breaking_scene());
@@ -249,7 +314,7 @@ TEST_F(LiveSession, APokeMovesItsObjectAndABallComes) {
 TEST_F(LiveSession, AScriptGrabsAndCarriesItsObject) {
   start();
   const uint32_t box = loop_->scene().find("box")->id;
-  OffscreenRunOptions run = options("view", 2.5);
+  OffscreenRunOptions run = options("view", 4.0);
   run.script_file = folder_ / "script.json";
   const auto grab = [&](const std::string& name) {
     std::ofstream(run.script_file) << R"({ "actions": [ { "grab": { "object": ")" << name
