@@ -4,28 +4,37 @@
 #include "core/log.h"
 
 namespace livegs {
-namespace {
 
-Result<std::unique_ptr<SplatRenderer>> on_vulkan(bool software_too) {
-  auto device = VulkanDevice::create();
-  if (!device) return device.error();
-  if (!software_too && (*device)->is_software()) {
-    return Error{ErrorCode::Unavailable, "vulkan: " + (*device)->name() +
-                                             " is software; --renderer vulkan draws with it all the same"};
+Result<std::unique_ptr<SplatRenderer>> made_or_cpu(RendererChoice choice, const std::string& device,
+                                                   Result<std::unique_ptr<SplatRenderer>> made) {
+  if (!made && choice == RendererChoice::Auto) {
+    auto cpu = create_cpu_renderer_instead_of(device, made.error());
+    log_warn("%s", cpu->notice().c_str());
+    return Result<std::unique_ptr<SplatRenderer>>(std::move(cpu));
   }
-  return create_vulkan_renderer(*std::move(device));
+  if (made) log_info("drawing with %s", (*made)->name().c_str());
+  return made;
 }
 
-}  // namespace
+Result<std::unique_ptr<SplatRenderer>> choose_renderer(RendererChoice choice, std::shared_ptr<VulkanDevice> device) {
+  if (choice == RendererChoice::Cpu) return Result<std::unique_ptr<SplatRenderer>>(create_cpu_renderer());
+  const std::string name = "vulkan: " + device->name();
+  return made_or_cpu(choice, name, create_vulkan_renderer(std::move(device)));
+}
 
 Result<std::unique_ptr<SplatRenderer>> choose_renderer(RendererChoice choice) {
-  if (choice != RendererChoice::Cpu) {
-    auto vulkan = on_vulkan(choice == RendererChoice::Vulkan);
-    if (vulkan) log_info("drawing with %s", (*vulkan)->name().c_str());
-    if (vulkan || choice == RendererChoice::Vulkan) return vulkan;
-    log_info("drawing with the cpu: %s", vulkan.error().message.c_str());
+  if (choice == RendererChoice::Cpu) return Result<std::unique_ptr<SplatRenderer>>(create_cpu_renderer());
+  auto device = VulkanDevice::create();
+  if (!device && choice == RendererChoice::Vulkan) return device.error();
+  // A machine without a GPU has nothing to say to its person; one whose GPU has no memory left has.
+  if (!device && device.error().code == ErrorCode::TooLarge) return made_or_cpu(choice, "vulkan", device.error());
+  if (choice == RendererChoice::Auto && (!device || (*device)->is_software())) {
+    const std::string why = !device ? device.error().message
+                                    : "vulkan: " + (*device)->name() + " is software; --renderer vulkan draws with it all the same";
+    log_info("drawing with the cpu: %s", why.c_str());
+    return Result<std::unique_ptr<SplatRenderer>>(create_cpu_renderer());
   }
-  return Result<std::unique_ptr<SplatRenderer>>(create_cpu_renderer());
+  return choose_renderer(choice, *std::move(device));
 }
 
 }  // namespace livegs

@@ -15,4 +15,11 @@ enum class RendererChoice {
 // for and cannot be had; the message has the remedy.
 Result<std::unique_ptr<SplatRenderer>> choose_renderer(RendererChoice choice);
 
+// The same on a display's own device, in software too.
+Result<std::unique_ptr<SplatRenderer>> choose_renderer(RendererChoice choice, std::shared_ptr<VulkanDevice> device);
+
+// What was made of a device by its name; with Auto, where that failed, the CPU, whose notice says why.
+Result<std::unique_ptr<SplatRenderer>> made_or_cpu(RendererChoice choice, const std::string& device,
+                                                   Result<std::unique_ptr<SplatRenderer>> made);
+
 }  // namespace livegs

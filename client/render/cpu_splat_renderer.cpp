@@ -6,6 +6,8 @@ namespace {
 
 class CpuSplatRenderer final : public SplatRenderer {
  public:
+  explicit CpuSplatRenderer(std::string notice) : notice_(std::move(notice)) {}
+
   const std::string& name() const override { return name_; }
 
   Result<void> draw(std::span<const RenderedObject> objects, std::span<const Camera> eyes,
@@ -14,9 +16,12 @@ class CpuSplatRenderer final : public SplatRenderer {
     for (const RenderedObject& object : objects) drawn.push_back(object.drawn);
     times_ = {};
     images.resize(eyes.size());
+    Eigen::Vector3d between_m = Eigen::Vector3d::Zero();
+    for (const Camera& eye : eyes) between_m += eye.world_from_camera.position_m / static_cast<double>(eyes.size());
+    const RasteriseOptions rasterised{options.background,          options.order,         options.max_sh_degree,
+                                      options.min_contribution_px, options.max_radius_px, between_m};
     for (size_t e = 0; e < eyes.size(); ++e) {
-      rasteriser_.draw(drawn, eyes[e],
-                       {options.background, options.order, options.max_sh_degree, options.min_contribution_px, options.max_radius_px}, view_);
+      rasteriser_.draw(drawn, eyes[e], rasterised, view_);
       std::swap(images[e], view_.image);
       const Rasteriser::Times& times = rasteriser_.last_times();
       times_.project_ms += times.project_ms;
@@ -27,9 +32,10 @@ class CpuSplatRenderer final : public SplatRenderer {
   }
 
   const RenderTimes& last_times() const override { return times_; }
+  std::string notice() const override { return notice_; }
 
  private:
-  std::string name_ = "cpu";
+  std::string name_ = "cpu", notice_;
   Rasteriser rasteriser_;
   RasterisedView view_;
   RenderTimes times_;
@@ -37,6 +43,10 @@ class CpuSplatRenderer final : public SplatRenderer {
 
 }  // namespace
 
-std::unique_ptr<SplatRenderer> create_cpu_renderer() { return std::make_unique<CpuSplatRenderer>(); }
+std::unique_ptr<SplatRenderer> create_cpu_renderer() { return std::make_unique<CpuSplatRenderer>(std::string()); }
+
+std::unique_ptr<SplatRenderer> create_cpu_renderer_instead_of(const std::string& device, const Error& why) {
+  return std::make_unique<CpuSplatRenderer>(device + " cannot draw this: " + why.message + "; the processor draws from here on");
+}
 
 }  // namespace livegs

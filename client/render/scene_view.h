@@ -46,7 +46,7 @@ class SceneView {
 
   // An image an eye, of one eye or two. Objects of the frame that were never added are left out; one whose drivers are of a
   // revision that is yet to come stands as it did; drivers that do not fit their object are an error. A renderer that fails (a lost device, one that cannot hold the scene)
-  // is replaced by the CPU's, with a warning.
+  // is replaced by the CPU's, with a warning and a notice.
   Result<void> draw(const DriverFrame& frame, std::span<const Camera> eyes, std::vector<Image>& images);
 
   // The same into an image on the renderer's device; where it cannot, into `images`, which are empty else.
@@ -120,7 +120,7 @@ class SceneView {
   std::vector<RenderedObject> rendered(const SplatRenderer& renderer) const;
   const PosedKernels& kernels_of(const Object& object) const;  // where they are now
   DrawnObject drawn(uint32_t object_id) const;                 // of what is shown
-  RenderOptions options_for(const Camera& eye) const;
+  RenderOptions options_for(std::span<const Camera> eyes) const;
   const Object* shown(uint32_t object_id) const;  // the oldest revision, which is that of the last pose
 
   std::map<uint32_t, std::map<uint32_t, Object>> objects_;  // by id, then revision

@@ -37,7 +37,7 @@ struct RenderedObject {
 
 struct RenderOptions {
   Eigen::Vector3f background{0, 0, 0};
-  DepthOrder order = DepthOrder::ViewZ;
+  DepthOrder order = DepthOrder::ViewZ;  // of two eyes Distance is from between them, ViewZ along what both look along
   int max_sh_degree = 3;
   float max_radius_px = 0;        // as eye_view has it; 0: none
   float min_contribution_px = 0;  // as eye_view has it; 0: all are drawn
@@ -83,6 +83,8 @@ class SplatRenderer {
 
 // The oracle, on the threads of parallel_for; eyes one after the other.
 std::unique_ptr<SplatRenderer> create_cpu_renderer();
+// The same in the place of a renderer that failed: its notice says so.
+std::unique_ptr<SplatRenderer> create_cpu_renderer_instead_of(const std::string& device, const Error& why);
 
 struct VulkanRendererOptions {
   BlendPrecision precision = BlendPrecision::Auto;

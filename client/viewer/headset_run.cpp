@@ -277,8 +277,7 @@ Result<std::unique_ptr<LiveView>> load_in_headset(LiveLoading& loading, HeadsetD
 Result<HeadsetRunSummary> run_headset(const HeadsetRunOptions& options, HeadsetDisplay& display,
                                       const std::atomic<bool>& interrupted) {
   // Made before the loading begins: its device is the display's, which this thread goes on with.
-  auto renderer = options.renderer == RendererChoice::Cpu ? Result<std::unique_ptr<SplatRenderer>>(create_cpu_renderer())
-                                                          : create_vulkan_renderer(display.device());
+  auto renderer = choose_renderer(options.renderer, display.device());
   if (!renderer) return renderer.error();
   LiveLoading loading(options, [&] { return std::move(renderer); });
   auto live = load_in_headset(loading, display, interrupted);

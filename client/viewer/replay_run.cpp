@@ -112,6 +112,7 @@ Result<ReplaySummary> run_replay(const ReplayOptions& options, const std::atomic
   summary.file = options.file.string();
   summary.scene = playback->start().scene().name();
   summary.renderer = view.renderer_name();
+  summary.notice = view.notice();
   summary.length_s = playback->length_s();
   summary.from_s = options.from_s;
   summary.assets = assets.totals();
@@ -126,7 +127,8 @@ std::string summary_text(const ReplaySummary& summary) {
       "drawn: %llu pictures by %s; skinning p50 %.2f ms; render p50 %.2f ms\n",
       summary.file.c_str(), summary.scene.c_str(), summary.length_s, summary.from_s, summary.frames_decoded_to_seek,
       summary.assets.assets, summary.assets.fetched, static_cast<unsigned long long>(summary.drawn.pictures),
-      summary.renderer.c_str(), summary.drawn.skin_ms_p50, summary.drawn.raster_ms_p50);
+      summary.renderer.c_str(), summary.drawn.skin_ms_p50, summary.drawn.raster_ms_p50) +
+         (summary.notice.empty() ? "" : "  " + summary.notice + "\n");
 }
 
 }  // namespace livegs

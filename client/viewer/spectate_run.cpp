@@ -165,6 +165,7 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
   SpectateSummary summary;
   summary.published = published;
   summary.renderer = view.renderer_name();
+  summary.notice = view.notice();
   summary.objects = (*spectator)->scene().objects.size();
   summary.spectated = (*spectator)->totals();
   summary.assets = assets.totals();
@@ -185,7 +186,8 @@ std::string summary_text(const SpectateSummary& summary) {
       summary.published.c_str(), summary.objects, count(summary.spectated.described), summary.assets.fetched,
       summary.assets.assets, count(summary.received.frames), summary.received.seconds, summary.received.rate_hz,
       count(summary.received.missed_ticks), count(summary.spectated.left_out), summary.received.age_ms_p50,
-      summary.received.age_ms_p99, summary.received.bytes_p50, count(summary.drawn.pictures), summary.renderer.c_str());
+      summary.received.age_ms_p99, summary.received.bytes_p50, count(summary.drawn.pictures), summary.renderer.c_str()) +
+         (summary.notice.empty() ? "" : "  " + summary.notice + "\n");
 }
 
 }  // namespace livegs

@@ -11,6 +11,7 @@ namespace livegs {
 
 struct SpectateSummary {
   std::string published, renderer;
+  std::string notice;  // as OffscreenRunSummary has it
   size_t objects = 0;
   Spectator::Totals spectated;
   AssetLibrary::Totals assets;

@@ -125,8 +125,12 @@ bool project_kernel(const Projection& projection, const DrawnObject& object, siz
   projected.depth_m = static_cast<float>(z);
   projected.object_slot = object_slot;
   projected.tile_bound = tiles(left, right, projection.width) * tiles(top, bottom, projection.height);
-  order_depth_m =
-      options.order == DepthOrder::ViewZ ? projected.depth_m : static_cast<float>(offset_m.norm());
+  if (options.order == DepthOrder::ViewZ) {
+    order_depth_m = projected.depth_m;
+  } else {
+    const Eigen::Vector3d from_m = options.distance_from_m.value_or(projection.position_m);
+    order_depth_m = static_cast<float>((posed.positions_m[kernel].cast<double>() - from_m).norm());
+  }
 
   const int degree = std::clamp(options.max_sh_degree, 0, std::min(asset.sh_degree, kMaxShDegree));
   const size_t stride = asset.sh_rest_count();

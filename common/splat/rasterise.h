@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -28,6 +29,7 @@ struct RasteriseOptions {
   int max_sh_degree = 3;
   float min_contribution_px = 0;  // as eye_view (project_splats.h) has it
   float max_radius_px = 0;        // as well; 0: none
+  std::optional<Eigen::Vector3d> distance_from_m = {};  // in Distance order, of a point between two eyes; none: from the camera
 };
 
 struct RasterisedView {

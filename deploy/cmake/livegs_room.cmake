@@ -126,6 +126,7 @@ function(livegs_add_shader target name stage)
     VERBATIM)
   target_sources(${target} PRIVATE ${header})
   target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/passes)
+  set_property(GLOBAL APPEND_STRING PROPERTY LIVEGS_SHADER_HEADERS "${header}\n")  # for shader_modules_test
 endfunction()
 
 # livegs_add_pass(TARGET NAME): the shader of a pass.

@@ -16,8 +16,11 @@ namespace {
 
 constexpr int kLosses = 20;
 constexpr double kPart_s = 28.5;  // from one loss to the next
-// 6.3 found, 6.0 of which are the pictures that this test keeps. All images of all sessions would be 5 MB more, and are counted.
+// 7.4 found, 6.0 of which are the pictures that this test keeps. All images of all sessions would be 5 MB more, and are counted.
 constexpr double kMostGrown_mb = 9;
+
+// Five a second, of both eyes by a device in software under both validation layers: 9391 found beside others at a load of 13.
+constexpr uint64_t kLeastPictures = 3000;
 
 double resident_mb() {
   long pages = 0, resident = 0;
@@ -79,6 +82,8 @@ TEST_F(HeadsetSession, LastsTenMinutesAndTwentyLosses) {
   EXPECT_EQ(done->counts.sessions, kLosses + 1u);
   EXPECT_EQ(done->counts.losses, static_cast<uint64_t>(kLosses));
   EXPECT_EQ(done->counts.recentres, kLosses / 2 + 1u);
+  EXPECT_EQ(done->counts.refresh_changes, kLosses + 1u);  // one a part, each to another rate than before
+  EXPECT_GE(done->counts.pictures, kLeastPictures);
   ASSERT_GE(kept_.size(), 18u);
   const double least_db = expect_oracle();
   std::vector<double> parallax;
@@ -91,21 +96,23 @@ TEST_F(HeadsetSession, LastsTenMinutesAndTwentyLosses) {
   EXPECT_GE(parallax_pictures, 9u);
   ASSERT_GE(parallax.size(), 18u);
   const double mean = std::accumulate(parallax.begin(), parallax.end(), 0.0) / static_cast<double>(parallax.size());
-  EXPECT_NEAR(mean, 1.0, 0.1);  // 0.952 found, goal 1: half a pixel of three each
+  EXPECT_NEAR(mean, 1.0, 0.05);  // half a pixel of three each; parallax_test has more places and finer pixels
   const auto [least, most] = std::minmax_element(parallax.begin(), parallax.end());
-  std::printf("parallax %.3f to %.3f of what the depth asks for, %.3f in the mean, %zu times in %zu pictures\n", *least, *most, mean,
+  std::printf("parallax %.3f to %.3f of what their faces ask for, %.3f in the mean, %zu times in %zu pictures\n", *least, *most, mean,
               parallax.size(), parallax_pictures);
   // Handles are counted above: each session's swapchain and spaces were gone before it was. Memory is what the allocator holds.
   ASSERT_GE(memory_mb.size(), 4u);
   const double grown_mb = memory_mb.back() - memory_mb[2];
   std::printf("at least %.1f dB; resident %.1f MB at the third picture, %.1f MB at the last\n", least_db, memory_mb[2], memory_mb.back());
-  char row[200];
-  std::snprintf(row, sizeof row, "600,%llu,%llu,%llu,%llu,%llu,%zu,%.1f,%zu,%.3f,%.3f,%.3f,%.1f,%.1f",
+  std::string renderer = done->renderer;
+  std::replace(renderer.begin(), renderer.end(), ',', ';');
+  char row[300];
+  std::snprintf(row, sizeof row, "%s,600,%llu,%llu,%llu,%llu,%llu,%zu,%.1f,%zu,%.3f,%.3f,%.3f,%.1f,%.1f", renderer.c_str(),
                 static_cast<unsigned long long>(done->counts.sessions), static_cast<unsigned long long>(done->counts.losses),
                 static_cast<unsigned long long>(done->counts.recentres), static_cast<unsigned long long>(done->counts.refresh_changes),
                 static_cast<unsigned long long>(done->counts.pictures), kept_.size(), least_db, parallax_pictures, *least, mean, *most, memory_mb[2],
                 grown_mb);
-  add_result("LIVEGS_HEADSET_CSV", "seconds,sessions,losses,recentres,refresh_changes,pictures,kept,least_db,parallax_pictures,"
+  add_result("LIVEGS_HEADSET_CSV", "renderer,seconds,sessions,losses,recentres,refresh_changes,pictures,kept,least_db,parallax_pictures,"
              "parallax_least,parallax_mean,parallax_most,resident_mb,grown_mb", row);
   EXPECT_LT(grown_mb, kMostGrown_mb);
 }

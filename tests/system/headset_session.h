@@ -37,6 +37,7 @@ class HeadsetSession : public ::testing::Test {
     std::string controllers = {};    // LIVEGS_XR_CONTROLLERS; empty: those that the runtime has by itself
     bool keeps_ticks = true;         // in seen_; some 200 kB a second
     std::string run_message = {};    // what the server says of its run from the start
+    size_t memory_limit_bytes = 0;   // of the display's device, as VulkanDeviceOptions has it
     std::function<void(const PlannedFrame&, const SceneView&, FaultProxy& network)> on_kept = {};  // with each picture that is kept
   };
 
@@ -95,6 +96,7 @@ class HeadsetSession : public ::testing::Test {
     set("XR_CORE_VALIDATION_FILE_NAME", folder_ / "core.txt");
     VulkanDeviceOptions vulkan;
     vulkan.validation = settings.validates;
+    vulkan.memory_limit_bytes = settings.memory_limit_bytes;
     vulkan.on_validation_message = [this](const std::string& message) {
       std::lock_guard lock(mutex_);
       vulkan_messages_.push_back(message);
@@ -117,7 +119,9 @@ class HeadsetSession : public ::testing::Test {
     auto done = run_headset(options, **display, interrupted);
     display->reset();
     // What falls back to the CPU would be held against itself.
-    if (done && settings.renderer == RendererChoice::Vulkan) EXPECT_EQ(done->renderer.rfind("vulkan: ", 0), 0u) << done->renderer;
+    if (done && settings.renderer == RendererChoice::Vulkan) {
+      EXPECT_EQ(done->renderer.rfind("vulkan: ", 0), 0u) << done->renderer;
+    }
     return done;
   }
 
@@ -159,12 +163,16 @@ class HeadsetSession : public ::testing::Test {
     return least_db;
   }
 
-  // Of each rigid object that both eyes see with nothing else about it, as a share of what its depth asks for. None where hands
+  // Of each box that both eyes see with nothing else about it, as a share of what its faces ask for. None where hands
   // have light as well. Opaque things end at whole pixels, so that one alone is known to half a pixel.
   std::vector<double> expect_parallax(const Kept& kept) const {
     const auto left = read_png(kept.files[0]), right = read_png(kept.files[1]);
     EXPECT_TRUE(left && right);
     std::vector<double> shares;
+    // The eyes themselves: as far apart as the runtime has them, and they look the same way.
+    const Pose left_from_right = kept.eyes[0].world_from_camera.inverse() * kept.eyes[1].world_from_camera;
+    EXPECT_LT((left_from_right.position_m - Eigen::Vector3d(kEyesApart_m, 0, 0)).norm(), 1e-6);
+    EXPECT_LT(left_from_right.orientation.vec().norm(), 1e-6);
     if (kept.hands_in_sight) return shares;
     for (const auto& [name, seen] : kept.seen) {
       const auto beside = [&](const auto& other) {
@@ -175,8 +183,8 @@ class HeadsetSession : public ::testing::Test {
       const auto found = parallax(*left, *right, kept.eyes, seen);
       EXPECT_TRUE(found) << name << " is not in " << kept.files[0];
       if (!found) continue;
-      EXPECT_NEAR(*found, kEyesApart_m / seen.depth_m, 0.5 / kept.eyes[0].focal_x_px) << name << " in " << kept.files[0];
-      shares.push_back(*found * seen.depth_m / kEyesApart_m);
+      EXPECT_NEAR(*found, seen.parallax, 0.5 / kept.eyes[0].focal_x_px) << name << " in " << kept.files[0];
+      shares.push_back(*found / seen.parallax);
     }
     return shares;
   }
@@ -216,7 +224,7 @@ class HeadsetSession : public ::testing::Test {
     }
     for (const auto& [name, id] : ids_) {
       const auto object = view.drawn_object(id);
-      if (const auto seen = object ? seen_by_both(*object->kernels, kept.eyes) : std::nullopt) kept.seen[name] = *seen;
+      if (const auto seen = object ? seen_by_both(*object, kept.eyes) : std::nullopt) kept.seen[name] = *seen;
     }
     kept_.push_back(std::move(kept));
     return true;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <span>
-#include <utility>
+#include <vector>
 
 #include "gaussian/posed_kernels.h"
 #include "render/scene_view.h"
@@ -18,43 +18,127 @@
 namespace livegs {
 
 // Two eyes that look the same way and stand b apart see a point at depth z by b / z apart, as tangents: the left eye further to
-// the right. Both eyes of the simulated headset do (openxr_runtime/spaces.cpp).
+// the right. Both eyes of the simulated headset do (openxr_runtime/spaces.cpp). Of a body it is not so: the eyes see different
+// shares of its sides. Of an even light the middle moves as the middle of its outline's two edges does, whatever lies between
+// them: of a box seen from a corner, whose edges are at 0.94 and 1.06 m, by b times 1.004, where the mean of b / z over what
+// is seen, most of it the front at 0.94, would be up to 1.06 b. Hence light of each face, as each eye sees it.
 inline constexpr double kEyesApart_m = 0.064;
 
-// Where an object stands in the pictures of two eyes, by the middles of its kernels.
+// A face of a box: kernels that lie flat in one plane.
+struct BoxFace {
+  Eigen::Vector3d normal, middle_m;
+  double light = 0;  // how far its colour is from the background's
+  std::vector<Eigen::Vector3d> points_m;
+};
+
+inline double light_of(const Eigen::Vector3f& colour) { return (colour.cwiseMax(0.0f).cwiseMin(1.0f) - kBackground).cwiseAbs().sum(); }
+
+// Of kernels of one colour a face (shape_asset.h in server/scene makes such).
+inline std::vector<BoxFace> faces_of_box(const DrawnObject& box) {
+  constexpr float kShDc = 0.28209479f;
+  constexpr double kSamePlane_m = 0.005;
+  std::vector<BoxFace> faces;
+  Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();
+  for (size_t i = 0; i < box.kernels->positions_m.size(); ++i) {
+    const Symmetric3f& s = box.kernels->covariances_m2[i];
+    Eigen::Matrix3d covariance;
+    covariance << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
+    const Eigen::Vector3d normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors().col(0);  // the thinnest
+    const Eigen::Vector3d at_m = box.kernels->positions_m[i].cast<double>();
+    const auto same = [&](const BoxFace& face) {
+      return std::abs(face.normal.dot(normal)) > 0.99 && std::abs(face.normal.dot(at_m - face.points_m.front())) < kSamePlane_m;
+    };
+    auto face = std::find_if(faces.begin(), faces.end(), same);
+    if (face == faces.end()) {
+      const Eigen::Vector3f colour = (0.5f + kShDc * box.asset->sh_dc[i].array()).matrix();
+      face = faces.insert(faces.end(), {normal, Eigen::Vector3d::Zero(), light_of(colour), {}});
+    }
+    face->points_m.push_back(at_m);
+    middle_m += at_m / static_cast<double>(box.kernels->positions_m.size());
+  }
+  for (BoxFace& face : faces) {
+    for (const Eigen::Vector3d& point_m : face.points_m) face.middle_m += point_m / static_cast<double>(face.points_m.size());
+    if (face.normal.dot(face.middle_m - middle_m) < 0) face.normal = -face.normal;
+  }
+  return faces;
+}
+
+// Area and centroid of the convex hull of points (Andrew 1979, and the shoelace formula).
+struct Outline {
+  double area = 0;
+  Eigen::Vector2d middle{0, 0};
+};
+inline Outline outline_of(std::vector<Eigen::Vector2d> points) {
+  const auto cross = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); };
+  std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y(); });
+  std::vector<Eigen::Vector2d> hull;
+  for (int half = 0; half < 2; ++half) {
+    const size_t begun = hull.size();
+    for (const Eigen::Vector2d& point : points) {
+      while (hull.size() >= begun + 2 && cross(hull.back() - hull[hull.size() - 2], point - hull.back()) <= 0) hull.pop_back();
+      hull.push_back(point);
+    }
+    hull.pop_back();
+    std::reverse(points.begin(), points.end());
+  }
+  Outline outline;
+  for (size_t i = 0; i < hull.size(); ++i) {
+    const Eigen::Vector2d &a = hull[i], &b = hull[(i + 1) % hull.size()];
+    outline.area += 0.5 * cross(a, b);
+    outline.middle += cross(a, b) / 6 * (a + b);
+  }
+  if (outline.area > 0) outline.middle /= outline.area;
+  return outline;
+}
+
+// Where an eye has a box's light, as tangents of the angles from the view axis, to the right and up; nothing where it sees none.
+inline std::optional<Eigen::Vector2d> light_of_faces(std::span<const BoxFace> faces, const Camera& eye) {
+  const Pose camera_from_world = eye.world_from_camera.inverse();
+  Eigen::Vector2d sum(0, 0);
+  double weight = 0;
+  for (const BoxFace& face : faces) {
+    if (face.normal.dot(eye.world_from_camera.position_m - face.middle_m) <= 0) continue;
+    std::vector<Eigen::Vector2d> tangents;
+    for (const Eigen::Vector3d& point_m : face.points_m) {
+      const Eigen::Vector3d at = camera_from_world * point_m;
+      tangents.push_back(at.head<2>() / -at.z());
+    }
+    const Outline outline = outline_of(std::move(tangents));
+    sum += face.light * outline.area * outline.middle;
+    weight += face.light * outline.area;
+  }
+  return weight > 0 ? std::optional<Eigen::Vector2d>(sum / weight) : std::nullopt;
+}
+
+// Where a box stands in the pictures of two eyes, by the middles of its kernels.
 struct SeenByBothEyes {
   std::array<Eigen::AlignedBox2d, 2> in_picture_px;
-  double depth_m = 0;  // along the view axis, of what is seen of it: the harmonic mean over pixels of the nearest in each
+  double parallax = 0;  // how much further to the right the left eye should have its light, as a tangent
 };
 
 // Nothing where a part of it is not in both pictures.
-inline std::optional<SeenByBothEyes> seen_by_both(const PosedKernels& kernels, std::span<const Camera> eyes) {
+inline std::optional<SeenByBothEyes> seen_by_both(const DrawnObject& box, std::span<const Camera> eyes) {
   constexpr double kBulge_px = 3;  // of what a kernel blurs over its middle, whole in both pictures or its light would move
   SeenByBothEyes seen;
-  double inverse_depths = 0;
-  size_t pixels = 0;
   for (size_t e = 0; e < 2; ++e) {
     const Camera& eye = eyes[e];
     const Pose camera_from_world = eye.world_from_camera.inverse();
-    std::map<std::pair<int, int>, double> nearest_m;
-    for (const Eigen::Vector3f& position_m : kernels.positions_m) {
+    for (const Eigen::Vector3f& position_m : box.kernels->positions_m) {
       const Eigen::Vector3d at = camera_from_world * position_m.cast<double>();
       const double depth_m = -at.z();
       if (depth_m < eye.near_m) return std::nullopt;
-      const Eigen::Vector2d pixel(eye.centre_x_px + eye.focal_x_px * at.x() / depth_m, eye.centre_y_px - eye.focal_y_px * at.y() / depth_m);
-      seen.in_picture_px[e].extend(pixel);
-      double& nearest = nearest_m.emplace(std::pair(static_cast<int>(pixel.x()), static_cast<int>(pixel.y())), depth_m).first->second;
-      nearest = std::min(nearest, depth_m);
+      seen.in_picture_px[e].extend(
+          Eigen::Vector2d(eye.centre_x_px + eye.focal_x_px * at.x() / depth_m, eye.centre_y_px - eye.focal_y_px * at.y() / depth_m));
     }
-    for (const auto& [pixel, depth_m] : nearest_m) inverse_depths += 1 / depth_m;
-    pixels += nearest_m.size();
-    Eigen::AlignedBox2d& box = seen.in_picture_px[e];
-    box.min().array() -= kBulge_px;
-    box.max().array() += kBulge_px;
-    if (!Eigen::AlignedBox2d(Eigen::Vector2d(0, 0), Eigen::Vector2d(eye.width, eye.height)).contains(box)) return std::nullopt;
+    Eigen::AlignedBox2d& within = seen.in_picture_px[e];
+    within.min().array() -= kBulge_px;
+    within.max().array() += kBulge_px;
+    if (!Eigen::AlignedBox2d(Eigen::Vector2d(0, 0), Eigen::Vector2d(eye.width, eye.height)).contains(within)) return std::nullopt;
   }
-  if (pixels == 0) return std::nullopt;
-  seen.depth_m = static_cast<double>(pixels) / inverse_depths;
+  const std::vector<BoxFace> faces = faces_of_box(box);
+  const auto left = light_of_faces(faces, eyes[0]), right = light_of_faces(faces, eyes[1]);
+  if (!left || !right) return std::nullopt;
+  seen.parallax = left->x() - right->x();
   return seen;
 }
 
@@ -74,8 +158,8 @@ inline std::optional<double> light_tangent(const Image& image, const Camera& eye
   double sum = 0, weight = 0;
   for (int y = std::max(0, static_cast<int>(within_px.min().y())); y < std::min(1.0 * image.height, within_px.max().y()); ++y) {
     for (int x = std::max(0, static_cast<int>(within_px.min().x())); x < std::min(1.0 * image.width, within_px.max().x()); ++x) {
-      double light = 0;
-      for (int c = 0; c < 3; ++c) light += std::abs(image.at(x, y)[c] - kBackground[c]);
+      const float* pixel = image.at(x, y);
+      const double light = light_of({pixel[0], pixel[1], pixel[2]});
       if (light < 0.1) continue;
       sum += light * (x + 0.5 - eye.centre_x_px) / eye.focal_x_px;
       weight += light;

@@ -4,6 +4,7 @@
 
 #include "client/render/renderer_fixture.h"
 #include "render/most_visible_kernels.h"
+#include "render/scene_view.h"
 
 namespace livegs {
 namespace {
@@ -62,6 +63,31 @@ TEST_F(DeviceLimits, WhereMemoryEndsFewerKernelsAreDrawnAndItIsSaid) {
   const Image alone = draw({&both[1], 1}, {&eye, 1})[0];
   EXPECT_EQ(renderer_->notice(), "");
   EXPECT_GT(psnr_db(alone, oracle({&both[1], 1}, {&eye, 1})[0]), kBar_db);
+}
+
+// Where not even a few fit, the processor draws all of them, and that is said too.
+TEST_F(DeviceLimits, WithNoMemoryAtAllTheProcessorDrawsAndItIsSaid) {
+  limit_memory(100'000);
+  const std::string device = renderer_->name();
+  const Object many = synthetic::shell(4'000, 3, 0.02, 3);
+  RestBody rest;
+  rest.bodies = {Pose{}};
+  DriverFrame frame;
+  frame.objects.emplace_back();
+  frame.objects[0].object_id = 1;
+  frame.objects[0].poses = {Pose{}};
+  const Camera eye = look_at({0.2, 0.3, 1.4}, {0, 0, 0}, Eigen::Vector3d::UnitY(), 0.8, 160, 120);
+  SceneView cramped(std::move(renderer_)), roomy;
+  std::vector<Image> picture, expected;
+  for (SceneView* view : {&cramped, &roomy}) ASSERT_TRUE(view->add(1, std::make_shared<GaussianAsset>(many.asset), rest, false));
+  ASSERT_TRUE(cramped.draw(frame, {&eye, 1}, picture));
+  ASSERT_TRUE(roomy.draw(frame, {&eye, 1}, expected));
+  EXPECT_EQ(picture.at(0).pixels, expected.at(0).pixels);
+  EXPECT_EQ(cramped.renderer_name(), "cpu");
+  EXPECT_EQ(cramped.notice().rfind(device + " cannot draw this: ", 0), 0u) << cramped.notice();
+  EXPECT_NE(cramped.notice().find("out of memory"), std::string::npos) << cramped.notice();
+  EXPECT_NE(cramped.notice().find("the processor draws"), std::string::npos) << cramped.notice();
+  EXPECT_EQ(roomy.notice(), "");
 }
 
 TEST_F(DeviceLimits, WithNoMemoryAtAllItIsAnError) {

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/choose_renderer.h"
+
+#include <gtest/gtest.h>
+
+namespace livegs {
+namespace {
+
+const Error kNoMemory{ErrorCode::TooLarge, "vulkan: vkAllocateMemory failed with VkResult -2: out of memory"};
+
+// A GPU that is there and cannot be used: left to choose, the client goes on and says why it is slow.
+TEST(ChooseRenderer, TheProcessorInAGpusPlaceSaysSo) {
+  const auto chosen = made_or_cpu(RendererChoice::Auto, "vulkan: Some Card", kNoMemory);
+  ASSERT_TRUE(chosen) << chosen.error().message;
+  EXPECT_EQ((*chosen)->name(), "cpu");
+  EXPECT_EQ((*chosen)->notice(), "vulkan: Some Card cannot draw this: " + kNoMemory.message + "; the processor draws from here on");
+}
+
+TEST(ChooseRenderer, AskedForVulkanItIsVulkanOrNothing) {
+  const auto chosen = made_or_cpu(RendererChoice::Vulkan, "vulkan: Some Card", kNoMemory);
+  ASSERT_FALSE(chosen);
+  EXPECT_EQ(chosen.error().message, kNoMemory.message);
+}
+
+// Nothing is out of order with a processor that was asked for, nor where there is no GPU.
+TEST(ChooseRenderer, AProcessorThatIsAllThereIsSaysNothing) {
+  const auto asked = choose_renderer(RendererChoice::Cpu);
+  ASSERT_TRUE(asked);
+  EXPECT_EQ((*asked)->notice(), "");
+  const auto device = VulkanDevice::create();
+  if (device && !(*device)->is_software()) GTEST_SKIP() << "there is a GPU: " << (*device)->name();
+  const auto chosen = choose_renderer(RendererChoice::Auto);
+  ASSERT_TRUE(chosen) << chosen.error().message;
+  EXPECT_EQ((*chosen)->name(), "cpu");
+  EXPECT_EQ((*chosen)->notice(), "");
+  if (!device) GTEST_SKIP() << device.error().message;
+  const auto on_display = choose_renderer(RendererChoice::Auto, *device);  // a headset's is used, whatever it is
+  ASSERT_TRUE(on_display) << on_display.error().message;
+  EXPECT_EQ((*on_display)->name(), "vulkan: " + (*device)->name());
+}
+
+}  // namespace
+}  // namespace livegs
