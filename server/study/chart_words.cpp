@@ -65,7 +65,7 @@ std::string who_wins(const Panel& panel) {
     losers += format_text("%s `%s` (best: %s at %d)", losers.empty() ? "" : ",", curve.label.c_str(),
                           error_text(best.error, panel.unit).c_str(), best.substeps);
   }
-  if (!losers.empty()) words += "Never within the bar:" + losers + ". ";
+  if (!losers.empty()) words += "Not within the bar in these runs:" + losers + ". ";
   if (panel.chosen) {
     const ElasticAccuracy& a = panel.chosen_accuracy;
     words += format_text(

@@ -18,4 +18,8 @@ Result<Outcome> plastic_set(const Setup& setup, double speed = 1.0);
 // In simple tension, where the strain across is -nu times the one along, that is l - d = y.
 double set_of_stretch(double stretch, double yield, double poisson_ratio);
 
+// The same with the boundary moved as that of a bar in simple tension, whose sides are free: across by the width at which
+// such a bar is in balance. What stays is strain minus yield, `yield` (bar 2 %; exact at nu 0).
+Result<Outcome> plastic_set_in_tension(const Setup& setup, double speed, double yield);
+
 }  // namespace livegs::study

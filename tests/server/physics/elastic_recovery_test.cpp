@@ -7,6 +7,9 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
+#include <ostream>
+#include <random>
+#include <string>
 #include <tuple>
 
 #include "server/physics/elastic_bodies.h"
@@ -29,12 +32,12 @@ double twenty_periods_s(const Vector3d& size_m, double youngs_modulus_pa) {
   return 20.0 * 2.0 * M_PI / (wave_m_s * std::min(axial, bending));
 }
 
-void record(const std::string& body, const char* starts, int count, int back, int wound, int inverted) {
+void record(const std::string& body, const char* kind, int count, int back, int wound, int inverted) {
   const char* path = std::getenv("LIVEGS_RECOVERY_CSV");
   if (!path) return;
   std::ofstream file(path, std::ios::app);
-  if (file.tellp() == 0) file << "body,starts,count,back,wound,inverted\n";
-  file << body << "," << starts << "," << count << "," << back << "," << wound << "," << inverted << "\n";
+  if (file.tellp() == 0) file << "body,kind,count,back,wound,inverted\n";
+  file << body << "," << kind << "," << count << "," << back << "," << wound << "," << inverted << "\n";
 }
 
 class ScrambledBody : public testing::TestWithParam<Recovery> {};
@@ -72,32 +75,60 @@ INSTANTIATE_TEST_SUITE_P(Recovery, ScrambledBody,
                                          Recovery{"Cord", {0.4, 0.025, 0.025}, 1e5, 30}),
                          [](const auto& one) { return one.param.name; });
 
-class DegenerateStart : public testing::TestWithParam<Recovery> {};
+// A start of each kind that is not at rest, other ones for every seed: no two of them differ by a rotation alone.
+struct Degenerate {
+  const char* name;
+  int lost;  // axes that are gone; none: mirrored
+};
+void PrintTo(const Degenerate& kind, std::ostream* out) { *out << kind.name; }
 
-TEST_P(DegenerateStart, ComesBackFromMirroredPlaneLineAndPoint) {
-  const Recovery& r = GetParam();
+class DegenerateStart : public testing::TestWithParam<std::tuple<Recovery, Degenerate>> {
+ protected:
+  double unit() { return 2.0 * static_cast<double>(random_() >> 11) * 0x1p-53 - 1.0; }
+
+  // Along the body's own axes for the first 12, then along any others. A mirrored one has its axes from half to full length.
+  Eigen::Matrix3d start(int seed, int lost) {
+    random_.seed(static_cast<uint64_t>(seed));
+    if (lost == 3) {  // the first to a point exactly, others within a thousandth of it, half of them inside out
+      Eigen::Matrix3d rest_of_it;
+      for (double& x : rest_of_it.reshaped()) x = seed == 0 ? 0.0 : 1e-3 * unit();
+      return rest_of_it;
+    }
+    Vector3d scale;
+    do {
+      for (double& x : scale) x = unit() < 0.0 ? -1.0 : 1.0;
+    } while (lost == 0 && scale.prod() > 0.0);
+    if (lost == 0) scale *= seed < 12 ? 1.0 : 0.75 + 0.25 * unit();
+    for (int axis = 0; axis < 3; ++axis) {
+      const bool goes = lost == 1 ? axis == seed % 3 : lost == 2 && axis != seed % 3;
+      if (goes) scale[axis] = 0.0;
+    }
+    const Eigen::Matrix3d turn = seed < 12 ? Eigen::Matrix3d::Identity()
+                                           : Eigen::Quaterniond(unit(), unit(), unit(), unit()).normalized().toRotationMatrix();
+    return turn * scale.asDiagonal() * turn.transpose();
+  }
+
+  std::mt19937_64 random_;
+};
+
+TEST_P(DegenerateStart, ComesBack) {
+  const auto& [r, kind] = GetParam();
   const bool compact = r.size_m.minCoeff() == r.size_m.maxCoeff();
   const char* wanted = std::getenv("LIVEGS_RECOVERY_SEEDS");
-  const int starts = std::max(54, wanted ? std::atoi(wanted) : 0);
+  const int starts = wanted ? std::atoi(wanted) : r.seeds;
   int back = 0, inverted = 0;
-  for (int start = 0; start < starts; ++start) {
-    // Each axis kept, mirrored or gone; after the first 27 at each rate, along other directions than the body's.
-    const int signs = start / 2 % 27;
-    const Vector3d scale(signs % 3 - 1, signs / 3 % 3 - 1, signs / 9 - 1);
-    const Eigen::Matrix3d turn =
-        start < 54 ? Matrix3d::Identity()
-                   : Eigen::Quaterniond(std::sin(1.3 * start), std::cos(2.1 * start), std::sin(3.7 * start), std::cos(0.6 * start))
-                         .normalized().toRotationMatrix();
+  for (int seed = 0; seed < starts; ++seed) {
     ElasticBodyDescription body = describe(particle_grid(r.size_m, 0.0125), r.youngs_modulus_pa, 0.3, 0.025);
     body.material.loss_factor = 0.2;
-    body.initial_deformation = turn * scale.asDiagonal() * turn.transpose();
+    body.initial_deformation = start(seed, kind.lost);
     Stage stage;
-    stage.rate_hz = start % 2 ? 90.0 : 60.0;
+    stage.rate_hz = seed % 2 ? 90.0 : 60.0;
     stage.make(body);
+    ASSERT_GT(rms_distance_from_rest_shape(*stage.body, body.particles), 0.1 * r.size_m.minCoeff()) << "at rest: no start";
     stage.run(compact ? 2.0 : twenty_periods_s(r.size_m, r.youngs_modulus_pa));
-    ASSERT_TRUE(all_finite(*stage.body));
+    ASSERT_TRUE(all_finite(*stage.body)) << "seed " << seed;
     const double distance_m = rms_distance_from_rest_shape(*stage.body, body.particles);
-    EXPECT_LT(distance_m, 1e-3 * r.size_m.maxCoeff()) << "start " << start << ", from " << scale.transpose();
+    EXPECT_LT(distance_m, 1e-3 * r.size_m.maxCoeff()) << "seed " << seed << ", from\n" << body.initial_deformation;
     if (distance_m < 1e-3 * r.size_m.maxCoeff()) {
       ++back;
     } else {
@@ -105,15 +136,19 @@ TEST_P(DegenerateStart, ComesBackFromMirroredPlaneLineAndPoint) {
       inverted += std::any_of(now.begin(), now.end(), [](const auto& p) { return p.deformation_gradient.determinant() <= 0; });
     }
   }
-  record(r.name, "mirrored or flattened", starts, back, starts - back - inverted, inverted);
+  record(r.name, kind.name, starts, back, starts - back - inverted, inverted);
 }
 
 INSTANTIATE_TEST_SUITE_P(Recovery, DegenerateStart,
-                         testing::Values(Recovery{"Block1e4", Vector3d::Constant(0.1), 1e4, 0},
-                                         Recovery{"Block1e5", Vector3d::Constant(0.1), 1e5, 0},
-                                         Recovery{"Leaf", {0.2, 0.2, 0.025}, 1e5, 0},
-                                         Recovery{"Cord", {0.4, 0.025, 0.025}, 1e5, 0}),
-                         [](const auto& one) { return one.param.name; });
+                         testing::Combine(testing::Values(Recovery{"Block1e4", Vector3d::Constant(0.1), 1e4, 30},
+                                                          Recovery{"Block1e5", Vector3d::Constant(0.1), 1e5, 30},
+                                                          Recovery{"Leaf", {0.2, 0.2, 0.025}, 1e5, 16},
+                                                          Recovery{"Cord", {0.4, 0.025, 0.025}, 1e5, 16}),
+                                          testing::Values(Degenerate{"mirrored", 0}, Degenerate{"plane", 1},
+                                                          Degenerate{"line", 2}, Degenerate{"point", 3})),
+                         [](const auto& one) {
+                           return std::string(std::get<0>(one.param).name) + "_" + std::get<1>(one.param).name;
+                         });
 
 // Energy of motion and shape never grows beyond what the fall gave, whatever the units: mass 5 mg to 50 kg, size 1 cm
 // to 10 m, E 1e2 to 1e9 Pa, nu .3 and .45, at one substep of 60 Hz and at four of 60 and 90, from the fall to half a second
@@ -148,10 +183,10 @@ TEST(ElasticScale, StaysFiniteAndNeverGainsOverMassSizeAndStiffness) {
           const double before = peak(static_cast<int>(std::max(1.0, std::sqrt(2.0 * size / 9.81) + 0.5) * rate_hz));
           ASSERT_TRUE(all_finite(*stage.body));
           EXPECT_GT(stage.body->take_contacts().impulse_n_s, 0.0) << "has not landed";
-          // A first-order first step starts g h^2/2 on, and contact at one substep of 17 ms. A body of 10 m that lands tilted,
-          // far below the speed of its waves, reads up to 7.9 % more while it does.
-          constexpr double kGoal = 1.02;
-          EXPECT_LT(before, (size > 1.0 ? 1.08 : kGoal) * start) << "goal " << kGoal;
+          // Goal: no growth, 1.0005 for rounding. A first-order first step starts g h^2/2 on, and contact at one substep of
+          // 17 ms: up to 2 %. A body of 10 m that lands tilted, far below the speed of its waves, reads up to 7.9 % more while it does.
+          constexpr double kGoal = 1.0005, kReached = 1.02, kReachedOf10m = 1.08;
+          EXPECT_LT(before, (size > 1.0 ? kReachedOf10m : kReached) * start) << "goal " << kGoal;
           // A frame of a whole second, handed over as one step.
           SubstepContext dropped;
           dropped.start_s = stage.time_s;
@@ -163,7 +198,7 @@ TEST(ElasticScale, StaysFiniteAndNeverGainsOverMassSizeAndStiffness) {
           stage.time_s += 1.0;
           const double after = peak(10);
           ASSERT_TRUE(all_finite(*stage.body));
-          EXPECT_LT(after, 1.02 * start);
+          EXPECT_LT(after, kReached * start) << "goal " << kGoal;
         }
       }
     }

@@ -188,12 +188,12 @@ TEST(ThinCell, AQuarterCylinderOpensLikeABeam) {
   for (const double cells_t : {3.0, 5.0, 7.0}) {
     const Range range = over_lattices(kQuarter, cells_t, clip_ratio);
     EXPECT_GT(range.least, 0.6) << cells_t;
-    EXPECT_LT(range.most, 1.5) << cells_t;
+    EXPECT_LT(range.most, 1.35) << cells_t << ", goal 1.2";  // 1.31 in cells of 5 t
   }
   // Cells of 30 mm on a radius of 100: beyond a² = 2 R t the lattice is too coarse for the curve.
   const Range coarse = over_lattices(kQuarter, 10.0, clip_ratio);
   EXPECT_GT(coarse.least, 0.6);
-  EXPECT_LT(coarse.most, 5.0);
+  EXPECT_LT(coarse.most, 2.4) << "goal 1.2";  // 2.28
 }
 
 TEST(ThinCell, ACordBendsLikeABeamToo) {
