@@ -231,7 +231,10 @@ TEST_F(WindowOnADisplay, VulkanShowsAPull) {
   const auto before = first_shot(shots, 0, newest, [](const Image&) { return true; });
   ASSERT_TRUE(before) << window.err();
   EXPECT_EQ(force_pixels(*before), 0u);
-  const auto pulled = first_shot(shots, newest + 1, newest, [&](const Image& image) { return force_pixels(image) > 60 && changed(*before, image) > 2000; });
+  const auto pulled = first_shot(shots, newest + 1, newest, [&](const Image& image) {
+    const size_t arrow = force_pixels(image);
+    return arrow > 60 && changed(*before, image) > arrow + 500;  // the box has moved as well
+  });
   ASSERT_TRUE(pulled) << window.err();
   keep("vulkan_pulled.png", *pulled);
   const auto after = first_shot(shots, newest + 1, newest, [](const Image& image) { return force_pixels(image) == 0; });
@@ -305,9 +308,8 @@ TEST_F(WindowOnADisplay, TheVideoShowsTheThingThatMoves) {
   Program window(window_words(display_, port_, {"--force", "cube:0,0.1,0:0,40,0:0.3", "--output", study.string(), "--renderer", "cpu",
                                                 "--camera", camera}));
   EXPECT_EQ(window.wait(), 0) << window.err();
-  // 2.3 s, 30 pictures a second: the first, one while the force acts, the middle and the last second.
-  Program frames({"/usr/bin/ffmpeg", "-v", "error", "-i", (study / "study_001.mp4").string(), "-vf", "select=eq(n\\,0)+eq(n\\,20)+eq(n\\,34)+eq(n\\,60)",
-                  "-vsync", "0", (study / "window_%03d.png").string()});
+  // 2.3 s, 30 pictures a second; when in them the force begins hangs on how long the server took to answer.
+  Program frames({"/usr/bin/ffmpeg", "-v", "error", "-i", (study / "study_001.mp4").string(), "-vsync", "0", (study / "window_%03d.png").string()});
   ASSERT_EQ(frames.wait(), 0) << frames.err();
   struct Cube {
     double y = 0;
@@ -327,18 +329,22 @@ TEST_F(WindowOnADisplay, TheVideoShowsTheThingThatMoves) {
     return cube;
   };
   std::vector<Cube> cubes;
-  for (int i = 1; i <= 4; ++i) {
+  size_t highest = 0;
+  for (int i = 1;; ++i) {
     char name[32];
     std::snprintf(name, sizeof name, "window_%03d.png", i);
     const auto image = read_png(study / name);
-    ASSERT_TRUE(image) << name;
-    keep((std::string("video_") + name).c_str(), *image);
+    if (!image) break;
     cubes.push_back(cube_of(*image));
     ASSERT_GT(cubes.back().pixels, 300u) << name;
+    if (cubes.back().y < cubes[highest].y) highest = cubes.size() - 1;
   }
-  EXPECT_LT(cubes[1].y, cubes[0].y - 3);
-  EXPECT_LT(cubes[2].y, cubes[0].y - 20);
-  EXPECT_GT(cubes[3].y, cubes[2].y + 10);
+  ASSERT_GE(cubes.size(), 60u);
+  EXPECT_NEAR(cubes[10].y, cubes[0].y, 1.5);  // a third of a second: nothing has begun
+  EXPECT_LT(cubes[highest].y, cubes[0].y - 20);
+  EXPECT_GT(highest, 15u);
+  EXPECT_LT(highest + 10, cubes.size());
+  EXPECT_GT(cubes.back().y, cubes[highest].y + 10);  // it has come down again
 }
 
 // Several points at once.
