@@ -202,4 +202,18 @@ LIVEGS_INLINE Matrix full_gradient(Lanes inverse_four_widths, Lanes (&position)[
   return f;
 }
 
+// F at a cell's centroid; `position` becomes its sums by corner signs.
+LIVEGS_INLINE Matrix gradient_at(const Lanes (&xi)[3], Lanes inverse_four_widths, Lanes (&position)[3][8]) {
+  const Lanes yz = xi[1] * xi[2], xz = xi[0] * xi[2], xy = xi[0] * xi[1];
+  Matrix f;
+  for (int d = 0; d < 3; ++d) {
+    Lanes(&h)[8] = position[d];
+    hadamard(h);
+    f.m[d][0] = (h[1] + xi[1] * h[3] + xi[2] * h[5] + yz * h[7]) * inverse_four_widths;
+    f.m[d][1] = (h[2] + xi[0] * h[3] + xi[2] * h[6] + xz * h[7]) * inverse_four_widths;
+    f.m[d][2] = (h[4] + xi[0] * h[5] + xi[1] * h[6] + xy * h[7]) * inverse_four_widths;
+  }
+  return f;
+}
+
 }  // namespace livegs::lanes

@@ -123,20 +123,6 @@ LIVEGS_INLINE void to_corners(const Matrix& r, const Lanes (&coefficient)[8][3],
   }
 }
 
-// F at a cell's centroid; `position` becomes its sums by corner signs.
-LIVEGS_INLINE Matrix gradient_at(const Lanes (&xi)[3], Lanes inverse_four_widths, Lanes (&position)[3][8]) {
-  const Lanes yz = xi[1] * xi[2], xz = xi[0] * xi[2], xy = xi[0] * xi[1];
-  Matrix f;
-  for (int d = 0; d < 3; ++d) {
-    Lanes(&h)[8] = position[d];
-    hadamard(h);
-    f.m[d][0] = (h[1] + xi[1] * h[3] + xi[2] * h[5] + yz * h[7]) * inverse_four_widths;
-    f.m[d][1] = (h[2] + xi[0] * h[3] + xi[2] * h[6] + xz * h[7]) * inverse_four_widths;
-    f.m[d][2] = (h[4] + xi[0] * h[5] + xi[1] * h[6] + xy * h[7]) * inverse_four_widths;
-  }
-  return f;
-}
-
 // What a stress at the centroid and the modes' forces, both in the turned frame, pull on the corners.
 LIVEGS_INLINE void pull_corners(const Matrix& r, const Matrix& stress, const Lanes (&eta)[4][3], const Lanes (&xi)[3],
                                 Lanes inverse_four_widths, Lanes (&out)[3][8]) {

@@ -91,5 +91,10 @@ struct FullModuli {
 };
 double full_cell_energy(const FullCells* begin, const FullCells* end, const NodeLanes* positions, const FullModuli& moduli,
                         float inverse_four_widths);
+// Likewise of eight cut cells in which nothing has flowed; 0 in unused places.
+struct CutModuli {
+  Lanes shear_j, lambda_j, mode_n_m[4][3];
+};
+double cut_cell_energy(const CutCells& cells, const NodeLanes* positions, const CutModuli& moduli, float inverse_four_widths);
 
 }  // namespace livegs

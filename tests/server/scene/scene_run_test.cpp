@@ -81,7 +81,9 @@ TEST(SceneRun, EventsActWhenTheyAreDue) {
   scene.step();
   EXPECT_EQ(scene.objects().size(), 5u);
   EXPECT_EQ(scene.take_changes().added.size(), 1u);
-  for (int tick = 0; tick < 20; ++tick) scene.step();
+  for (int tick = 19; tick < 24; ++tick) scene.step();
+  EXPECT_EQ(scene.world().material(soft)->friction, 0.6);
+  scene.step();
   EXPECT_EQ(scene.world().material(soft)->friction, 0.1);
   EXPECT_EQ(scene.find("soft")->physics.friction().source(), v1::EstimatedValue::SCENE);
 }
