@@ -2,6 +2,7 @@
 // A recording in the desktop window: what its panel shows and its keys do.
 #include <signal.h>
 
+#include "system/panel_text.h"
 #include "system/window_hands.h"
 #include "viewer/replay_run.h"
 
@@ -46,18 +47,6 @@ class WindowReplay : public WindowHands {
   }
   ReplayOptions::Moment moment_;
 };
-
-// Pixels of a part of the picture that are as bright as a panel's text.
-size_t text_pixels(const Image& image, int left, int right, int top, int bottom) {
-  size_t count = 0;
-  for (int y = top; y < bottom; ++y) {
-    for (int x = left; x < right; ++x) {
-      const float* pixel = image.at(x, y);
-      count += pixel[0] > 0.55f && pixel[1] > 0.55f && pixel[2] > 0.55f;
-    }
-  }
-  return count;
-}
 
 // Pixels beside the panel that differ by more than a twentieth.
 size_t changed(const Image& a, const Image& b) {

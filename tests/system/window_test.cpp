@@ -17,6 +17,7 @@
 
 #include "core/file.h"
 #include "splat/image.h"
+#include "system/panel_text.h"
 #include "system/programs_fixture.h"
 #include "system/screen.h"
 
@@ -86,18 +87,6 @@ size_t force_pixels(const Image& image) {
 void expect_drawn_by_vulkan(Program& window) {
   EXPECT_NE(window.err().find("drawing with vulkan: "), std::string::npos) << window.err();
   EXPECT_EQ(window.err().find("the cpu draws"), std::string::npos) << window.err();
-}
-
-// Pixels of a part of the picture that are as bright as a panel's text.
-size_t text_pixels(const Image& image, int left, int right, int top, int bottom) {
-  size_t count = 0;
-  for (int y = top; y < bottom; ++y) {
-    for (int x = left; x < right; ++x) {
-      const float* pixel = image.at(x, y);
-      count += pixel[0] > 0.55f && pixel[1] > 0.55f && pixel[2] > 0.55f;
-    }
-  }
-  return count;
 }
 
 // One by one: a picture takes 16 MB.
