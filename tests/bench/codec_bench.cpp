@@ -4,7 +4,8 @@
 // torn to and fro by springs whose targets jump about, up to 0.3 m twice a second, while 200 boxes of 4 cm fall onto a floor
 // among them; 6 s at 90 Hz, the first not counted. Then all are let be until they sleep, or for 12 s. Errors of drivers are the
 // largest of all frames. A million kernels ride in the blocks, skinned from the server's drivers and from those that were read,
-// in every 45th frame; encodings of kernels are of these frames alone. Three rows are of blocks whose cells are smaller.
+// in every 45th frame; encodings of kernels are of these frames alone. One row has 200 fragments of boxes that were broken in place of the
+// boxes; three are of blocks whose cells are smaller.
 #include <zstd.h>
 
 #include <algorithm>
@@ -215,17 +216,13 @@ std::vector<Encoding> encodings() {
   return all;
 }
 
-// The same blocks with a side of 10 cm, so that their cells are of 10 mm: turns go with a step over a cell's width.
-void print_small_cells() {
-  constexpr double kSmallSide_m = 0.1;
-  World world = dragged_blocks(kSmallSide_m);
+// Other things that are dragged, in some encodings.
+void print_dragged(World world, double side_m, const std::vector<Encoding>& all, const char* goals) {
   std::vector<BoundKernels> bound;
   for (uint32_t block = 1; block <= kBlocks; ++block) bound.emplace_back(world.rest_body(block), kKernels, block);
-  std::vector<Encoding> all;
-  for (const int finest : {-14, -15, -16}) all.push_back(stream("cells of 10 mm: " + steps_of(finest), {2 - std::min(finest, -14), finest, -18}));
   std::vector<Tally> tallies(all.size());
   for (size_t i = 0; i < kDragged; ++i) {
-    drag(world, world.tick(), kSmallSide_m);
+    drag(world, world.tick(), side_m);
     world.step();
     const DriverFrame frame = world.drivers();
     const bool looked_at = i >= kFirst && i % kEvery == 0;
@@ -239,7 +236,22 @@ void print_small_cells() {
       for (size_t k = 0; k < kernels.size(); ++k) add_errors(kernels[k], bound[k].pose(sent.read.objects[k]), tallies[e].kernels);
     }
   }
-  for (size_t e = 0; e < all.size(); ++e) print(all[e].name, "dragged", tallies[e], kGoalsOfErrors);
+  for (size_t e = 0; e < all.size(); ++e) print(all[e].name, "dragged", tallies[e], goals);
+}
+
+void print_fragments() {
+  World world = blocks_and_fragments();
+  size_t poses = 0;
+  for (const ObjectDrivers& one : world.drivers().objects) poses += one.poses.size();
+  print_dragged(std::move(world), kSide_m, {stream(std::to_string(poses) + " fragments of 4 boxes: " + steps_of(-14), {})}, kGoals);
+}
+
+// The same blocks with a side of 10 cm, so that their cells are of 10 mm: turns go with a step over a cell's width.
+void print_small_cells() {
+  constexpr double kSmallSide_m = 0.1;
+  std::vector<Encoding> all;
+  for (const int finest : {-14, -15, -16}) all.push_back(stream("cells of 10 mm: " + steps_of(finest), {2 - std::min(finest, -14), finest, -18}));
+  print_dragged(dragged_blocks(kSmallSide_m), kSmallSide_m, all, kGoalsOfErrors);
 }
 
 }  // namespace
@@ -305,6 +317,7 @@ int main(int argc, char** argv) {
     tally.add(frame, sent.read);
   }
   print(left_alone.name, all_asleep() ? "asleep" : "left alone", tally, all_asleep() ? kGoalsAsleep : ",,,");
+  print_fragments();
   print_small_cells();
   return 0;
 }

@@ -6,19 +6,20 @@
 
 #include "geometry/mass_properties.h"
 #include "geometry/shape_mesh.h"
+#include "physics/breakable_pieces.h"
 #include "physics/world.h"
 #include "server/physics/elastic_bodies.h"
 
 // Four elastic blocks of 28 cm (1e4 Pa, 10 x 10 x 10 cells each) that are torn to and fro by springs whose targets jump
-// about, up to 0.3 m twice a second, while 200 boxes of 4 cm fall onto a floor among them. Blocks of another side have as many cells
-// and are pulled by springs as stiff for their faces.
+// about, up to 0.3 m twice a second, while 200 boxes of 4 cm fall onto a floor among them, or as many fragments. Blocks of another side
+// have as many cells and are pulled by springs as stiff for their faces.
 
 namespace livegs::bench {
 
 inline constexpr int kBlocks = 4, kBoxes = 200;
 inline constexpr double kSide_m = 0.28;
 
-inline World dragged_blocks(double side_m = kSide_m) {
+inline World blocks_alone(double side_m = kSide_m) {
   WorldSettings settings;
   World world(settings);
   Collider floor;
@@ -34,6 +35,11 @@ inline World dragged_blocks(double side_m = kSide_m) {
     if (auto added = world.add_elastic(block); !added)
       std::fprintf(stderr, "%s\n", added.error().message.c_str());
   }
+  return world;
+}
+
+inline World dragged_blocks(double side_m = kSide_m) {
+  World world = blocks_alone(side_m);
   const TriangleMesh box = box_mesh({0.04, 0.04, 0.04});
   for (uint32_t i = 0; i < kBoxes; ++i) {
     RigidBodyDescription body;
@@ -46,6 +52,37 @@ inline World dragged_blocks(double side_m = kSide_m) {
     body.angular_velocity_rad_s = {3.0, 0.1 * i, 1.0};
     if (auto added = world.add_rigid(body); !added)
       std::fprintf(stderr, "%s\n", added.error().message.c_str());
+  }
+  return world;
+}
+
+// In place of the boxes: four boxes of 15 cm that are broken as they begin to fall, by blows at will on one piece after the other, into
+// 50 fragments each, of 4 cm and of any shape. Each broken box is one object, of as many poses.
+inline World blocks_and_fragments() {
+  constexpr uint32_t kBroken = 4;
+  constexpr size_t kFragmentsEach = kBoxes / kBroken;
+  World world = blocks_alone();
+  const TriangleMesh mesh = box_mesh({0.15, 0.15, 0.15});
+  for (uint32_t i = 0; i < kBroken; ++i) {
+    RigidBodyDescription body;
+    body.object_id = 100 + i;
+    body.mesh = mesh;
+    body.properties = solid_mass_properties(mesh);
+    body.material.mass_kg = 0.05 * kFragmentsEach;
+    body.material.fragile = true;
+    body.material.break_impulse_n_s = 1;
+    body.world_from_object.position_m = {0.2 + 0.4 * (i % 2), 1.2, 0.2 + 0.4 * (i / 2)};
+    body.angular_velocity_rad_s = {3.0, 0.1 * i, 1.0};
+    BreakableOptions options;
+    options.piece_count = kFragmentsEach;
+    options.seed = i + 1;
+    auto pieces = prepare_pieces(mesh, Fill::Solid, options);
+    if (auto added = world.add_rigid(body); !added || !pieces || !world.set_pieces(body.object_id, *pieces)) {
+      std::fprintf(stderr, "a box that breaks cannot be added\n");
+      continue;
+    }
+    // Of two pieces that hang together yet either may be struck; one by itself breaks no further.
+    for (const BreakablePiece& piece : (*pieces)->pieces) (void)world.break_object(body.object_id, piece.mass.centre_of_mass_m);
   }
   return world;
 }
