@@ -116,7 +116,7 @@ TEST(SplitGaussian, KeepsTheMomentsOfTheWhole) {
 }
 
 void expect_bound_once(const GaussianAsset& asset, const PieceKernels& kernels, const VoronoiPieces& pieces,
-                       double mass_lost) {
+                       double most_lost) {
   ASSERT_EQ(kernels.original_count, asset.size());
   ASSERT_EQ(kernels.piece.size(), kernels.asset.size());
   ASSERT_EQ(kernels.source.size(), kernels.asset.size());
@@ -147,12 +147,20 @@ void expect_bound_once(const GaussianAsset& asset, const PieceKernels& kernels, 
     ASSERT_EQ(kernels.asset.sh_dc[k], asset.sh_dc[source]);
     ASSERT_EQ(kernels.asset.sh_rest[3 * k + 2], asset.sh_rest[3 * source + 2]);
   }
-  double before = 0.0, after = 0.0;
-  for (size_t k = 0; k < asset.size(); ++k) {
-    before += mass_of(asset, k), after += mass[k];
+  // A part that is pressed flat may want more opacity than the 0.998 that it gets.
+  std::vector<uint8_t> held(asset.size(), 0);
+  for (size_t k = 0; k < kernels.interior_begin; ++k) {
+    if (changed[kernels.source[k]] && opacity_of_logit(kernels.asset.opacity_logits[k]) > 0.9979) held[kernels.source[k]] = 1;
   }
-  // Left out: parts too faint to be drawn, and what an opacity held at 0.998 and the holding back cost.
-  EXPECT_NEAR(after / before, 1.0, mass_lost);
+  double before = 0.0, lost = 0.0, lost_by_others = 0.0;
+  for (size_t k = 0; k < asset.size(); ++k) {
+    const double less = mass_of(asset, k) - mass[k];
+    before += mass_of(asset, k), lost += less;
+    if (!held[k]) lost_by_others += less;
+  }
+  EXPECT_LT(std::abs(lost_by_others / before), 0.003);  // parts too faint to be drawn, the ripple of narrower ones: 0.0028
+  EXPECT_LT(lost / before, most_lost);
+  EXPECT_GT(lost / before, -0.001);
 }
 
 // How far a kernel reaches beyond the planes of a cell of its piece towards other pieces, at three deviations.
@@ -182,8 +190,13 @@ double worst_overhang_m(const PieceKernels& kernels, const VoronoiPieces& pieces
 }
 
 TEST(PieceKernels, BindEveryKernelOnceAndBridgeNoCrack) {
-  const std::vector<TriangleMesh> shapes{sphere_mesh(0.05, 3), box_mesh({0.2, 0.1, 0.05}), testing::cup_mesh(48, 10)};
-  for (const TriangleMesh& mesh : shapes) {
+  // What wide kernels lose of their mass by opacity that is held: 0.218, 0.110 and 0.211; narrow ones 0.0006.
+  struct Shape {
+    TriangleMesh mesh;
+    double wide_lost;
+  };
+  const Shape shapes[] = {{sphere_mesh(0.05, 3), 0.22}, {box_mesh({0.2, 0.1, 0.05}), 0.112}, {testing::cup_mesh(48, 10), 0.213}};
+  for (const auto& [mesh, wide_lost] : shapes) {
     // As wide as a hundredth of the thing, and as an eighth: those reach into many cells, and what does not fit in the
     // parts they may have is pressed flat.
     for (const double widest_m : {0.001, 0.012}) {
@@ -192,7 +205,7 @@ TEST(PieceKernels, BindEveryKernelOnceAndBridgeNoCrack) {
       const VoronoiPieces pieces = cut(mesh, 24, 2);
       const auto kernels = make_piece_kernels(asset, {}, pieces);
       ASSERT_TRUE(kernels);
-      expect_bound_once(asset, *kernels, pieces, wide ? 0.35 : 0.02);
+      expect_bound_once(asset, *kernels, pieces, wide ? wide_lost : 0.001);
       if (HasFatalFailure()) return;
       // The stated distance, a 200th of the diagonal. Kernels of cut faces lie a 16th of their spacing behind the face,
       // which carries them that much nearer to a plane that meets it at a sharp angle.
@@ -210,7 +223,7 @@ TEST(PieceKernels, OfACupAreBoundOnceOverAHundredSeeds) {
     const VoronoiPieces pieces = cut(mesh, 8 + seed % 9, seed);
     const auto kernels = make_piece_kernels(asset, {}, pieces);
     ASSERT_TRUE(kernels);
-    expect_bound_once(asset, *kernels, pieces, 0.2);
+    expect_bound_once(asset, *kernels, pieces, 0.004);  // 0.0035 at most, 0.0009 in the median
     if (HasFatalFailure()) return;
   }
 }
@@ -237,7 +250,7 @@ TEST(PieceKernels, FollowTheFrameOfTheObject) {
   size_t moved = 0;
   for (size_t k = 0; k < plain.size(); ++k) moved += a->piece[k] != b->piece[k];
   EXPECT_LE(moved, 2u);  // rounding, at the very plane
-  if (a->asset.size() != b->asset.size()) return;
+  ASSERT_EQ(a->asset.size(), b->asset.size());
   for (size_t k = 0; k < a->asset.size(); ++k) {
     EXPECT_LT((object_from_asset * b->asset.positions[k].cast<double>() - a->asset.positions[k].cast<double>()).norm(),
               1e-6);
