@@ -237,6 +237,7 @@ class CellsBody final : public ElasticBody {
   void place_rigid();
   void rest(double frame_s);
   bool stays(double frame_s);
+  bool trembles(double seen_m_s, double frame_s);
   bool moves_finitely() const;
   bool bound_energy();
   void put_back();
@@ -356,6 +357,8 @@ class CellsBody final : public ElasticBody {
   int untangled_ = 0;  // times
   Vector3d stayed_at_m_ = Vector3d::Constant(INFINITY);  // its centre of mass has been, for so long
   double stayed_s_ = 0.0;
+  std::vector<Vector3d> trembled_at_m_;  // surface_, where they have been near for trembling_s_; empty: all are still, or it moves
+  double trembling_s_ = 0.0;
   bool may_rest_;
   RestClock rest_clock_;
 };

@@ -21,6 +21,8 @@ constexpr double kMeasuredCalm = 100.0;  // 0.2 mm/s in place of 20
 // Its centre of mass goes no farther than this part of its length in half a period of its slowest vibration: what bends by
 // a thousandth of it is within 1 % of where it will be.
 constexpr double kMeasuredPart = 3e-6;
+// A still body's points that tremble stay this near where they were, in parts of its smallest side, for so long.
+constexpr double kTremble = 0.01, kTrembling_s = 2.0;
 // As of a rigid body (rigid_step.cpp).
 constexpr double kMost_m_s = 1e6, kFarthest_m = 1e9;
 
@@ -64,7 +66,8 @@ void CellsBody::rest(double frame_s) {
   const bool measured = held_ || !region_loads_.empty();
   const bool moves = forced_ || driven_ || comes_off() || (measured && !stays(frame_s));
   const double calm = measured ? kMeasuredCalm : 1.0;
-  const double seen_m_s = moves || !supported_ ? 0.0 : fastest_m_s(RestClock::kStillSpeed_m_s / calm);
+  double seen_m_s = moves || !supported_ ? 0.0 : fastest_m_s(RestClock::kStillSpeed_m_s / calm);
+  if (!measured && !moves && supported_ && trembles(seen_m_s, frame_s)) seen_m_s = 0.0;
   if (rest_clock_.tick(frame_s, calm * seen_m_s, supported_, moves)) sleep();
 }
 
@@ -78,6 +81,28 @@ bool CellsBody::stays(double frame_s) {
     stayed_s_ = 0.0;
   }
   return stayed_s_ >= M_PI / lowest_rate_rad_s();
+}
+
+// A corner that is folded under may snap to and fro for good while all else is still. Whether that is all that moves.
+bool CellsBody::trembles(double seen_m_s, double frame_s) {
+  const bool still = std::max(motion_.velocity_m_s().norm(), deviation_m_s_) < RestClock::kStillSpeed_m_s;
+  if (!still || (seen_m_s < RestClock::kStillSpeed_m_s && trembled_at_m_.empty())) {
+    trembled_at_m_.clear();
+    return false;
+  }
+  const double most_m = kTremble * (extent_.max_m - extent_.min_m).minCoeff();
+  bool near = trembled_at_m_.size() == surface_.size();
+  for (size_t i = 0; near && i < surface_.size(); ++i) {
+    near = (origin_m_ + nodes_.position_m(surface_[i]) - trembled_at_m_[i]).squaredNorm() < most_m * most_m;
+  }
+  if (near) {
+    trembling_s_ += frame_s;
+  } else {
+    trembled_at_m_.clear();
+    for (const NodeSample& sample : surface_) trembled_at_m_.push_back(origin_m_ + nodes_.position_m(sample));
+    trembling_s_ = 0.0;
+  }
+  return trembling_s_ >= kTrembling_s;
 }
 
 // By the sums of the last step, which are of all nodes: one that is not finite makes its centre so.
@@ -114,6 +139,7 @@ void CellsBody::put_back() {
 
 void CellsBody::sleep() {
   rest_clock_.sleep();
+  trembled_at_m_.clear();
   nodes_.stop();
   motion_.momentum.setZero();
   motion_.angular_momentum.setZero();
