@@ -11,6 +11,7 @@
 #include "physics/rigid_contact.h"
 #include "physics/rigid_find_contacts.h"
 #include "physics/rigid_hasty.h"
+#include "physics/rigid_heavy.h"
 #include "physics/rigid_islands.h"
 #include "physics/rigid_joint.h"
 #include "physics/rigid_spring.h"
@@ -197,11 +198,21 @@ void put_back(RigidIsland& island, std::span<const Pose> poses, std::span<JointG
   for (JointGroup* group : joints) group->forget();
 }
 
-void solve_island(RigidIsland& island, double duration_s) {
+// Impulses are those of a step: the next one is `factor` as long.
+void scale_impulses(ContactPatch& patch, double factor) {
+  for (int i = 0; i < patch.point_count; ++i) patch.points[i].impulse_n_s *= factor;
+  patch.friction_impulse_n_s *= factor;
+  patch.twist_impulse *= factor;
+}
+
+// In `times` as many steps as is usual, each so much shorter; contacts keep impulses of the usual ones.
+void solve_island(RigidIsland& island, double duration_s, int times) {
   const auto each = [&](const auto& visit) {
     for (const RigidIsland::Contact& contact : island.contacts) visit(*contact.owner, *contact.patch);
   };
-  const double step_s = duration_s / kSolverSteps;
+  const int steps = times * kSolverSteps;
+  const double step_s = duration_s / steps;
+  if (times > 1) each([&](RigidBody&, ContactPatch& patch) { scale_impulses(patch, 1.0 / times); });
   std::vector<Pose> poses;
   for (const RigidBody* body : island.bodies) poses.push_back(body->world_from_body);
   const bool struck = std::any_of(island.contacts.begin(), island.contacts.end(),
@@ -211,7 +222,7 @@ void solve_island(RigidIsland& island, double duration_s) {
   const std::vector<JointGroup*> joints = joint_groups(island.bodies);
   for (RigidBody* body : island.bodies) body->velocity_m_s = body->substep_velocity_m_s;
   BounceGuard guard(island.bodies);
-  for (int step = 0; step < kSolverSteps; ++step) {
+  for (int step = 0; step < steps; ++step) {
     for (RigidBody* body : island.bodies) {
       body->pushed_by_owner = body->met_body = false;
       body->substep_velocity_m_s = body->velocity_m_s;
@@ -245,7 +256,7 @@ void solve_island(RigidIsland& island, double duration_s) {
       each([&](RigidBody& body, ContactPatch& patch) { solve_patch(body, patch, ContactPhase::Relax, step_s); });
       for (JointGroup* group : joints) group->solve(ContactPhase::Relax, step_s);
     }
-    if (step + 1 == kSolverSteps && (struck || !joints.empty())) {
+    if (step + 1 == steps && (struck || !joints.empty())) {
       guard.begin();
       each([](RigidBody&, ContactPatch& patch) { remember_impulses(patch); });
       for (int sweep = 0; sweep < kImpactSweeps; ++sweep) {
@@ -260,21 +271,13 @@ void solve_island(RigidIsland& island, double duration_s) {
     each(tally);
     note_held(island, joints, step_s);
   }
+  if (times > 1) each([&](RigidBody&, ContactPatch& patch) { scale_impulses(patch, times); });
   if (!std::all_of(island.bodies.begin(), island.bodies.end(), [](const RigidBody* body) { return moves_finitely(*body); })) {
     put_back(island, poses, joints);
   }
   double struck_share = 0.0;
   for (const RigidBody* body : island.bodies) struck_share = std::max(struck_share, body->blows.struck_share());
   for (RigidBody* body : island.bodies) body->blows.end_substep(*body, struck_share, duration_s);
-}
-
-// Impulses are those of a step: the next one is `factor` as long.
-void scale_impulses(std::vector<ContactPatch>& patches, double factor) {
-  for (ContactPatch& patch : patches) {
-    for (int i = 0; i < patch.point_count; ++i) patch.points[i].impulse_n_s *= factor;
-    patch.friction_impulse_n_s *= factor;
-    patch.twist_impulse *= factor;
-  }
 }
 
 // The substep in `parts`, each with contacts of its own. Its bodies meet nobody but each other, colliders and sleepers: other
@@ -290,7 +293,7 @@ void solve_in_parts(RigidIsland& island, std::span<const Collider> colliders, do
   for (RigidBody* body : island.bodies) {
     near.push_back(body->near);
     std::erase_if(body->near, elsewhere);
-    scale_impulses(body->patches, 1.0 / parts);
+    for (ContactPatch& patch : body->patches) scale_impulses(patch, 1.0 / parts);
     body->velocity_m_s = body->substep_velocity_m_s;
   }
   std::erase_if(island.contacts, [](const RigidIsland::Contact& contact) { return !contact.owner->asleep; });
@@ -305,11 +308,11 @@ void solve_in_parts(RigidIsland& island, std::span<const Collider> colliders, do
     for (RigidBody* body : island.bodies) {
       for (ContactPatch& patch : body->patches) island.contacts.push_back({body, &patch});
     }
-    solve_island(island, part_s);
+    solve_island(island, part_s, 1);
   }
   for (size_t i = 0; i < island.bodies.size(); ++i) {
     island.bodies[i]->near = std::move(near[i]);
-    scale_impulses(island.bodies[i]->patches, parts);
+    for (ContactPatch& patch : island.bodies[i]->patches) scale_impulses(patch, parts);
   }
 }
 
@@ -358,7 +361,7 @@ void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const Rigid
     for (size_t i = begin; i < end; ++i) {
       const int parts = substep_parts(islands[i], duration_s);
       if (parts == 1) {
-        solve_island(islands[i], duration_s);
+        solve_island(islands[i], duration_s, heavy_steps(islands[i], gravity_m_s2));
       } else {
         solve_in_parts(islands[i], colliders, gravity_m_s2.norm(), duration_s, parts);
       }

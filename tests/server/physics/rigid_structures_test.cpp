@@ -53,10 +53,10 @@ TEST(RigidStructures, HeavyRestsOnLight) {
     double ratio, size_m, bar;
     int substeps;
   };
-  // Scene 14, with a hand's box of 10 cm beside the metre: its contacts sag ten times as far in parts of its size.
-  // 1:1000 is for 16 substeps.
-  const Case cases[] = {{10, 1, 0.01, 4},     {10, 0.1, 0.01, 4},  {100, 1, 0.05, 4},
-                        {100, 0.1, 0.05, 4},  {1000, 1, 0.1, 16},  {1000, 0.1, 0.1, 16}};
+  // Scene 14, with a hand's box of 10 cm beside the metre: its contacts sag ten times as far in parts of its size. Asked: 1 %, 5 %,
+  // and of 1:1000 the honest figure. Found of 0.1 m at 60 Hz: 0.09, 0.10, 0.98 % and, at 16 substeps, a hundredth of a per cent.
+  const Case cases[] = {{10, 1, 0.01, 4},     {10, 0.1, 0.01, 4},    {100, 1, 0.002, 4},   {100, 0.1, 0.002, 4},
+                        {1000, 1, 0.002, 4},  {1000, 0.1, 0.012, 4}, {1000, 1, 0.002, 16}, {1000, 0.1, 0.002, 16}};
   for (const double rate : kRates_hz) {
     for (const Case& c : cases) {
       World world = world_at(rate, c.substeps);
@@ -70,6 +70,35 @@ TEST(RigidStructures, HeavyRestsOnLight) {
         lowest = std::min(lowest, body_state(world, 2).world_from_body.position_m.y() / c.size_m);
       }
       EXPECT_LT(1.5 - lowest, c.bar) << "1:" << c.ratio << " of " << c.size_m << " m at " << rate << " Hz";
+    }
+  }
+}
+
+// Books of 30 mm and 0.3 kg under a cube of 30 and 100 times as much: it sinks by 1.4 mm at most. In the steps that equal masses
+// take (rigid_heavy.h), five books gave way by 41 mm.
+TEST(RigidStructures, HeavyRestsOnAPileOfLightBooks) {
+  constexpr double kThick_m = 0.03, kBook_kg = 0.3, kSize_m = 0.15;
+  for (const double rate : kRates_hz) {
+    for (const double ratio : {30.0, 100.0}) {
+      for (const uint32_t books : {3u, 5u}) {
+        SCOPED_TRACE(::testing::Message() << books << " books, 1:" << ratio << ", " << rate << " Hz");
+        World world = world_at(rate, 4);
+        world.add_collider(floor_plane(0.6));
+        for (uint32_t i = 0; i < books; ++i) add_box(world, i + 1, {0.2, kThick_m, 0.15}, kBook_kg, at(0, (i + 0.5) * kThick_m), 0.5);
+        const double laid_m = books * kThick_m + 0.5 * kSize_m;
+        add_box(world, books + 1, Vector3d::Constant(kSize_m), ratio * kBook_kg, at(0.01, laid_m, 0.01), 0.5);
+        double lowest_m = laid_m;
+        for (int i = 0; i < 5 * rate; ++i) {
+          world.step();
+          lowest_m = std::min(lowest_m, body_state(world, books + 1).world_from_body.position_m.y());
+        }
+        EXPECT_LT(laid_m - lowest_m, 0.002);  // goal 1 % of the pile: 0.9 and 1.5 mm
+        for (uint32_t i = 1; i <= books; ++i) {
+          const BodyState book = body_state(world, i);
+          EXPECT_LT(std::hypot(book.world_from_body.position_m.x(), book.world_from_body.position_m.z()), 5e-4) << i;
+          EXPECT_TRUE(book.asleep) << i;
+        }
+      }
     }
   }
 }
