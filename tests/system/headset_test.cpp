@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The headset's client on the simulated runtime, against the real server.
+#include <openxr/openxr.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -62,6 +64,29 @@ TEST_F(HeadsetSession, HandsGrabThrowPullAndShoot) {
   EXPECT_EQ(felt, (std::set<std::string>{"/user/hand/left", "/user/hand/right"}));
   ASSERT_EQ(kept_.size(), 1u);
   expect_oracle();
+}
+
+// Of a rule that is broken the core validation layer and the simulated runtime would have told expect_no_complaints(): the same
+// session with one bad call, which goes the way of all others through the layer.
+TEST_F(HeadsetSession, ABadCallIsSeenByTheValidationLayer) {
+  XrPath path = XR_NULL_PATH;
+  std::string before;
+  XrResult refused = XR_SUCCESS;
+  const auto done = run(floating(kBoxes), R"(
+0    pose head   0 1.6 0      1 0 0 0
+0.6  do picture
+1.2  do exit
+)",
+                        {.renderer = RendererChoice::Cpu, .on_kept = [&](const PlannedFrame&, const SceneView&, FaultProxy&) {
+                           before = text(folder_ / "core.txt");
+                           refused = xrStringToPath(XR_NULL_HANDLE, "/user/hand/left", &path);
+                         }});
+  ASSERT_TRUE(done) << done.error().message;
+  ASSERT_EQ(kept_.size(), 1u);
+  EXPECT_EQ(before, "");
+  EXPECT_EQ(refused, XR_ERROR_HANDLE_INVALID);
+  const std::string told = text(folder_ / "core.txt");
+  EXPECT_NE(told.find("VUID-xrStringToPath-instance-parameter"), std::string::npos) << told;
 }
 
 TEST_F(HeadsetSession, OutlivesLostFocusAndLostSessions) {
