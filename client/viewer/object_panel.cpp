@@ -142,7 +142,11 @@ ObjectsPanel ObjectPanel::shown(const Objects& objects) const {
   if (object->physics.behavior() == v1::Physics::RIGID) panel.fragile = object->physics.fragile();
   if (const std::string proposal = open_proposal(*object); !proposal.empty()) panel.proposal = "Proposed: " + proposal;
   if (const auto said = messages_.find(selected_); said != messages_.end()) panel.messages = said->second;
-  for (const std::string& warning : object->warnings) panel.messages.push_back({false, shortened(warning)});
+  for (const std::string& warning : object->warnings) {
+    // Why a proposal needs review its analysis has said too, where it was asked for in this window.
+    std::erase_if(panel.messages, [&](const auto& one) { return !one.refusal && !one.text.empty() && warning.ends_with(": " + one.text); });
+    panel.messages.push_back({false, shortened(warning)});
+  }
   return panel;
 }
 

@@ -33,7 +33,8 @@ class AnalysisControl {
 
   // Told of every answer that waits for a person, now and from now on, and with nullptr when it waits no longer: one call
   // at a time, from any thread, which calls nothing of this. Empty: nobody is told any more once this returns.
-  using Proposed = std::function<void(const std::string& object, const v1::PhysicalParameters* proposal)>;
+  // Of the file its physics and analysis count.
+  using Proposed = std::function<void(const std::string& object, const v1::PhysicsFile* proposal)>;
   virtual void watch_proposals(Proposed proposed) = 0;
 };
 

@@ -92,12 +92,10 @@ Result<v1::PhysicsFile> DecidedPhysics::decline(std::string& note) {
                 note);
 }
 
-std::optional<v1::PhysicalParameters> DecidedPhysics::proposal() const {
+std::optional<v1::PhysicsFile> DecidedPhysics::proposal() const {
   std::lock_guard lock(mutex_);
-  if (proposal_) return proposal_->physics();
-  if (file_.empty()) return std::nullopt;
-  const auto open = open_proposal(read_decisions(file_));
-  return open ? std::optional(open->physics()) : std::nullopt;
+  if (proposal_ || file_.empty()) return proposal_;
+  return open_proposal(read_decisions(file_));
 }
 
 bool DecidedPhysics::answer_undone() const {

@@ -27,8 +27,8 @@ class DecidedPhysics {
   Result<v1::PhysicsFile> accept(std::string& note);  // what was proposed last; NotFound when there is nothing
   Result<v1::PhysicsFile> decline(std::string& note);  // the same
   Result<v1::PhysicsFile> present() const;
-  std::optional<v1::PhysicalParameters> proposal() const;  // that accept() would take
-  bool answer_undone() const;                              // physics_file.h
+  std::optional<v1::PhysicsFile> proposal() const;  // that accept() would take; its physics and analysis
+  bool answer_undone() const;                       // physics_file.h
 
  private:
   const v1::PhysicsFile& go_on(v1::PhysicsFile next);  // in memory

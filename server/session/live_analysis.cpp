@@ -126,9 +126,9 @@ void LiveAnalysis::find_proposals() {
   }
 }
 
-void LiveAnalysis::wait_for_person(uint32_t object_id, const v1::PhysicalParameters& proposal) {
+void LiveAnalysis::wait_for_person(uint32_t object_id, const v1::PhysicsFile& proposal) {
   std::lock_guard lock(mutex_);
-  v1::PhysicalParameters& waiting = waiting_[object_id];
+  v1::PhysicsFile& waiting = waiting_[object_id];
   waiting = proposal;
   if (proposed_) proposed_(known_.at(object_id).object->name, &waiting);
 }
@@ -259,7 +259,10 @@ void LiveAnalysis::work(Request& request, std::stop_token stop) {
             *progress.mutable_proposal() = update.judgement.proposal;
             std::lock_guard deciding(deciding_);
             known.decided->propose(update.judgement.proposal, update.record);
-            wait_for_person(update.object_id, update.judgement.proposal);  // the scene stays as it is
+            v1::PhysicsFile waiting;
+            *waiting.mutable_physics() = update.judgement.proposal;
+            *waiting.mutable_analysis() = update.record;
+            wait_for_person(update.object_id, waiting);  // the scene stays as it is
           }
           if (progress.verdict() == v1::AnalysisProgress::ACCEPTED) {
             if (const std::string note = land(update); !note.empty()) progress.set_message(told(known.object->name, note));

@@ -190,7 +190,7 @@ void LiveServer::encode_ahead(const Scene& scene) {
 }
 
 void LiveServer::open_analysis(AnalysisControl& analysis) {
-  analysis.watch_proposals([told = parts_->proposals](const std::string& object, const v1::PhysicalParameters* proposal) {
+  analysis.watch_proposals([told = parts_->proposals](const std::string& object, const v1::PhysicsFile* proposal) {
     std::lock_guard lock(told->mutex);
     if (told->table) told->table->propose(object, proposal);
   });

@@ -19,6 +19,9 @@ std::string random_id() {
   return text;
 }
 
+// Begins the warning that says why a proposal waits.
+const std::string kNeedsReview = "needs review: ";
+
 std::shared_ptr<const ObjectReaches> reaches_of(std::span<const SessionTable::Object> objects) {
   auto reaches = std::make_shared<ObjectReaches>();
   for (const SessionTable::Object& object : objects) reaches->emplace(object->object_id(), object->reach_m());
@@ -233,11 +236,13 @@ SessionTable::Object SessionTable::with_proposal(Object object) const {
   const auto proposal = proposals_.find(object->name());
   if (proposal == proposals_.end() || object->environment()) return object;
   auto described = std::make_shared<v1::ObjectDescription>(*object);
-  *described->mutable_proposal() = proposal->second;
+  *described->mutable_proposal() = proposal->second.physics();
+  const std::string& why = proposal->second.analysis().review();
+  if (!why.empty()) described->add_warnings(kNeedsReview + why);
   return described;
 }
 
-void SessionTable::propose(const std::string& object, const v1::PhysicalParameters* proposal) {
+void SessionTable::propose(const std::string& object, const v1::PhysicsFile* proposal) {
   std::vector<NotReading> not_reading;
   {
     std::lock_guard lock(mutex_);
@@ -247,6 +252,9 @@ void SessionTable::propose(const std::string& object, const v1::PhysicalParamete
       if (one->name() != object || one->environment()) continue;
       auto described = std::make_shared<v1::ObjectDescription>(*one);
       described->clear_proposal();
+      auto& warnings = *described->mutable_warnings();
+      const auto says_why = [](const std::string& warning) { return warning.starts_with(kNeedsReview); };
+      warnings.erase(std::remove_if(warnings.begin(), warnings.end(), says_why), warnings.end());
       one = with_proposal(std::move(described));
       *events.emplace_back().mutable_object_changed() = *one;
     }

@@ -73,9 +73,9 @@ class SessionTable {
   // for it std::bad_alloc, and nothing was done; when it is for what one client is told, that one's stream ends.
   uint64_t deliver(std::shared_ptr<PublishedTick> tick, std::span<const Object> added,
                    std::span<const Object> changed, std::span<const uint32_t> removed);
-  // Objects of this name are described with this answer of a model, which waits for a person; nullptr: none waits any
-  // more. Who is there is told at once, whether there are ticks or not.
-  void propose(const std::string& object, const v1::PhysicalParameters* proposal);
+  // Objects of this name are described with this answer of a model, which waits for a person, and why it does among their
+  // warnings; nullptr: none waits any more. Who is there is told at once, whether there are ticks or not.
+  void propose(const std::string& object, const v1::PhysicsFile* proposal);
   // Whether anybody who is there asked for frames of this encoding.
   bool wants(v1::JoinRequest::Encoding encoding) const;
   // A tick whose kernels are kept in it as `encoding`, for those who asked for that. After deliver() of it.
@@ -140,7 +140,7 @@ class SessionTable {
   InputSink* inputs_ = nullptr;
   std::vector<Object> objects_;  // the environment first
   std::shared_ptr<const ObjectReaches> reaches_;  // of objects_
-  std::map<std::string, v1::PhysicalParameters> proposals_;  // by the object's name
+  std::map<std::string, v1::PhysicsFile> proposals_;  // by the object's name
   std::map<std::string, std::shared_ptr<ClientSession>, std::less<>> sessions_;
   SessionNumber next_number_ = 1;
   int64_t grants_checked_ns_ = 0;

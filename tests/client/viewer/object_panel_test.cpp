@@ -145,6 +145,26 @@ TEST(ObjectPanel, TellsHowAnAnalysisGetsOn) {
   EXPECT_EQ(panel.shown(objects).progress, "");
 }
 
+// A line, also where its analysis was asked for in this window and ended with the same words.
+TEST(ObjectPanel, SaysWhyAProposalNeedsReviewOnce) {
+  auto objects = pillow_and_room();
+  ObjectPanel panel;
+  panel.select("pillow");
+  const std::string why = "mass_g.best: 8000 g is more than 8 times away from the 720 g that size and kind suggest";
+  v1::AnalysisProgress progress;
+  progress.set_object("pillow");
+  progress.set_stage(v1::AnalysisProgress::FINISHED);
+  progress.set_verdict(v1::AnalysisProgress::NEEDS_REVIEW);
+  progress.set_message(why);
+  panel.take_progress(progress);
+  ASSERT_EQ(panel.shown(objects).messages.size(), 1u);
+  EXPECT_EQ(panel.shown(objects).messages[0].text, why);
+  objects[2].warnings = {"a surface that was mended", "needs review: " + why};
+  ASSERT_EQ(panel.shown(objects).messages.size(), 2u);
+  EXPECT_EQ(panel.shown(objects).messages[1].text, "needs review: " + why);
+  EXPECT_FALSE(panel.shown(objects).messages[1].refusal);
+}
+
 TEST(ObjectPanel, WhatIsProposedCanBeAccepted) {
   auto objects = pillow_and_room();
   ObjectPanel panel;

@@ -83,7 +83,7 @@ TEST_F(LiveAnalysisTest, AProposalOfTheStartIsToldAndWaits) {
   EXPECT_NE(told.find("wood block: a proposal waits from before"), std::string::npos) << told;
   EXPECT_TRUE(endpoint->asked().empty());
   std::vector<std::string> offered;
-  analysis->watch_proposals([&](const std::string& object, const v1::PhysicalParameters* proposal) {
+  analysis->watch_proposals([&](const std::string& object, const v1::PhysicsFile* proposal) {
     offered.push_back(object + (proposal ? " waits" : " waits no longer"));
   });
   ASSERT_TRUE(analysis->accept_proposal("wood block"));
@@ -133,7 +133,7 @@ TEST_F(LiveAnalysisTest, WhatWasDeclinedOrEditedWaitsNoLonger) {
 
     start(weigh_too_much);
     bool offered = false;
-    analysis->watch_proposals([&](const std::string&, const v1::PhysicalParameters*) { offered = true; });
+    analysis->watch_proposals([&](const std::string&, const v1::PhysicsFile*) { offered = true; });
     EXPECT_FALSE(offered);
     analysis->begin();
     ASSERT_TRUE(changes_to("sponge", by_model));
@@ -251,7 +251,15 @@ TEST_F(LiveAnalysisTest, AProposalIsOfferedToEveryClient) {
     return block;
   };
   RawClient watching(server->port()), late(server->port());
-  EXPECT_GT(joined(watching).proposal().mass_kg().best(), 2);
+  // Why it waits is among what a person should know of it.
+  const auto reasons = [](const v1::ObjectDescription& object) {
+    return std::count_if(object.warnings().begin(), object.warnings().end(), [](const std::string& one) {
+      return one.starts_with("needs review: mass_g.best: 5000 g is more than 8 times away");
+    });
+  };
+  v1::ObjectDescription block = joined(watching);
+  EXPECT_GT(block.proposal().mass_kg().best(), 2);
+  EXPECT_EQ(reasons(block), 1);  // as its log has it
   watching.open();
   const auto told = [&] { return watching.read().events(0).object_changed(); };
   const auto accept = [&](bool decline) {
@@ -264,19 +272,23 @@ TEST_F(LiveAnalysisTest, AProposalIsOfferedToEveryClient) {
     return late.stub().AcceptProposal(&context, request, &reply).error_code();
   };
   EXPECT_EQ(accept(true), grpc::StatusCode::OK);
-  v1::ObjectDescription block = told();
+  block = told();
   EXPECT_EQ(block.name(), "wood block");
   EXPECT_FALSE(block.has_proposal());
+  EXPECT_EQ(reasons(block), 0);
   EXPECT_FALSE(joined(late).has_proposal());
   EXPECT_EQ(accept(true), grpc::StatusCode::NOT_FOUND);
 
   ASSERT_EQ(analyzed("wood block").verdict(), v1::AnalysisProgress::NEEDS_REVIEW);
   block = told();
   EXPECT_GT(block.proposal().mass_kg().best(), 2);
+  EXPECT_EQ(reasons(block), 1);                    // as it was just told
   EXPECT_LT(block.physics().mass_kg().best(), 2);  // it has what it had
-  EXPECT_TRUE(joined(late).has_proposal());
+  EXPECT_EQ(reasons(joined(late)), 1);
   EXPECT_EQ(accept(false), grpc::StatusCode::OK);
-  EXPECT_FALSE(told().has_proposal());
+  block = told();
+  EXPECT_FALSE(block.has_proposal());
+  EXPECT_EQ(reasons(block), 0);
   watching.cancel();
   server->shut_down("done");
 }
