@@ -14,36 +14,43 @@ namespace {
 // An environment whose middle is nearer than this to the objects' middle, in units of their size, is around
 // them.
 constexpr double kAround = 0.15;
-// Room at the picture's edge for what moves: 10 % of the half width.
+// Room at the edge, of the picture or of its free columns, for what moves: 10 % of the half width.
 constexpr double kFilled = 0.9;
 
+// Of the angles from the view direction to the edges, along an axis: to the lower one against it.
+struct Tangents {
+  double low = 0, high = 0;
+};
+
 // The nearest camera with this orientation that sees all points. In its axes, with the camera at (cx, cz), a
-// point is inside the half angle t if |x - cx| <= t (cz - z); both edges together need 2 t cz >= max(x + t z)
-// - min(x - t z), and cx stands in the middle of what is left.
+// point is inside its edges l and h if -l (cz - z) <= x - cx <= h (cz - z); both edges together need
+// (l + h) cz >= max(x + h z) - min(x - l z), and cx stands in the middle of what is left.
 Eigen::Vector3d nearest_position(const std::vector<Eigen::Vector3d>& points,
                                  const Eigen::Quaterniond& orientation,
-                                 const std::array<double, 2>& tangents) {
+                                 const std::array<Tangents, 2>& tangents) {
   std::array<double, 2> rightmost, leftmost;
   rightmost.fill(-std::numeric_limits<double>::infinity());
   leftmost.fill(std::numeric_limits<double>::infinity());
   for (const Eigen::Vector3d& point : points) {
     const Eigen::Vector3d seen = orientation.conjugate() * point;
     for (int axis = 0; axis < 2; ++axis) {
-      rightmost[axis] = std::max(rightmost[axis], seen[axis] + tangents[axis] * seen.z());
-      leftmost[axis] = std::min(leftmost[axis], seen[axis] - tangents[axis] * seen.z());
+      rightmost[axis] = std::max(rightmost[axis], seen[axis] + tangents[axis].high * seen.z());
+      leftmost[axis] = std::min(leftmost[axis], seen[axis] - tangents[axis].low * seen.z());
     }
   }
   double back = -std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 2; ++axis) {
-    back = std::max(back, (rightmost[axis] - leftmost[axis]) / (2 * tangents[axis]));
+    back = std::max(back, (rightmost[axis] - leftmost[axis]) / (tangents[axis].low + tangents[axis].high));
   }
-  return orientation *
-         Eigen::Vector3d(0.5 * (rightmost[0] + leftmost[0]), 0.5 * (rightmost[1] + leftmost[1]), back);
+  const auto middle = [&](int axis) {
+    return 0.5 * (rightmost[axis] + leftmost[axis] + (tangents[axis].low - tangents[axis].high) * back);
+  };
+  return orientation * Eigen::Vector3d(middle(0), middle(1), back);
 }
 
 }  // namespace
 
-Camera choose_camera(const SceneView& view, int width, int height) {
+Camera choose_camera(const SceneView& view, int width, int height, const std::optional<PictureColumns>& free) {
   Eigen::AlignedBox3d all;
   std::vector<Eigen::Vector3d> corners;
   for (const Eigen::AlignedBox3d& box : view.object_boxes()) {
@@ -62,10 +69,15 @@ Camera choose_camera(const SceneView& view, int width, int height) {
     }
   }
   Camera camera = frame_bounds(all, width, height, azimuth_rad);
-  const double tangent_x = kFilled * 0.5 * width / camera.focal_x_px;
+  const PictureColumns columns = free.value_or(PictureColumns{0, static_cast<double>(width)});
+  const double offset_px = 0.5 * (columns.left_px + columns.right_px - width);
+  const double half_width_px = kFilled * 0.5 * (columns.right_px - columns.left_px);
   const double tangent_y = kFilled * 0.5 * height / camera.focal_y_px;
   Pose& pose = camera.world_from_camera;
-  pose.position_m = nearest_position(corners, pose.orientation, {tangent_x, tangent_y});
+  pose.position_m = nearest_position(
+      corners, pose.orientation,
+      {Tangents{(half_width_px - offset_px) / camera.focal_x_px, (half_width_px + offset_px) / camera.focal_x_px},
+       Tangents{tangent_y, tangent_y}});
   return camera;
 }
 

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "viewer/first_camera.h"
 
-#include "render/choose_camera.h"
-
 namespace livegs {
 
-Result<Camera> first_camera(const SceneView& view, PictureSize size, const std::filesystem::path& camera_file) {
+Result<Camera> first_camera(const SceneView& view, PictureSize size, const std::filesystem::path& camera_file,
+                            const std::optional<PictureColumns>& free) {
   if (!camera_file.empty()) return read_camera_file(camera_file, size);
-  return choose_camera(view, size.width, size.height);
+  return choose_camera(view, size.width, size.height, free);
 }
 
 OrbitCamera orbit_of(const SceneView& view, const Camera& camera) {

@@ -10,6 +10,7 @@
 #include "viewer/live_view.h"
 #include "viewer/render_scale.h"
 #include "viewer/replay_run.h"
+#include "xr/draw_panels.h"
 #include "xr/window_display.h"
 
 namespace livegs {
@@ -54,7 +55,9 @@ class ReplayWindow {
   Result<void> frame_camera() {
     const Eigen::Vector2i size = display_.size_px();
     if (auto posed = view_.pose(history_.newest()); !posed) return posed;
-    const auto camera = first_camera(view_, {size.x(), size.y()}, options_.camera_file);
+    const auto free = columns_beside_panels(size.x(), true);
+    const auto camera = first_camera(view_, {size.x(), size.y()}, options_.camera_file,
+                                     free ? std::optional(PictureColumns{free->first, free->second}) : std::nullopt);
     if (!camera) return camera.error();
     camera_ = orbit_of(view_, *camera);
     return {};

@@ -24,6 +24,7 @@
 #include "viewer/seen_cone.h"
 #include "viewer/session_notice.h"
 #include "viewer/study_recording.h"
+#include "xr/draw_panels.h"
 #include "xr/window_display.h"
 
 namespace livegs {
@@ -101,6 +102,7 @@ class WindowRun {
   int64_t begun_ns_ = 0;
   std::vector<Image> pictures_;
   Image screenshot_, recorded_picture_;
+  RunPanel shown_run_;  // in screenshot_
   int screenshots_ = 0;
 };
 
@@ -114,7 +116,9 @@ const StreamedObject* WindowRun::named(const std::string& name) const {
 Result<void> WindowRun::first_frame() {
   const Eigen::Vector2i size = display_.size_px();
   if (auto posed = view_.pose(*frame_->drivers); !posed) return posed;
-  const auto camera = first_camera(view_, {size.x(), size.y()}, options_.camera_file);
+  const auto free = columns_beside_panels(size.x(), false);
+  const auto camera = first_camera(view_, {size.x(), size.y()}, options_.camera_file,
+                                   free ? std::optional(PictureColumns{free->first, free->second}) : std::nullopt);
   if (!camera) return camera.error();
   camera_.emplace(orbit_of(view_, *camera));
   const Eigen::Vector3d eye = camera->world_from_camera.position_m;
@@ -427,7 +431,9 @@ Result<void> WindowRun::picture(const PlannedFrame& planned) {
   const Camera window = camera_->camera(size.x(), size.y());
   point(input, window);
   act(input);
-  display_.set_overlay(overlay(window));
+  WindowOverlay over = overlay(window);
+  if (options_.on_picture) shown_run_ = over.panels.run;
+  display_.set_overlay(std::move(over));
   return {};
 }
 
@@ -501,7 +507,7 @@ Result<void> WindowRun::show(const std::atomic<bool>& interrupted) {
     if (keeps) {
       if (auto kept = keep_screenshot(); !kept) return kept;
     }
-    if (looked_at) options_.on_picture(screenshot_);
+    if (looked_at) options_.on_picture(screenshot_, shown_run_);
     if (records) {
       if (auto kept = recording_->keep(recorded_picture_); !kept) return kept;
       if (!recording_->next()) {

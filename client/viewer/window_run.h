@@ -12,6 +12,7 @@
 #include "livegs/v1/scene.pb.h"
 #include "viewer/camera_file.h"
 #include "viewer/live_view.h"
+#include "xr/window_panels.h"
 
 namespace livegs {
 
@@ -26,8 +27,8 @@ struct WindowRunOptions : JoinOptions {
   std::vector<v1::Event::Force> forces;
   std::filesystem::path screenshots;  // a folder for window_NNN.png, one a second, and recordings; empty: none
   int screenshot_every = 0;           // so many pictures, in place of one a second; 0: one a second
-  // Called with each picture of the scene as it was shown, panels included.
-  std::function<void(const Image& shown)> on_picture;
+  // Called with each picture of the scene as it was shown, panels included, and with what Run says in it.
+  std::function<void(const Image& shown, const RunPanel& run)> on_picture;
 };
 
 // Joins and shows the scene in a window, in which the mouse turns the view, takes hold of things and shoots.

@@ -35,6 +35,12 @@ void same_line_if_it_fits(const char* button) {
 
 }  // namespace
 
+std::optional<std::pair<double, double>> columns_beside_panels(double width_px, bool recorded) {
+  constexpr double kLeastShare = 0.3;
+  const double left_px = kMargin_px + kLeftWidth_px, right_px = recorded ? width_px : width_px - kRightWidth_px - kMargin_px;
+  return right_px - left_px >= kLeastShare * width_px ? std::optional(std::pair(left_px, right_px)) : std::nullopt;
+}
+
 void PanelDrawer::place(Panel panel, float left_px, float top_px, float width_px, float height_px, float most_px) {
   ImGui::SetNextWindowPos({left_px, top_px}, stacked_ || resized_ ? ImGuiCond_Always : ImGuiCond_Once);
   if (stacked_)

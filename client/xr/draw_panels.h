@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "xr/window_panels.h"
 
 namespace livegs {
+
+// The columns of a window between its panels, or, of a recording, beside Run; none where too little is left to show a scene in.
+std::optional<std::pair<double, double>> columns_beside_panels(double width_px, bool recorded);
 
 // Draws the panels of a window with Dear ImGui and says what a person did to them. It keeps where a slider
 // that is held stands. Between ImGui's NewFrame and Render.

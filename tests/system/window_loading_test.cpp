@@ -9,9 +9,8 @@
 #include "core/clock.h"
 #include "splat/image.h"
 #include "system/fault_proxy.h"
-#include "system/programs_fixture.h"
-#include "system/screen.h"
-#include "system/x_hands.h"
+#include "system/panel_text.h"
+#include "system/window_hands.h"
 
 namespace livegs {
 namespace {
@@ -31,9 +30,9 @@ class WhileItLoads : public Programs {
     network_ = std::make_unique<FaultProxy>(std::stoi(port));
     address_ = "127.0.0.1:" + std::to_string(network_->port());
   }
-  std::unique_ptr<Program> client(const std::string& display, std::vector<std::string> more = {}) {
+  std::unique_ptr<Program> client(const std::string& display, std::vector<std::string> more = {}, const std::string& size = "480x320") {
     std::vector<std::string> words = {"/usr/bin/env", "DISPLAY=" + screen_->display, LIVEGS_CLIENT, address_, "--display", display,
-                                      "--cache", folder_ / "cache", "--threads", "1", "--size", "480x320", "--renderer", "cpu",
+                                      "--cache", folder_ / "cache", "--threads", "1", "--size", size, "--renderer", "cpu",
                                       "--connect-timeout", "600", "--output", folder_ / "view"};
     words.insert(words.end(), more.begin(), more.end());
     return std::make_unique<Program>(words);
@@ -60,6 +59,19 @@ class WhileItLoads : public Programs {
       return hands_ != nullptr;
     });
   }
+  // Columns of a bar in the middle that is filled in part.
+  static int filled_columns(const Image& image) {
+    int filled = 0;
+    for (int x = 0; x < image.width; ++x) {
+      bool blue = false;
+      for (int y = image.height / 4; y < 3 * image.height / 4; ++y) {
+        const float* pixel = image.at(x, y);
+        blue = blue || (std::abs(255 * pixel[0] - 110) < 12 && std::abs(255 * pixel[1] - 170) < 12 && std::abs(255 * pixel[2] - 230) < 12);
+      }
+      filled += blue;
+    }
+    return filled;
+  }
   void expect_end(Program& program, int code, int64_t asked_ns) {
     EXPECT_EQ(program.wait(), code) << program.err();
     const double took_s = seconds_from_ns(now_ns() - asked_ns);
@@ -79,25 +91,38 @@ TEST_F(WhileItLoads, TheWindowSaysHowFarItIsAndCanBeClosed) {
   const auto window = client("window");
   ASSERT_TRUE(has_window()) << window->err();
   ASSERT_TRUE(is_fetching()) << window->err();
-  // A bar that is filled in part, in the middle.
-  const auto bar = [&](const Image& image) {
-    int filled = 0;
-    for (int x = 0; x < image.width; ++x) {
-      bool blue = false;
-      for (int y = image.height / 4; y < 3 * image.height / 4; ++y) {
-        const float* pixel = image.at(x, y);
-        blue = blue || (std::abs(255 * pixel[0] - 110) < 12 && std::abs(255 * pixel[1] - 170) < 12 && std::abs(255 * pixel[2] - 230) < 12);
-      }
-      filled += blue;
-    }
-    return filled;
-  };
   Image shown;
-  ASSERT_TRUE(wait_for([&] { return bar(shown = hands_->picture()) > 2; })) << window->err();
-  if (const char* folder = std::getenv("LIVEGS_TEST_PICTURES")) {
-    ASSERT_TRUE(write_png(std::filesystem::path(folder) / "loading.png", shown));
-  }
-  EXPECT_LT(bar(shown), 370);
+  ASSERT_TRUE(wait_for([&] { return filled_columns(shown = hands_->picture()) > 2; })) << window->err();
+  EXPECT_LT(filled_columns(shown), 370);
+  const int64_t asked_ns = now_ns();
+  hands_->close();
+  expect_end(*window, 0, asked_ns);
+}
+
+// What a window says before there is a scene and once its server was killed, side by side.
+TEST_F(WhileItLoads, TheSameWindowOutlivesItsServer) {
+  network_->set_link({.mbit_s = kSlow_mbit_s});
+  const std::string camera = folder_.write("camera.json", R"({ "position_m": [-0.75, 0.5, 1.6], "look_at_m": [-0.75, 0.25, 0],
+                                                              "vertical_fov_deg": 40 })");
+  const auto window = client("window", {"--camera", camera}, "690x460");
+  ASSERT_TRUE(has_window()) << window->err();
+  Image loading, gone;
+  const auto orange = [](const Image& image) {
+    size_t count = 0;
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 315; x < image.width; ++x) count += image.at(x, y)[0] > 0.4f && image.at(x, y)[0] > 1.7f * image.at(x, y)[2];
+    }
+    return count;
+  };
+  ASSERT_TRUE(wait_for([&] { return filled_columns(loading = hands_->picture()) > 40; })) << window->err();
+  network_->set_link({});
+  ASSERT_TRUE(wait_for([&] { return orange(gone = hands_->picture()) > 2000; })) << window->err();
+  EXPECT_EQ(notice_pixels(gone), 0u);
+  server_->send(SIGKILL);
+  ASSERT_TRUE(wait_for([&] { return notice_pixels(gone = hands_->picture()) > 100; })) << window->err();
+  EXPECT_GT(orange(gone), 2000u);
+  const char* folder = std::getenv("LIVEGS_TEST_PICTURES");
+  ASSERT_TRUE(write_png(std::filesystem::path(folder ? folder : folder_ / "") / "window_notices.png", side_by_side({loading, gone})));
   const int64_t asked_ns = now_ns();
   hands_->close();
   expect_end(*window, 0, asked_ns);

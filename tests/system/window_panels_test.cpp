@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The panels of what is fragile and of what a model proposed, and a picture of every panel.
+#include <cstdio>
+
 #include "analysis/physics_file.h"
 #include "geometry/mesh_facts.h"
 #include "geometry/shape_mesh.h"
@@ -114,6 +116,72 @@ TEST_F(WindowPanelClicks, AProposalIsAcceptedAndAnotherDeclined) {
   close();
   run_steps();
   EXPECT_EQ(watcher_.object("parcel").mass_kg, parcel_kg);
+}
+
+// Of the columns of the graph, those in which a line of this hue is seen.
+template <class Hue>
+int columns_of(const Image& image, int left, int right, int top, int bottom, Hue hue) {
+  int count = 0;
+  for (int x = left; x < right; ++x) {
+    bool seen = false;
+    for (int y = top; y < bottom; ++y) seen = seen || hue(image.at(x, y));
+    count += seen;
+  }
+  return count;
+}
+
+// What Run says of times, as numbers and in the picture (draw_frame_graph.cpp).
+TEST_F(WindowPanelClicks, TheGraphAndTheLatencyLineShowNumbers) {
+  constexpr int kGraphLeft = 10 + 12, kGraphRight = 10 + 300 - 12, kGraphHeight = 74;
+  RunPanel run;
+  Image shown;
+  move(600, 30);
+  step("a latency", [&](const Image&) { return run_.graph.picture_ms.size() > 60 && !run_.latency.empty(); });
+  step("its picture", [&](const Image& now) { return shown = now, run = run_, true; });
+  keep("run_panel");
+  close();
+  run_steps();
+  ASSERT_FALSE(shown.pixels.empty());
+
+  for (const auto* values_ms : {&run.graph.picture_ms, &run.graph.tick_ms, &run.graph.age_ms}) {
+    ASSERT_GT(values_ms->size(), 60u);
+    for (const float value_ms : *values_ms) EXPECT_GE(value_ms, 0);
+    EXPECT_GT(*std::max_element(values_ms->begin(), values_ms->end()), 0);
+  }
+  double hand_ms = 0, skin_ms = -1, render_ms = 0;
+  ASSERT_EQ(std::sscanf(run.latency.c_str(), "hand to picture %lf ms\nskin %lf ms, render %lf ms", &hand_ms, &skin_ms, &render_ms), 3) << run.latency;
+  EXPECT_GT(hand_ms, 0);
+  EXPECT_GE(skin_ms, 0);
+  EXPECT_GT(render_ms, 0);
+
+  // The rows that have the graph's ground in more than half of their width.
+  int top = 0, bottom = 0;
+  for (int y = 10; y < kHeight - 10; ++y) {
+    int ground = 0;
+    for (int x = kGraphLeft; x < kGraphRight; ++x) ground += is_colour(shown.at(x, y), 30, 34, 40);
+    if (2 * ground > kGraphRight - kGraphLeft) {
+      if (top == 0) top = y;
+      bottom = y + 1;
+    } else if (top > 0 && y > bottom + 6) {
+      break;  // the floor through a panel may look the same
+    }
+  }
+  ASSERT_GT(top, 0);
+  EXPECT_NEAR(bottom - top, kGraphHeight, 6);  // without rows that a line fills
+  const auto blue = [](const float* pixel) { return pixel[2] > 0.5f && pixel[2] > 1.5f * pixel[0]; };
+  const auto green = [](const float* pixel) { return pixel[1] > 0.45f && pixel[1] > 1.3f * pixel[0] && pixel[1] > 1.2f * pixel[2]; };
+  const auto orange = [](const float* pixel) { return pixel[0] > 0.5f && pixel[0] > 1.5f * pixel[2]; };
+  const int half = (kGraphRight - kGraphLeft) / 2;
+  EXPECT_GT(columns_of(shown, kGraphLeft, kGraphRight, top, bottom, blue), half);    // pictures
+  EXPECT_GT(columns_of(shown, kGraphLeft, kGraphRight, top, bottom, green), half);   // ticks
+  EXPECT_GT(columns_of(shown, kGraphLeft, kGraphRight, top, bottom, orange), half);  // ages
+  // The newest of each beneath, in its colour, side by side; then the latency, dim.
+  for (const auto& hue : std::vector<std::function<bool(const float*)>>{blue, green, orange}) {
+    EXPECT_GT(columns_of(shown, kGraphLeft, kGraphRight, bottom + 4, bottom + 24, hue), 30);
+  }
+  const auto dim = [](const float* pixel) { return pixel[0] > 0.4f && pixel[2] > 0.4f && std::abs(pixel[0] - pixel[2]) < 0.12f; };
+  EXPECT_GT(columns_of(shown, kGraphLeft, kGraphRight, bottom + 26, bottom + 44, dim), 40);
+  EXPECT_GT(columns_of(shown, kGraphLeft, kGraphRight, bottom + 44, bottom + 62, dim), 40);
 }
 
 // The last row with text in it, of a panel from `left` to `right`.

@@ -110,13 +110,19 @@ class WindowClicks : public WindowHands {
     options.full_size = true;
     options.camera_file = camera_file();
     std::atomic<bool> interrupted{false};
-    options.on_picture = [&](const Image& shown) { see(shown, "LiveGS " + address_, interrupted); };
+    options.on_picture = [&](const Image& shown, const RunPanel& run) {
+      run_ = run;
+      see(shown, "LiveGS " + address_, interrupted);
+    };
     const auto done = run_window(options, interrupted);
     EXPECT_TRUE(done) << done.error().message;
     expect_all_done();
   }
 
-  std::filesystem::path camera_file() { return folder_.write("camera.json", camera_text()); }
+  // Empty where camera_text() is: nobody says where to look from.
+  std::filesystem::path camera_file() {
+    return camera_text().empty() ? std::filesystem::path() : folder_.write("camera.json", camera_text());
+  }
   Eigen::Vector2d pixel(const Eigen::Vector3d& point_m) {
     const auto camera = read_camera_file(camera_file(), PictureSize{kWidth, kHeight});
     return pixel_of(*camera, point_m).value();
@@ -137,6 +143,7 @@ class WindowClicks : public WindowHands {
     return run_row_;
   }
 
+  RunPanel run_;  // in the picture that a step sees
   std::unique_ptr<Program> server_;
   std::string address_;
   Watcher watcher_;

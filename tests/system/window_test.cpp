@@ -431,18 +431,6 @@ TEST_F(WindowOnADisplay, SaysThatThereIsNoSuchObjectToSelect) {
   expect_one_line(window, "--select: the scene has no object \"nosuch\"");
 }
 
-// Pixels of the panel on the left in the ink of what is out of order, its soft edges included.
-size_t notice_pixels(const Image& image) {
-  size_t count = 0;
-  for (int y = 10; y < 400; ++y) {
-    for (int x = 10; x < 310; ++x) {
-      const float* pixel = image.at(x, y);
-      count += pixel[0] > 0.5f && pixel[1] < 0.63f * pixel[0] && pixel[1] > 0.4f * pixel[0] && pixel[2] < 0.58f * pixel[0];
-    }
-  }
-  return count;
-}
-
 // Squares of 20 pixels there whose mean differs, of 1120: how finely each picture was drawn does not count.
 size_t changed_squares(const Image& a, const Image& b) {
   constexpr int kSquare = 20;

@@ -283,5 +283,32 @@ TEST(ChooseCamera, HasAllObjectsInThePictureAndTheEnvironmentBehind) {
   EXPECT_GT(camera.world_from_camera.position_m.y(), 0.4);
 }
 
+// 10 % of the columns' half width is room for what moves; the edges of what is left are reached on both sides.
+TEST(ChooseCamera, HasAllObjectsInTheColumnsThatAreFree) {
+  SceneView view;
+  ASSERT_TRUE(view.add(2, cube_asset(0.4f, {1, 0, 0}), rigid_rest(), false));
+  ASSERT_TRUE(view.add(3, cube_asset(0.4f, {0, 1, 0}), rigid_rest(), false));
+  ASSERT_TRUE(view.pose(frame_of({{2, {-0.9, 0.2, 0.3}}, {3, {0.9, 0.2, 0}}})));
+  for (const PictureColumns free : {PictureColumns{310, 880}, PictureColumns{310, 1280}, PictureColumns{0, 300}}) {
+    SCOPED_TRACE(free.left_px);
+    const Camera camera = choose_camera(view, 1280, 800, free);
+    double left = 1280, right = 0;
+    for (const Eigen::AlignedBox3d& box : view.object_boxes()) {
+      for (int corner = 0; corner < 8; ++corner) {
+        const Eigen::Vector3d seen = camera.world_from_camera.inverse() *
+                                     box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner));
+        ASSERT_LT(seen.z(), 0);
+        const double x = camera.centre_x_px - seen.x() / seen.z() * camera.focal_x_px;
+        left = std::min(left, x);
+        right = std::max(right, x);
+        EXPECT_LT(std::abs(seen.y() / seen.z() * camera.focal_y_px), 400);
+      }
+    }
+    const double room = 0.05 * (free.right_px - free.left_px);
+    EXPECT_NEAR(left, free.left_px + room, 1e-6);
+    EXPECT_NEAR(right, free.right_px - room, 1e-6);
+  }
+}
+
 }  // namespace
 }  // namespace livegs

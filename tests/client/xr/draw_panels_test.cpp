@@ -153,6 +153,22 @@ TEST_F(PanelTest, InAWideWindowBothAreOpenBesideEachOther) {
   }
 }
 
+// Where a scene is seen: beside the panels, and nowhere where they leave no room.
+TEST_F(PanelTest, LeaveColumnsFreeInAWideWindow) {
+  for (const auto& [width, height] : {std::pair(1280, 800), std::pair(2560, 1400)}) {
+    SCOPED_TRACE(width);
+    resize(static_cast<float>(width), static_cast<float>(height));
+    const auto free = columns_beside_panels(width, false), recorded = columns_beside_panels(width, true);
+    ASSERT_TRUE(free && recorded);
+    EXPECT_EQ(free->first, panel("Run")->Rect().Max.x);
+    EXPECT_EQ(free->second, panel("Objects")->Rect().Min.x);
+    EXPECT_EQ(*recorded, std::pair(free->first, static_cast<double>(width)));
+  }
+  EXPECT_FALSE(columns_beside_panels(900, false));
+  EXPECT_TRUE(columns_beside_panels(900, true));
+  EXPECT_FALSE(columns_beside_panels(320, true));
+}
+
 TEST_F(PanelTest, InANarrowWindowOneIsOpenAtATime) {
   for (const auto& [width, height] : {std::pair(699, 500), std::pair(640, 480), std::pair(480, 300), std::pair(320, 240), std::pair(200, 150)}) {
     SCOPED_TRACE(width);
