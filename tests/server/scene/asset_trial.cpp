@@ -238,20 +238,29 @@ namespace {
 constexpr double kLowestGoal = -0.05, kLowestCentreGoal = 0.0, kEnergyGoal = 1.02;
 
 struct Reached {
-  double lowest, lowest_centre, energy, let_go;
+  double lowest = kLowestGoal, lowest_centre = kLowestCentreGoal, energy = kEnergyGoal, let_go = kEnergyGoal;
 };
-Reached reached(TrialBody body) {
-  switch (body) {
-    case TrialBody::Rigid:
-      return {-0.08, kLowestCentreGoal, kEnergyGoal, kEnergyGoal};  // garden_init, a cloud of points, 0.073
-    case TrialBody::Elastic:
-      // Thin shells of 50 kPa fold; points of theirs far from any particle go below, up to 0.14, of one that is thrown 0.18. While
-      // it lands fur_block reads 44 % more, let go fourth_st 5.5; the others at most 2.3.
-      return {-0.19, -0.013, 1.46, 1.06};
-    case TrialBody::Fragile:
-      return {kLowestGoal, kLowestCentreGoal, kEnergyGoal, kEnergyGoal};
+
+bool is(const AssetTrial& trial, const char* asset, TrialBody body, TrialAction action) {
+  return trial.asset == asset && trial.body == body && trial.action == action;
+}
+
+// What is reached where the goal is not, of the figures in asset_trial.csv: of one asset what it alone shows.
+Reached reached(const AssetTrial& trial) {
+  Reached bar;
+  if (is(trial, "garden_init.compressed.ply", TrialBody::Rigid, TrialAction::Dropped)) bar.lowest = -0.075;  // a cloud of points: 0.0715
+  if (trial.body != TrialBody::Elastic) return bar;
+  // Thin shells of 50 kPa fold: points of theirs that are far from any particle go below, and gain when they unfold.
+  bar.lowest = -0.14;                     // narcissus pulled, 0.1373
+  bar.energy = bar.let_go = 1.025;        // fourth_st stacked, 1.0224
+  if (trial.asset.starts_with("leica")) bar.lowest_centre = -0.012;  // dropped 0.0114
+  if (is(trial, "garden_init.compressed.ply", TrialBody::Elastic, TrialAction::Thrown)) {
+    bar.lowest = -0.185;         // 0.1798
+    bar.lowest_centre = -0.006;  // 0.0056
   }
-  return {kLowestGoal, kLowestCentreGoal, kEnergyGoal, kEnergyGoal};
+  if (is(trial, "fur_block", TrialBody::Elastic, TrialAction::Dropped)) bar.energy = 1.45;    // 1.4433 as it lands
+  if (is(trial, "fourth_st.spz", TrialBody::Elastic, TrialAction::Pulled)) bar.let_go = 1.06;  // 1.0549
+  return bar;
 }
 
 }  // namespace
@@ -265,7 +274,7 @@ void expect_nothing_exploded(const AssetTrial& trial) {
   } else {
     EXPECT_FALSE(trial.broke) << what;
   }
-  const Reached bar = reached(trial.body);
+  const Reached bar = reached(trial);
   EXPECT_LT(trial.energy_ratio, bar.energy) << what << ", goal " << kEnergyGoal;
   EXPECT_LT(trial.let_go_ratio, bar.let_go) << what << " and let go, goal " << kEnergyGoal;
   EXPECT_GT(trial.lowest_m, bar.lowest) << what << ", goal " << kLowestGoal;
