@@ -16,6 +16,28 @@ constexpr double kFacePreference = 0.1;
 // A pair that moves farther than this part of the smaller one's inner radius in a substep is advanced.
 constexpr double kFastWay = 0.5;
 constexpr int kMaxAdvances = 32;
+constexpr double kRounding = 1e-9;
+
+// How far points of two bodies may come nearer to each other in the search.
+double reach_m(const RigidBody& a, const RigidBody& b, const ContactSearch& search) {
+  const double motion = search.duration_s * ((a.velocity_m_s - b.velocity_m_s).norm() +
+                                             a.angular_velocity_rad_s.norm() * a.shape.bounding_radius_m +
+                                             b.angular_velocity_rad_s.norm() * b.shape.bounding_radius_m);
+  return motion + search.margin_m;
+}
+
+// Whether the box of `a`, in the axes of `b`, lies farther than `reach_m` from that of `b`. So do most pairs of a heap whose
+// balls, and boxes in world axes, are near.
+bool boxes_apart(const RigidBody& a, const RigidBody& b, double reach_m) {
+  const Eigen::Quaterniond b_axes = b.world_from_body.orientation.conjugate();
+  const Eigen::Matrix3d into = (b_axes * a.world_from_body.orientation).toRotationMatrix();
+  const Vector3d middle = into * (0.5 * (a.shape.min_m + a.shape.max_m)) +
+                          b_axes * (a.world_from_body.position_m - b.world_from_body.position_m);
+  const Vector3d half = into.cwiseAbs() * (0.5 * (a.shape.max_m - a.shape.min_m));
+  const double room = (1.0 + kRounding) * reach_m + kRounding * (a.shape.bounding_radius_m + b.shape.bounding_radius_m);
+  return ((middle - half).array() > b.shape.max_m.array() + room).any() ||
+         ((middle + half).array() < b.shape.min_m.array() - room).any();
+}
 
 // Points of `from` that are or come near `to`'s surface.
 template <class Take>
@@ -24,11 +46,7 @@ void points_near(const RigidBody& from, const RigidBody& to, const ContactSearch
   const Eigen::Matrix3d into = (to_axes * from.world_from_body.orientation).toRotationMatrix();
   const Vector3d shift = to_axes * (from.world_from_body.position_m - to.world_from_body.position_m);
   const Eigen::Matrix3d out = to.world_from_body.orientation.toRotationMatrix();
-  const double motion =
-      search.duration_s * ((from.velocity_m_s - to.velocity_m_s).norm() +
-                           from.angular_velocity_rad_s.norm() * from.shape.bounding_radius_m +
-                           to.angular_velocity_rad_s.norm() * to.shape.bounding_radius_m);
-  const double reach = motion + search.margin_m;
+  const double reach = reach_m(from, to, search);
   const Vector3d low = to.shape.min_m.array() - reach, high = to.shape.max_m.array() + reach;
   const auto sample = [&](const Vector3d& local) {
     const DistanceField::Sample field = to.shape.sample(local);
@@ -93,6 +111,8 @@ SurfaceSample sample_body(const RigidBody& body, const Vector3d& point_m) {
 
 void mesh_candidates(const RigidBody& a, const RigidBody& b, const ContactSearch& search,
                      std::vector<ContactCandidate>& candidates) {
+  const double reach = reach_m(a, b, search);
+  if (boxes_apart(a, b, reach) || boxes_apart(b, a, reach)) return;
   points_near(a, b, search, [&](const ContactCandidate& found) { candidates.push_back(found); });
   points_near(b, a, search, [&](ContactCandidate found) {
     found.feature_id += kOtherPoint;
