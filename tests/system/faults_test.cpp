@@ -50,6 +50,12 @@ std::vector<double> ages_ms(std::span<const ReceivedFrame> frames) {
   return ages;
 }
 
+// By how much ages differ, without the twentieth at either end.
+double spread_ms(std::span<const ReceivedFrame> frames) {
+  const std::vector<double> ages = ages_ms(frames);
+  return percentile(ages, 0.95) - percentile(ages, 0.05);
+}
+
 class Faults : public ::testing::Test {
  protected:
   void start(Scene scene, std::function<void(const Scene&)> observe = {}) {
@@ -84,15 +90,26 @@ TEST_F(Faults, After300MsOfStallTheThirdFrameIsFresh) {
   }
   EXPECT_LE(old, 2u);
   EXPECT_GT(newest, state.frames.front().tick + 10);
+  // It did stall: nothing came for that long, less the frame that was on its way out of the proxy.
+  double gap_ms = 0;
+  for (size_t i = 1; i < state.frames.size(); ++i)
+    gap_ms = std::max(gap_ms, milliseconds_from_ns(state.frames[i].received_ns - state.frames[i - 1].received_ns));
+  std::printf("a stall of 300 ms: no frame for %.0f ms, then %zu old ones\n", gap_ms, old);
+  EXPECT_GE(gap_ms, 250.0);
 }
 
 TEST_F(Faults, JitterOf40MsNeitherBreaksNorReorders) {
   start(box_scene());
   proxy_->set_link({.delay_ms = 1, .jitter_ms = 40});
-  ASSERT_TRUE(sink_.wait_frames(40));
+  const size_t begin = sink_.state().frames.size();
+  ASSERT_TRUE(sink_.wait_frames(60));
   const SinkLog::State state = sink_.state();
   EXPECT_TRUE(state.lost.empty());
   for (size_t i = 1; i < state.frames.size(); ++i) EXPECT_GT(state.frames[i].tick, state.frames[i - 1].tick);
+  // There was jitter: nine tenths of what is even from 0 to 40 ms are 36 ms wide, less what keeping their order takes from the early end.
+  const double spread = spread_ms(std::span(state.frames).subspan(begin));
+  std::printf("jitter of 40 ms: ages of nine tenths of the frames differ by %.1f ms\n", spread);
+  EXPECT_GE(spread, 20.0);
 }
 
 // Both ends have one clock here, so the offset is 0. Over the wire: 20 ms of jitter each way.
@@ -101,6 +118,7 @@ TEST_F(Faults, TheClockIsKnownWithinAMillisecondUnder20MsOfJitter) {
   proxy_->set_link({.delay_ms = 1, .jitter_ms = 20});
   sleep_until_ns(now_ns() + 3'000'000'000);
   const SinkLog::State state = sink_.state();
+  EXPECT_GE(spread_ms(std::span(state.frames).last(state.frames.size() / 2)), 10.0);  // as above, of 20
   std::vector<double> errors_ms;
   for (const ReceivedFrame& frame : state.frames) {
     if (frame.received_ns < state.frames.back().received_ns - 2'000'000'000) continue;
@@ -188,7 +206,7 @@ TEST(NarrowPipe, FramesThatDoNotFitAreLeftOutNotQueued) {
   const size_t begin = sink.state().frames.size();
   Lateness lateness;
   ASSERT_TRUE(sink.wait_frames(700));
-  const double late_ms = lateness.p99_ms();
+  const double late_ms = lateness.allowance_ms(5);
   EXPECT_TRUE(client->stop());
   const SinkLog::State state = sink.state();
   EXPECT_TRUE(state.lost.empty());
@@ -197,12 +215,12 @@ TEST(NarrowPipe, FramesThatDoNotFitAreLeftOutNotQueued) {
   const std::span frames = std::span(state.frames).subspan(begin);
   const double first = percentile(ages_ms(frames.first(frames.size() / 2)), 0.99);
   const double second = percentile(ages_ms(frames.subspan(frames.size() / 2)), 0.99);
-  std::printf("8 Mbit/s: staleness p50 %.1f, p99 %.1f then %.1f ms (bar 60); the machine is late by %.1f ms\n",
+  std::printf("8 Mbit/s: staleness p50 %.1f, p99 %.1f then %.1f ms (bar 60); the machine may be late by %.1f ms\n",
               percentile(ages_ms(frames), 0.5), first, second, late_ms);
-  EXPECT_LT(percentile(ages_ms(frames), 0.99), 60 + 5 * late_ms);
+  EXPECT_LT(percentile(ages_ms(frames), 0.99), 60 + late_ms);
   // Flat: a queue would add a second. One that just misses a tick waits for the next.
   constexpr double kTick_ms = 1e3 / 90;
-  EXPECT_LT(second, 1.25 * first + kTick_ms + 5 * late_ms);
+  EXPECT_LT(second, 1.25 * first + kTick_ms + late_ms);
 }
 
 // Counts only: what it was given is gone.
@@ -287,13 +305,13 @@ TEST(SlowClient, HoldsUpNobodyAndCostsNoMemory) {
   for (size_t i = 0; i < 4; ++i) got[i] = sinks[i]->frames;
   while (noise.server->streaming_count() > 4 && now_ns() - still_ns < std::chrono::nanoseconds(kPatience).count())
     sleep_until_ns(now_ns() + 5'000'000);
-  const double dropped_s = seconds_from_ns(now_ns() - still_ns), late_ms = lateness.p99_ms();
+  const double dropped_s = seconds_from_ns(now_ns() - still_ns), late_ms = lateness.allowance_ms(5);
   const auto made = static_cast<double>(noise.newest - tick);
   double least = 1;
   for (size_t i = 0; i < 4; ++i) least = std::min(least, static_cast<double>(sinks[i]->frames - got[i]) / made);
-  std::printf("one that stands still is dropped after %.2f s (bar 2.5); the others got %.2f of the frames or more; the machine is late by %.1f ms\n",
+  std::printf("one that stands still is dropped after %.2f s (bar 2.5); the others got %.2f of the frames or more; the machine may be late by %.1f ms\n",
               dropped_s, least, late_ms);
-  EXPECT_LE(dropped_s, 2.5 + 5e-3 * late_ms);
+  EXPECT_LE(dropped_s, 2.5 + 1e-3 * late_ms);
   EXPECT_GT(made, 90);
   EXPECT_GT(least, 0.8 * together);
   EXPECT_FALSE(still.finish_reading().ok());
@@ -372,7 +390,9 @@ TEST_F(Faults, AnAssetThatIsAnotherAfterTheRestartIsTold) {
   for (const StreamedObject& object : state.added) EXPECT_TRUE(object.name == "box" || object.environment) << object.name;
 }
 
-// Connections that come, say nothing or nonsense, and go; sessions that are begun and left, more of them than there is room for.
+// Connections that come, say nothing or nonsense, and go; sessions that are begun and left, more of them than there is room for. A
+// thousand a second, client and server together on this machine: so fast go twenty of them, the quickest of fifty times; the others say
+// what else the machine does.
 TEST_F(Faults, AThousandConnectionsASecondDoNotDisturbWhoIsThere) {
   start(box_scene());
   // Of the ticks that are made meanwhile; with nobody else about first.
@@ -387,9 +407,17 @@ TEST_F(Faults, AThousandConnectionsASecondDoNotDisturbWhoIsThere) {
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<uint16_t>(served_->port()));
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  constexpr int kConnections = 1000, kCounted = 20;
+  constexpr double kLeastRate = 1000;  // a second
   const int64_t begun_ns = now_ns();
+  double rate = 0;
   const auto storm = [&] {
-    for (int i = 0; i < 1000; ++i) {
+    int64_t counted_from_ns = now_ns();
+    for (int i = 0; i < kConnections; ++i) {
+      if (i > 0 && i % kCounted == 0) {
+        rate = std::max(rate, kCounted / seconds_from_ns(now_ns() - counted_from_ns));
+        counted_from_ns = now_ns();
+      }
       const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
       ASSERT_EQ(::connect(socket, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
       if (i % 2 == 0) (void)!::send(socket, "GET / HTTP/1.1\r\n\r\n", 18, MSG_NOSIGNAL);
@@ -408,7 +436,9 @@ TEST_F(Faults, AThousandConnectionsASecondDoNotDisturbWhoIsThere) {
   };
   const double beside = share_of(storm);
   ASSERT_FALSE(HasFatalFailure());
-  std::printf("1000 connections in %.1f s; frames got of those made: %.2f, %.2f before\n", seconds_from_ns(now_ns() - begun_ns), beside, alone);
+  std::printf("%d connections in %.2f s, %.0f a second at best (bar %.0f); frames got of those made: %.2f, %.2f before\n", kConnections,
+              seconds_from_ns(now_ns() - begun_ns), rate, kLeastRate, beside, alone);
+  EXPECT_GE(rate, kLeastRate) << "a second";
   EXPECT_GT(beside, 0.6 * alone);
   ASSERT_TRUE(sink_.wait_frames(10));
   EXPECT_TRUE(sink_.state().lost.empty());

@@ -18,6 +18,9 @@ inline double percentile(std::vector<double> numbers, double share) {
 // How much later than told this machine wakes a thread up, the worst of a hundred times: what a wait costs beside other work.
 class Lateness {
  public:
+  // What one wait is allowed at most, so that no machine is late enough for a program that queues or pauses: two ticks of 90 Hz.
+  static constexpr double kMostAllowed_ms = 2e3 / 90;
+
   Lateness() : thread_([this] {
     while (!stopping_) {
       const int64_t due_ns = now_ns() + 5'000'000;
@@ -30,6 +33,8 @@ class Lateness {
     if (thread_.joinable()) thread_.join();
     return percentile(late_ms_, 0.99);
   }
+  // What so many waits in a row may take beside other work.
+  double allowance_ms(int waits) { return waits * std::min(p99_ms(), kMostAllowed_ms); }
   ~Lateness() { (void)p99_ms(); }
 
  private:

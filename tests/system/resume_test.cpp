@@ -23,7 +23,7 @@ namespace {
 constexpr int kNobody = 1;  // a port on which connections are refused at once
 
 // The goals. `resume_bench` measured at most 139 and 145 ms of ten each (resume.csv, frames_again_ms). Each time has to be within
-// the goal, but that beside other work each of the waits on the way may be late: the pause, the connection's handshake, Join and its
+// the goal, but that beside other work each of the waits on the way may be late, by two ticks at most: the pause, the connection's handshake, Join and its
 // reply, the stream, its first message, the tick, the frame, and what hands them over on both sides.
 constexpr double kAfterCut_ms = 300, kAfterRestart_ms = 500;
 constexpr int kWaits = 10;
@@ -98,10 +98,10 @@ TEST_F(Resume, AfterACutTheFirstConnectionBringsTheFrames) {
   ASSERT_TRUE(sink_.wait_resumed(1));
   const uint64_t needed = proxy_->connections() - tried;
   ASSERT_TRUE(sink_.wait_frames(20));
-  const double late_ms = lateness.p99_ms(), ms = first_frame_after_ms(sink_.state(), healed_ns);
-  std::printf("moving %.0f ms after a cut of %.0f s healed (goal %.0f); the machine is late by %.1f ms\n", ms, seconds_from_ns(kCut_ns),
+  const double late_ms = lateness.allowance_ms(kWaits), ms = first_frame_after_ms(sink_.state(), healed_ns);
+  std::printf("moving %.0f ms after a cut of %.0f s healed (goal %.0f); the machine may be late by %.1f ms\n", ms, seconds_from_ns(kCut_ns),
               kAfterCut_ms, late_ms);
-  EXPECT_LE(ms, kAfterCut_ms + kWaits * late_ms);
+  EXPECT_LE(ms, kAfterCut_ms + late_ms);
   // The one that was being made, the first that can, and those for which there was time beyond the goal.
   EXPECT_LE(static_cast<double>(needed), 2 + std::ceil(std::max(0.0, ms - kAfterCut_ms) / kRetryPause_ms));
   const SinkLog::State state = sink_.state();
@@ -171,9 +171,9 @@ TEST_F(Resume, AServerThatIsStartedAnewHasTheSameScene) {
     const int64_t back_ns = now_ns();
     ASSERT_TRUE(sink_.wait_resumed(ends));
     ASSERT_TRUE(sink_.wait_frames(20));
-    const double late_ms = lateness.p99_ms(), ms = first_frame_after_ms(sink_.state(), back_ns);
-    std::printf("moving %.0f ms after the server was back (goal %.0f); the machine is late by %.1f ms\n", ms, kAfterRestart_ms, late_ms);
-    EXPECT_LE(ms, kAfterRestart_ms + kWaits * late_ms);
+    const double late_ms = lateness.allowance_ms(kWaits), ms = first_frame_after_ms(sink_.state(), back_ns);
+    std::printf("moving %.0f ms after the server was back (goal %.0f); the machine may be late by %.1f ms\n", ms, kAfterRestart_ms, late_ms);
+    EXPECT_LE(ms, kAfterRestart_ms + late_ms);
   }
   EXPECT_TRUE(client_->stop());
   const SinkLog::State state = sink_.state();
