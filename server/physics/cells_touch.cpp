@@ -24,6 +24,12 @@ constexpr double kCandidateRoom = 0.5;
 constexpr double kRowMargin = 0.02;
 // An element speaks for the surface this far, in edges of particles.
 constexpr double kElementReach = 1.5;
+// How far off a rigid body's surface is asked which way it looks, in spacings of its contact points.
+constexpr double kOutlookStep = 0.02;
+// Where a surface is folded its elements are off by up to their spacing, and a corner that they say is deep may not even touch:
+// such an overlap gets no deeper, but only one up to this part of a particle's edge is pushed apart. Pushed however deep, a sheet of
+// 10 mm that was laid over a free box got up to 27 times the energy it fell with.
+constexpr double kPushedDepth = 0.15;
 // Where a spot may lie beyond its cell, in half-widths from the middle.
 constexpr double kFurthestSpot = 1.25;
 
@@ -32,6 +38,19 @@ constexpr float kBoxRoom = 1e-5f;
 
 Vector3d vector_of(NodeLanes v) { return {v[0], v[1], v[2]}; }
 Vector3d corner_sign(int c) { return {c & 1 ? 1.0 : -1.0, c & 2 ? 1.0 : -1.0, c & 4 ? 1.0 : -1.0}; }
+
+// Which ways a rigid body's surface looks at a point of it: the directions away from it close by, `step_m` off along axes and
+// diagonals, so that an edge has those of its faces and what lies between them.
+void list_outlooks(const RigidShape& shape, const Vector3d& point_m, double step_m, const Matrix3d& turn,
+                   std::vector<SurfaceElement>& outlooks) {
+  outlooks.clear();
+  for (int k = 0; k < 27; ++k) {
+    const Vector3d way(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+    if (way.squaredNorm() == 0.0 || way.squaredNorm() == 2.0) continue;
+    const DistanceField::Sample found = shape.sample(point_m + step_m * way.normalized());
+    if (found.distance_m > 0.25 * step_m) outlooks.push_back({Vector3d::Zero(), turn * found.gradient});
+  }
+}
 
 }  // namespace
 
@@ -272,7 +291,7 @@ void CellsBody::be_touched(MovingBody& body, ContactSide& side, std::vector<Touc
   const Vector3d room = Vector3d::Constant(reach + radius);
   const Vector3d own_way = body.step_s * motion_.velocity_m_s();
   struct Point {
-    Vector3d at_m, way_m;
+    Vector3d at_m, way_m, local_m;
   };
   std::vector<Point> points;
   if (!boxes_known_) list_boxes();
@@ -284,7 +303,7 @@ void CellsBody::be_touched(MovingBody& body, ContactSide& side, std::vector<Touc
     AlignedBox3d passed(point);
     passed.extend(Vector3d(point - way));
     if (!surface_box_.intersects(AlignedBox3d(passed.min() - room, passed.max() + room))) return;
-    points.push_back({point, way});
+    points.push_back({point, way, local});
     box.extend(point);
   };
   if (body.shape->is_ball()) offer(Vector3d::Zero());
@@ -294,17 +313,26 @@ void CellsBody::be_touched(MovingBody& body, ContactSide& side, std::vector<Touc
   surface_elements(AlignedBox3d(box.min() - room, box.max() + room), elements);
   if (elements.empty()) return;
   const ElementGrid grid(elements, reach + radius);
-  for (const auto& [point, way] : points) {
-    const auto depth = grid.depth_after_way(point, way);
+  std::vector<SurfaceElement> outlooks;
+  for (const auto& [point, way, local] : points) {
+    auto depth = grid.depth_after_way(point, way);
     if (!depth || depth->distance_m - radius > kRowMargin * extent_.box_edge_m) continue;
+    // A corner that is nearer to the far side of a sheet would be pushed through it.
+    if (!body.shape->is_ball()) {
+      list_outlooks(*body.shape, local, kOutlookStep * body.shape->contact_spacing_m, turn, outlooks);
+      depth = grid.depth_after_way(point, way, outlooks);
+      if (!depth) continue;
+    }
+    const double gap = depth->distance_m - radius;
     TouchRow row;
+    if (!body.shape->is_ball()) row.push_m_s *= std::clamp(1.0 + gap / (kPushedDepth * extent_.box_edge_m), 0.0, 1.0);
     row.a = &side;
     row.b = row.rigid = &body;
     row.point_m = point - radius * depth->normal;
     row.spot_a = spot_at(depth->element, point - depth->distance_m * depth->normal);
     row.spot_b = body.spot_at(row.point_m);
     row.normal = -depth->normal;
-    row.gap_m = depth->distance_m - radius;
+    row.gap_m = gap;
     row.friction = mixed_friction(material_.friction, body.friction);
     row.met_id = body.contact_id;
     rows.push_back(row);

@@ -27,7 +27,7 @@ void prepare(TouchRow& row, double step_s) {
   row.normal_impulse_n_s = 0.0;
   row.friction_impulse_n_s.setZero();
   const double gap_before = row.gap_m - row.normal.dot(row.way_before_m);
-  row.least_gap_m = std::min(0.0, gap_before + kContactPushSpeed_m_s * step_s);
+  row.least_gap_m = std::min(0.0, gap_before + row.push_m_s * step_s);
 }
 
 // How much the row's impulse changed.

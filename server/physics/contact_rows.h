@@ -35,6 +35,9 @@ class ContactSide {
   virtual void count(const ContactSpot& spot, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) = 0;
 };
 
+// Overlaps at the start of the step part no faster than this, so that what starts inside something is not shot out.
+inline constexpr double kContactPushSpeed_m_s = 0.5;
+
 // `a` gets +impulse, `b` exactly the opposite at the same world point.
 struct TouchRow {
   ContactSide* a = nullptr;
@@ -44,6 +47,7 @@ struct TouchRow {
   Eigen::Vector3d normal;      // unit, world, from b towards a
   double gap_m = 0.0;          // at the end of the step if nothing acts; negative when overlapping
   double friction = 0.0;
+  double push_m_s = kContactPushSpeed_m_s;  // overlaps at the start of the step part no faster than this
   uint64_t met_id = 0;         // whom the body meets that listed it
   MovingBody* rigid = nullptr; // b, where it is one
 
@@ -54,9 +58,6 @@ struct TouchRow {
   Eigen::Vector3d friction_impulse_n_s = Eigen::Vector3d::Zero();
   double least_gap_m = 0.0;
 };
-
-// Overlaps at the start of the step part no faster than this, so that what starts inside something is not shot out.
-inline constexpr double kContactPushSpeed_m_s = 0.5;
 
 // Takes every row's gap to zero or more at the end of the step of `step_s`; friction keeps the points together since
 // the start of the step, within Coulomb's cone. There is no restitution: how a soft body bounces is up to its material.
