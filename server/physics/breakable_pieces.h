@@ -39,7 +39,7 @@ struct BreakablePieces {
 struct BreakableOptions {
   size_t piece_count = 32;  // wanted, 1 to 64
   uint64_t seed = 1;
-  std::stop_token stop;
+  std::stop_token stop{};
 };
 
 // Cuts a closed mesh (object frame). Mass is spread through the volume, or evenly over the outside of the whole where

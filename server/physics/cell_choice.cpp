@@ -18,8 +18,7 @@ constexpr double kThinRatio = 8.0;
 constexpr double kLeastSplit = 1.8;
 // Cells of a thin body may be this much wider than it is thick.
 constexpr double kWidestOverThickness = 5.0;
-// Unless it would take more nodes times substeps a frame than this, 6.5 ms of one core at 26 ns: then they are wider still.
-constexpr double kMostNodeSubsteps = 250e3;
+// Unless it would take more nodes times substeps a frame than it may: then they are wider still.
 constexpr double kWider = 1.2, kFewestAlong = 4.0;
 
 // In a shock the sweep has to carry pressure from cell to cell, whose waves are sqrt((1 - nu) / ((1 + nu)(1 - 2 nu))) times as
@@ -67,6 +66,8 @@ std::vector<double> candidate_widths(const CellDemand& demand) {
   const double longest = demand.size_m.maxCoeff(), thinnest = demand.size_m.minCoeff();
   const double narrowest = 1.5 * demand.particle_edge_m * (1.0 - 1e-6);
   std::vector<double> widths;  // from wide to narrow
+  // Of what is so wide that sixteen cells along are wider than this.
+  if (const double widest = kWidestOverThickness * thinnest; longest > 16.0 * widest && widest >= narrowest) widths.push_back(widest);
   for (int along = 6; along <= 16; ++along) {
     const double width = longest / along;
     if (width > thinnest * (1.0 + 1e-6) && width <= kWidestOverThickness * thinnest && width >= narrowest) {
@@ -90,19 +91,25 @@ double courant_limit(double poisson_ratio, double cells_across) {
 }
 
 CellChoice choose_cells(const CellDemand& demand) {
-  const int cap = std::max(demand.substeps, kMaxBodySubsteps / demand.substeps * demand.substeps);
+  int cap = std::max(demand.substeps, kMaxBodySubsteps / demand.substeps * demand.substeps);
   std::vector<Candidate> candidates;
   for (const double width : candidate_widths(demand)) candidates.push_back(assess(demand, width));
   const auto costs_too_much = [&](const Candidate& candidate) {
-    return demand.cell_width_m <= 0.0 && candidate.nodes * std::min(candidate.substeps_needed, cap) > kMostNodeSubsteps;
+    return candidate.nodes * std::min(candidate.substeps_needed, cap) > demand.most_node_substeps;
   };
   const bool over_budget = std::all_of(candidates.begin(), candidates.end(), costs_too_much);
   if (over_budget) {
     const double longest = demand.size_m.maxCoeff();
     Candidate wider = *std::max_element(candidates.begin(), candidates.end(),
                                         [](const Candidate& a, const Candidate& b) { return a.width_m < b.width_m; });
-    while (costs_too_much(wider) && kWider * wider.width_m <= longest / kFewestAlong) wider = assess(demand, kWider * wider.width_m);
+    while (demand.cell_width_m <= 0.0 && costs_too_much(wider) && kWider * wider.width_m <= longest / kFewestAlong) {
+      wider = assess(demand, kWider * wider.width_m);
+    }
     candidates = {wider};
+    if (costs_too_much(wider)) {
+      const double affordable = std::max(1.0, demand.most_node_substeps / wider.nodes / demand.substeps);
+      cap = std::min(cap, static_cast<int>(std::min<double>(affordable, kMaxBodySubsteps)) * demand.substeps);
+    }
   }
   std::erase_if(candidates, [&](const Candidate& candidate) { return !over_budget && costs_too_much(candidate); });
 
@@ -124,6 +131,7 @@ CellChoice choose_cells(const CellDemand& demand) {
   CellChoice choice;
   choice.cell_width_m = chosen->width_m;
   choice.substeps = std::min(chosen->substeps_needed, cap);
+  choice.node_substeps = chosen->nodes * choice.substeps;
   const double reach = limit_of(demand, chosen->width_m) * demand.rate_hz * choice.substeps * chosen->width_m;
   const double ceiling_pa = demand.density_kg_m3 * reach * reach;
   choice.clipped = chosen->substeps_needed > cap;

@@ -25,6 +25,7 @@ struct CellDemand {
   double rate_hz = 0;
   int substeps = 1;             // the scene's, a frame
   double cell_width_m = 0;      // > 0: given, and only the substeps are chosen
+  double most_node_substeps = kMostNodeSubsteps;  // a frame: wider cells, then fewer substeps, keep to it
   double most_courant = 1.0;    // below courant_limit where more is asked of it
 };
 // Of a body whose whole boundary is moved: where nodes cannot move, colours share a stress unequally by the square of the
@@ -37,7 +38,8 @@ struct CellChoice {
   double courant = 0;           // sqrt(E/rho) h / a of the modulus that is simulated
   double youngs_modulus_pa = 0; // the one that is simulated
   bool clipped = false;         // it is less than the one asked for
-  bool over_budget = false;     // cells are wider than they should be, or it would cost a frame more than 6.5 ms
+  bool over_budget = false;     // cells are wider than they should be for their thickness, or it would cost too much
+  double node_substeps = 0;     // a frame, by its bounding box
   int struck_steps = 1;         // in place of one, while the body is struck hard; 1 ... 4
   // sqrt(E/rho) of what is simulated.
   double wave_speed_m_s(double rate_hz) const { return courant * rate_hz * substeps * cell_width_m; }

@@ -5,9 +5,11 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "core/log.h"
+#include "physics/cell_demand.h"
 #include "physics/region_load.h"
 
 namespace livegs {
@@ -31,6 +33,8 @@ CellsBody::CellsBody(const ElasticBodyDescription& description, double rate_hz, 
       object_id_(description.object_id),
       rate_hz_(rate_hz),
       scene_substeps_(substeps),
+      most_node_substeps_(description.cell_width_m > 0.0 ? std::numeric_limits<double>::infinity() : description.most_node_substeps),
+      whole_node_substeps_(description.whole_node_substeps),
       world_from_object_{description.world_from_object.position_m, description.world_from_object.orientation.normalized()},
       orientation_(world_from_object_.orientation),
       may_rest_(may_sleep),
@@ -64,23 +68,11 @@ CellsBody::CellsBody(const ElasticBodyDescription& description, double rate_hz, 
   rebuild_cells();
 }
 
-// The body's own density is its mass over its volume; regions with one of their own change the mass.
 void CellsBody::set_up_materials() {
-  cell_materials_.materials.clear();
-  densities_kg_m3_.clear();
-  plasticities_.clear();
-  const auto add = [&](double youngs, double poisson, double density, double plasticity) {
-    cell_materials_.materials.push_back({youngs, poisson});
-    densities_kg_m3_.push_back(density);
-    plasticities_.push_back(plasticity);
-  };
-  const double own_density = material_.mass_kg / volume_m3_;
-  add(material_.effective_youngs_modulus_pa(), material_.poisson_ratio, own_density, material_.plasticity);
-  for (const RegionMaterial& region : region_materials_) {
-    add(region.youngs_modulus_pa.value_or(material_.effective_youngs_modulus_pa()),
-        region.poisson_ratio.value_or(material_.poisson_ratio), region.density_kg_m3.value_or(own_density),
-        region.plasticity.value_or(material_.plasticity));
-  }
+  BodyMaterials materials = body_materials(material_, region_materials_, volume_m3_);
+  cell_materials_.materials = std::move(materials.elastic);
+  densities_kg_m3_ = std::move(materials.densities_kg_m3);
+  plasticities_ = std::move(materials.plasticities);
 }
 
 double CellsBody::asked_modulus_pa(size_t material) const {
@@ -88,32 +80,18 @@ double CellsBody::asked_modulus_pa(size_t material) const {
   return material == 0 ? own : region_materials_[material - 1].youngs_modulus_pa.value_or(own);
 }
 
-// Cells and substeps follow from the fastest wave among the body's materials.
 void CellsBody::choose(double cell_width_m) {
-  size_t fastest = 0;
-  const auto speed_squared = [&](size_t k) { return cell_materials_.materials[k].youngs_modulus_pa / densities_kg_m3_[k]; };
-  for (size_t k = 1; k < densities_kg_m3_.size(); ++k) {
-    if (speed_squared(k) > speed_squared(fastest)) fastest = k;
-  }
-  CellDemand demand;
-  // What voxels do not fill, and is thinner than its particles' cubes, counts as large as those show it, or cells narrow and
-  // many would be chosen for a sheet, which bends as it should in wide ones, and which gained energy in narrow ones when it
-  // fell on its edge.
-  demand.size_m = extent_.max_m - extent_.min_m;
-  demand.middle_side_m = demand.size_m.sum() - demand.size_m.maxCoeff() - demand.size_m.minCoeff();
-  const bool by_voxels = extent_.box_edge_m == extent_.spacing_m;
-  if (!by_voxels && demand.size_m.minCoeff() < 0.999 * extent_.box_edge_m) demand.size_m.array() += extent_.box_edge_m;
-  demand.particle_edge_m = extent_.box_edge_m;
-  demand.youngs_modulus_pa = cell_materials_.materials[fastest].youngs_modulus_pa;
-  demand.density_kg_m3 = densities_kg_m3_[fastest];
-  for (const IsotropicMaterial& one : cell_materials_.materials) {
-    demand.poisson_ratio = std::max(demand.poisson_ratio, one.poisson_ratio);
-  }
-  demand.rate_hz = rate_hz_;
-  demand.substeps = scene_substeps_;
+  CellDemand demand =
+      cell_demand(extent_, {cell_materials_.materials, densities_kg_m3_, {}}, boundary_moved_, rate_hz_, scene_substeps_);
   demand.cell_width_m = cell_width_m;
-  if (boundary_moved_) demand.most_courant = kBoundaryCourant;
+  demand.most_node_substeps = most_node_substeps_;
   choice_ = choose_cells(demand);
+  alone_.reset();
+  if (most_node_substeps_ < whole_node_substeps_) {
+    demand.most_node_substeps = whole_node_substeps_;
+    const CellChoice alone = choose_cells(demand);
+    if (alone.cell_width_m != choice_.cell_width_m || alone.substeps != choice_.substeps) alone_ = alone;
+  }
   if (!options_.choose) {
     choice_.substeps = scene_substeps_;
     choice_.youngs_modulus_pa = demand.youngs_modulus_pa;
@@ -337,6 +315,10 @@ void CellsBody::start_motion(const ElasticBodyDescription& description) {
   for (const Vector3d& position : positions) reach_m_ = std::max(reach_m_, (position - motion_.centre_m).norm());
 }
 
+void CellsBody::may_take(double node_substeps) {
+  if (std::isfinite(most_node_substeps_)) most_node_substeps_ = node_substeps;
+}
+
 void CellsBody::set_material(const Material& material) {
   become_elastic();
   material_ = material;
@@ -499,6 +481,11 @@ ElasticAccuracy CellsBody::accuracy() const {
     tell(k, accuracy.regions.back());
   }
   accuracy.put_back = put_back_;
+  accuracy.node_substeps = choice_.node_substeps;
+  if (alone_) {
+    accuracy.alone_cell_width_m = alone_->cell_width_m;
+    accuracy.alone_reached_pa = alone_->youngs_modulus_pa;
+  }
   accuracy.over_budget = choice_.over_budget;
   accuracy.sag = densities_kg_m3_[0] * kGravity_m_s2 * (extent_.max_m - extent_.min_m).minCoeff() /
                  cell_materials_.materials[0].youngs_modulus_pa;

@@ -54,6 +54,8 @@ class CellsBody final : public ElasticBody {
 
   bool release_region(const std::string& name) override;
   void set_material(const Material& material) override;
+  void may_take(double node_substeps) override;
+  double node_substeps() const override { return choice_.node_substeps; }
   const Material& material() const override { return material_; }
   bool asleep() const override { return rest_clock_.asleep(); }
   int times_put_back() const override { return put_back_; }
@@ -269,7 +271,9 @@ class CellsBody final : public ElasticBody {
 
   double rate_hz_;
   int scene_substeps_;
+  double most_node_substeps_, whole_node_substeps_;  // a frame; the first is infinite where cells were given
   CellChoice choice_;
+  std::optional<CellChoice> alone_;  // where the scene's budget left it less than this
   std::vector<ModulusBand> bands_;  // by material, of what is simulated
   double thin_part_ = 0.0;          // ElasticAccuracy
 

@@ -117,12 +117,17 @@ const char* name_of(ElasticBand band) {
   }
 }
 
+Result<void> check_elastic_body(const ElasticBodyDescription& description) {
+  for (const auto& check : {check_particles, check_material, check_motion}) {
+    if (Result<void> checked = check(description); !checked) return checked;
+  }
+  return {};
+}
+
 Result<std::unique_ptr<ElasticBody>> make_elastic_body(const ElasticBodyDescription& description,
                                                        ElasticSolver solver, double rate_hz, int substeps,
                                                        bool may_sleep) {
-  for (const auto& check : {check_particles, check_material, check_motion}) {
-    if (Result<void> checked = check(description); !checked) return checked.error();
-  }
+  if (auto checked = check_elastic_body(description); !checked) return checked.error();
   if (!(rate_hz > 0.0) || !std::isfinite(rate_hz)) {
     return not_physical(description, "rate_hz is " + number(rate_hz) + "; it must be above 0");
   }

@@ -258,7 +258,14 @@ Result<void> World::set_material(uint32_t object_id, const Material& material) {
       piece.inertia *= growth;
     }
   } else {
-    object->elastic()->body->set_material(material);
+    ElasticBody& body = *object->elastic()->body;
+    const double budget = state_->settings.elastic_node_substeps;
+    double left = budget;
+    for (const ElasticObject* other : state_->elastic_objects) {
+      if (other->object_id != object_id) left -= other->body->node_substeps();
+    }
+    body.may_take(std::max(left, budget / static_cast<double>(state_->elastic_objects.size())));
+    body.set_material(material);
   }
   object->wake();
   return {};

@@ -32,6 +32,7 @@ struct WorldSettings {
   int substeps = 4;       // a tick
   ElasticSolver elastic_solver = ElasticSolver::Cells;
   bool sleep = true;
+  double elastic_node_substeps = kMostNodeSubsteps;  // a tick, of all elastic bodies (elastic_budget.h)
 };
 
 struct RigidBodyDescription {
@@ -206,7 +207,8 @@ class World {
 
   // Lets go of a fixed or moved region of an elastic object for good. Fails if there is none of that name.
   Result<void> release_region(uint32_t object_id, const std::string& region);
-  // The same behaviour only. A rigid object that is fragile or has pieces needs a break_impulse_n_s of 1e-6 to 1e6.
+  // The same behaviour only. Of an elastic object the cells stay, and its substeps keep to what others leave of
+  // elastic_node_substeps, or to an equal part of it if that is more. A rigid object that is fragile or has pieces needs a break_impulse_n_s of 1e-6 to 1e6.
   Result<void> set_material(uint32_t object_id, const Material& material);
   const Material* material(uint32_t object_id) const;
 

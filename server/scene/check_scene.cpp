@@ -140,6 +140,7 @@ Result<void> check_scene(const v1::Scene& scene) {
   LIVEGS_CHECK(vector_value(scene.gravity_m_s2(), Eigen::Vector3d::Zero(), "gravity_m_s2"));
   if (scene.has_rate_hz()) LIVEGS_CHECK(number_value(scene.rate_hz(), 1, 1000, "rate_hz"));
   if (scene.has_substeps()) LIVEGS_CHECK(number_value(scene.substeps(), 1, 1024, "substeps"));
+  if (scene.has_elastic_budget_ms()) LIVEGS_CHECK(number_value(scene.elastic_budget_ms(), 0.01, 1000, "elastic_budget_ms"));
   const v1::Environment& environment = scene.environment();
   if (environment.has_scale())
     LIVEGS_CHECK(number_value(environment.scale(), 1e-6, 1e6, "environment.scale"));

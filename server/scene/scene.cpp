@@ -9,6 +9,7 @@
 #include "core/log.h"
 #include "core/parallel_for.h"
 #include "geometry/shape_mesh.h"
+#include "physics/elastic_budget.h"
 #include "scene/add_joints.h"
 #include "scene/build_object.h"
 #include "scene/check_object.h"
@@ -17,6 +18,7 @@
 #include "scene/fragile_object.h"
 #include "scene/scene_values.h"
 #include "scene/scenery.h"
+#include "scene/share_elastic_budget.h"
 #include "scene/shape_asset.h"
 #include "scene/sidecar_paths.h"
 #include "scene/unbreakable.h"
@@ -48,6 +50,7 @@ Result<WorldSettings> world_settings(const v1::Scene& file, const SceneOptions& 
   settings.gravity_m_s2 = *gravity;
   settings.rate_hz = options.rate_hz.value_or(file.has_rate_hz() ? file.rate_hz() : settings.rate_hz);
   settings.substeps = options.substeps.value_or(file.has_substeps() ? file.substeps() : settings.substeps);
+  if (file.has_elastic_budget_ms()) settings.elastic_node_substeps = file.elastic_budget_ms() / kNodeSubstep_ms;
   settings.elastic_solver = options.elastic_solver;
   settings.sleep = options.sleep;
   return settings;
@@ -140,6 +143,7 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
     if (!*built[i]) return of_object(built[i]->error(), object_name(file.objects(index), index));
   }
 
+  share_elastic_budget(built, *settings);
   scene.bounds_m_ = built_bounds(built);
   auto scenery = make_scenery(file.environment(), folder, built);
   if (!scenery) return scenery.error();
