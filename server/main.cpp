@@ -213,7 +213,7 @@ int run(const Options& options) {
     analysis.begin();
     const int64_t end_ns = now_ns() + static_cast<int64_t>(options.seconds * 1e9);
     reason = wait_for_signal(signals, [&] {
-      notice.feed((*server)->published().frames, now_ns());
+      notice.feed((*server)->published().frames + loop.summary().waits, now_ns());
       return (options.seconds > 0 && now_ns() >= end_ns) || !drain_reason().empty();
     });
     if (reason.empty()) reason = drain_reason();

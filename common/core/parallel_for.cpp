@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <exception>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -26,16 +27,25 @@ thread_local bool serial_here = false;
 template <class Run>
 void run_blocks(size_t blocks, const Run& run) {
   std::atomic<size_t> next{0};
+  std::mutex mutex;  // guards thrown
+  std::exception_ptr thrown;
   const auto work = [&] {
-    for (size_t i = next.fetch_add(1, std::memory_order_relaxed); i < blocks;
-         i = next.fetch_add(1, std::memory_order_relaxed)) {
-      run(i);
+    try {
+      for (size_t i = next.fetch_add(1, std::memory_order_relaxed); i < blocks;
+           i = next.fetch_add(1, std::memory_order_relaxed)) {
+        run(i);
+      }
+    } catch (...) {
+      next.store(blocks, std::memory_order_relaxed);
+      std::lock_guard lock(mutex);
+      thrown = std::current_exception();
     }
   };
   std::vector<std::thread> helpers;
   for (size_t k = 1; k < std::min(blocks, static_cast<size_t>(thread_count())); ++k) helpers.emplace_back(work);
   work();
   for (std::thread& helper : helpers) helper.join();
+  if (thrown) std::rethrow_exception(thrown);
 }
 #else
 template <class Run>
@@ -65,7 +75,7 @@ void parallel_for(size_t count, size_t block, const std::function<void(size_t, s
   if (count == 0) return;
   block = std::max<size_t>(block, 1);
   const size_t blocks = (count + block - 1) / block;
-  const auto run = [&](size_t index) noexcept { body(index * block, std::min(count, (index + 1) * block)); };
+  const auto run = [&](size_t index) { body(index * block, std::min(count, (index + 1) * block)); };
   if (blocks == 1 || serial_here) {
     for (size_t index = 0; index < blocks; ++index) run(index);
     return;

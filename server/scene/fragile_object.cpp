@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <numeric>
+#include <system_error>
 
 #include "core/clock.h"
 #include "geometry/distance_field.h"
@@ -100,9 +102,21 @@ FragileTask::FragileTask(uint32_t object_id, TriangleMesh mesh, Fill fill,
     : object_id_(object_id) {
   FragileOptions own = options;
   own.pieces.stop = stop_.get_token();
-  future_ = std::async(std::launch::async, [mesh = std::move(mesh), fill, asset = std::move(asset), own] {
-    return prepare_fragile(mesh, fill, *asset, own);
-  });
+  // Memory or threads that are short are no reason to stop the scene: the thing does not break, and says why.
+  const auto prepare = [mesh = std::move(mesh), fill, asset = std::move(asset), own]() -> Result<FragileObject> {
+    try {
+      return prepare_fragile(mesh, fill, *asset, own);
+    } catch (const std::bad_alloc&) {
+      return Error{ErrorCode::Unavailable, "memory is short"};
+    }
+  };
+  try {
+    future_ = std::async(std::launch::async, prepare);
+  } catch (const std::system_error& error) {
+    std::promise<Result<FragileObject>> failed;
+    failed.set_value(Error{ErrorCode::Unavailable, error.what()});
+    future_ = failed.get_future();
+  }
 }
 
 }  // namespace livegs

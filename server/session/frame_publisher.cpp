@@ -72,12 +72,12 @@ FramePublisher::~FramePublisher() {
   thread_.join();
 }
 
-void FramePublisher::publish(SteppedTick tick) {
+void FramePublisher::publish(SteppedTick&& tick) {
   {
     std::lock_guard lock(mutex_);
     if (waiting_) {
-      ++skipped_;
       go_before(*waiting_, tick);
+      ++skipped_;
     }
     waiting_ = std::move(tick);
   }

@@ -47,7 +47,7 @@ class FramePublisher final : public TickSink {
   // What there is before the first tick.
   void begin_with(std::span<const SceneObject* const> objects) { kernels_.begin_with(objects); }
 
-  void publish(SteppedTick tick) override;
+  void publish(SteppedTick&& tick) override;
   PublisherSummary summary() const;
 
  private:

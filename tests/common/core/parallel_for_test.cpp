@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
+#include <new>
 #include <numeric>
 #include <vector>
 
@@ -32,6 +34,24 @@ TEST(ParallelFor, BlockSumsDoNotDependOnTheThreadCount) {
   const float one = sum(1);
   EXPECT_EQ(one, sum(2));
   EXPECT_EQ(one, sum(5));
+  set_thread_count(0);
+}
+
+// What a body throws reaches whoever asked, when no body runs any more.
+TEST(ParallelFor, AnExceptionReachesTheCaller) {
+  for (const int threads : {1, 4}) {
+    set_thread_count(threads);
+    std::atomic<int> running{0};
+    const auto body = [&](size_t begin, size_t) {
+      ++running;
+      const bool throws = begin == 500;
+      --running;
+      if (throws) throw std::bad_alloc();
+    };
+    EXPECT_THROW(parallel_for(1000, 10, body), std::bad_alloc);
+    EXPECT_EQ(running, 0);
+    EXPECT_THROW(parallel_for(1, 10, [](size_t, size_t) { throw std::bad_alloc(); }), std::bad_alloc);
+  }
   set_thread_count(0);
 }
 

@@ -9,7 +9,7 @@
 namespace livegs {
 
 // A fragile block that falls apart after a second, on a floor.
-inline Scene breaking_scene(double rate_hz = 90) {
+inline Scene breaking_scene(double rate_hz = 90, uint32_t first_object_id = 1, double breaks_after_s = 1) {
   v1::Scene file;
   const auto parsed = google::protobuf::util::JsonStringToMessage(R"({
     "substeps": 4,
@@ -20,8 +20,10 @@ inline Scene breaking_scene(double rate_hz = 90) {
     "events": [ { "time_s": 1.0, "break": { "object": "box", "point_m": [0.1, 0.1, 0.1] } } ] })",
                                                                   &file);
   EXPECT_TRUE(parsed.ok()) << parsed.message();
+  file.mutable_events(0)->set_time_s(breaks_after_s);
   SceneOptions options;
   options.rate_hz = rate_hz;
+  options.first_object_id = first_object_id;
   auto scene = Scene::build(file, ".", "breaking", options);
   EXPECT_TRUE(scene) << scene.error().message;
   return std::move(*scene);

@@ -13,7 +13,7 @@
 namespace livegs {
 namespace {
 
-enum State { kNothing, kArmed, kFailed };
+enum State { kNothing, kArmed, kArmedForGood, kFailed, kFailing };
 std::atomic<State> state{kNothing};
 std::atomic<bool> no_threads{false};
 std::atomic<int64_t> left{0};
@@ -21,16 +21,29 @@ char name_of_thread[16] = {};
 thread_local int unfailing = 0;
 
 bool fails_here() {
-  if (state.load(std::memory_order_acquire) != kArmed || unfailing > 0) return false;
+  const State now = state.load(std::memory_order_acquire);
+  if (now == kNothing || now == kFailed || unfailing > 0) return false;
   char name[16] = {};
   if (pthread_getname_np(pthread_self(), name, sizeof name) != 0 || std::strcmp(name, name_of_thread) != 0) return false;
+  if (now == kFailing) return true;
   if (--left != 0) return false;
-  State armed = kArmed;
-  return state.compare_exchange_strong(armed, kFailed);
+  State armed = now;
+  return state.compare_exchange_strong(armed, now == kArmed ? kFailed : kFailing);
+}
+
+void arm(std::string_view thread_name, int64_t number, State how) {
+  state = kNothing;
+  name_of_thread[thread_name.copy(name_of_thread, sizeof name_of_thread - 1)] = 0;
+  left = number;
+  state.store(how, std::memory_order_release);
 }
 
 void* allocate(std::size_t bytes, std::size_t alignment = 0) {
-  if (fails_here()) throw std::bad_alloc();
+  while (fails_here()) {
+    const std::new_handler handler = std::get_new_handler();
+    if (handler == nullptr) throw std::bad_alloc();
+    handler();
+  }
   if (bytes == 0) bytes = 1;
   void* const memory = alignment == 0 ? std::malloc(bytes) : std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
   if (memory == nullptr) throw std::bad_alloc();
@@ -39,15 +52,14 @@ void* allocate(std::size_t bytes, std::size_t alignment = 0) {
 
 }  // namespace
 
-void fail_allocation(std::string_view thread_name, int64_t number) {
-  state = kNothing;
-  name_of_thread[thread_name.copy(name_of_thread, sizeof name_of_thread - 1)] = 0;
-  left = number;
-  state.store(kArmed, std::memory_order_release);
-}
+void fail_allocation(std::string_view thread_name, int64_t number) { arm(thread_name, number, kArmed); }
+void fail_allocations_from(std::string_view thread_name, int64_t number) { arm(thread_name, number, kArmedForGood); }
 
-bool allocation_has_failed() { return state == kFailed; }
-bool end_failing() { return state.exchange(kNothing) == kFailed; }
+bool allocation_has_failed() { return state == kFailed || state == kFailing; }
+bool end_failing() {
+  const State was = state.exchange(kNothing);
+  return was == kFailed || was == kFailing;
+}
 
 Unfailing::Unfailing() { ++unfailing; }
 Unfailing::~Unfailing() { --unfailing; }

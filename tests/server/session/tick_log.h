@@ -15,7 +15,7 @@ namespace livegs {
 // Remembers every tick.
 class TickLog final : public TickSink {
  public:
-  void publish(SteppedTick tick) override {
+  void publish(SteppedTick&& tick) override {
     {
       std::lock_guard lock(mutex_);
       ticks_.push_back(std::move(tick));
@@ -26,6 +26,10 @@ class TickLog final : public TickSink {
   bool wait(const std::function<bool(const std::vector<SteppedTick>&)>& enough) {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, kPatience, [&] { return enough(ticks_); });
+  }
+  void clear() {
+    std::lock_guard lock(mutex_);
+    ticks_.clear();
   }
   std::vector<SteppedTick> ticks() const {
     std::lock_guard lock(mutex_);
