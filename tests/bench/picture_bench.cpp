@@ -141,6 +141,7 @@ int run(const std::filesystem::path& folder, const std::string& only) {
     Result<AssetFile> asset = read_asset(file);
     if (!asset) {
       std::fprintf(stderr, "%s: left out\n", asset.error().message.c_str());
+      all = false;  // which counts unless none of them is here
       continue;
     }
     ++drawn;

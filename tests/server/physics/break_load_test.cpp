@@ -23,12 +23,12 @@ World weighed(double rate, int substeps, double kg) {
 }
 
 // 10 kg press with 98 N, a seventh of 0.7 N s in a millisecond; when they counted by the tick, 4 kg broke it at 60 Hz and not at
-// 90. With 1 and 2 substeps 40 to 1 do not stand on each other at all; what does, breaks nothing.
+// 90. At one substep of 60 Hz 10 kg slide off it, which breaks it no more.
 TEST(BreakingLoads, AWeightLaidOnACupBreaksNothing) {
   for (const double rate : kRates_hz) {
     for (const int substeps : kSubsteps) {
       SCOPED_TRACE(::testing::Message() << substeps << " substeps of " << rate << " Hz");
-      World world = weighed(rate, substeps, substeps == 1 ? 1.0 : substeps == 2 ? 4.0 : 10.0);
+      World world = weighed(rate, substeps, substeps == 1 ? 4.0 : 10.0);
       run_seconds(world, 5.0);
       EXPECT_EQ(world.revision(kCup), 0u);
       // Two substeps of 60 Hz under 4 kg sink in by 2.3 mm, all others by 0.35 mm at most.

@@ -56,9 +56,11 @@ TEST(RigidStructures, HeavyRestsOnLight) {
   // Scene 14, with a hand's box of 10 cm beside the metre: its contacts sag ten times as far in parts of its size. Asked: 1 %, 5 %,
   // and of 1:1000 the honest figure. Found of 0.1 m at 60 Hz: 0.09, 0.10, 0.98 % and, at 16 substeps, a hundredth of a per cent.
   const Case cases[] = {{10, 1, 0.01, 4},     {10, 0.1, 0.01, 4},    {100, 1, 0.002, 4},   {100, 0.1, 0.002, 4},
-                        {1000, 1, 0.002, 4},  {1000, 0.1, 0.012, 4}, {1000, 1, 0.002, 16}, {1000, 0.1, 0.002, 16}};
+                        {1000, 1, 0.002, 4},  {1000, 0.1, 0.012, 4}, {1000, 1, 0.002, 16}, {1000, 0.1, 0.002, 16},
+                        {1000, 0.1, 0.18, 1}};
   for (const double rate : kRates_hz) {
     for (const Case& c : cases) {
+      if (c.substeps == 1 && rate > 60) continue;  // the lower one gives way, and the upper stands on the floor
       World world = world_at(rate, c.substeps);
       world.add_collider(floor_plane(0.6));
       const double mass = 1000.0 * c.size_m * c.size_m * c.size_m;
