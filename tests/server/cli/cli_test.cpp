@@ -355,5 +355,33 @@ TEST(Cli, MalformedFixturesAreRefusedInOneLine) {
   EXPECT_GE(refused, 40);
 }
 
+// One scene of the chart: its rows, a curve a method, and the page that says who wins.
+TEST(Cli, ChartWritesRowsCurvesAndAPage) {
+  ScratchFolder folder;
+  const fs::path out = folder / "chart";
+  const Said said = run({"chart", "--only", "squash", "--quick", "--output", out.string()});
+  ASSERT_EQ(said.code, 0) << said.err;
+  const auto rows = lines_of(out / "chart.csv");
+  ASSERT_GT(rows.size(), 10u);
+  EXPECT_EQ(rows[0].find("scene,solver,"), 0u) << rows[0];
+  std::map<std::string, size_t> of_solver;
+  for (size_t i = 1; i < rows.size(); ++i) {
+    ASSERT_EQ(rows[i].find("squash,"), 0u) << rows[i];
+    EXPECT_EQ(std::count(rows[i].begin(), rows[i].end(), ','), std::count(rows[0].begin(), rows[0].end(), ',')) << rows[i];
+    ++of_solver[rows[i].substr(7, rows[i].find(',', 7) - 7)];
+  }
+  EXPECT_GT(of_solver["cells"], 0u);
+  EXPECT_GT(of_solver["livegs-v1"], 0u);
+  const auto whole = [](const fs::path& path) {
+    std::string text;
+    for (const std::string& line : lines_of(path)) text += line + "\n";
+    return text;
+  };
+  EXPECT_NE(whole(out / "squash.svg").find("</svg>"), std::string::npos);
+  const std::string page = whole(out / "chart.md");
+  EXPECT_NE(page.find("## Squash by 30 %"), std::string::npos) << page;
+  EXPECT_NE(page.find("Cheapest: `cells"), std::string::npos) << page;
+}
+
 }  // namespace
 }  // namespace livegs
