@@ -187,6 +187,13 @@ void TestModelServer::wait_for_posts(std::size_t count) const {
   state_->changed.wait(lock, [&] { return state_->posts.size() >= count; });
 }
 
+bool TestModelServer::wait_for_posts(std::size_t count, double seconds) const {
+  std::unique_lock lock(state_->mutex);
+  return state_->changed.wait_for(lock, std::chrono::duration<double>(seconds),
+                                  [&] { return state_->stopping || state_->posts.size() >= count; }) &&
+         state_->posts.size() >= count;
+}
+
 int TestModelServer::connections() const {
   std::lock_guard lock(state_->mutex);
   return static_cast<int>(state_->connections.size());
