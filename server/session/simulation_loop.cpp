@@ -227,7 +227,7 @@ bool SimulationLoop::send() {
 void SimulationLoop::halt(Halt why) {
   {
     std::lock_guard lock(mutex_);
-    if (halt_ == why) return;
+    if (halt_ == why || halt_ == Halt::GivenUp) return;  // what was given up is so until a reset
     halt_ = why;
     halt_tick_ = scene_run_.tick() + (why == Halt::GivenUp ? 1 : 0);
     steps_left_ = 0;

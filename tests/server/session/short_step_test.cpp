@@ -182,6 +182,12 @@ class GivenUp : public ShortStep {
     const SteppedTick held = newest();
     EXPECT_TRUE(same_bits(held.drivers, told.drivers)) << "allocation " << number;
     EXPECT_EQ(held.drivers.simulated_ns, told.drivers.simulated_ns);
+    // A tick of what is held that finds no memory in its turn, and is finished, does not make it anything less.
+    fail_allocation("simulation", 1);
+    wait_for_failure();
+    (void)end_failing();
+    wait_ticks(2);
+    EXPECT_NE(newest().run.message.find("reset"), std::string::npos) << newest().run.message;
     const auto refused = run_->control(resume());
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::Unavailable);
