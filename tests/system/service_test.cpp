@@ -9,9 +9,12 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
 #include "system/programs_fixture.h"
 
@@ -57,7 +60,14 @@ TEST_F(Programs, CountsForPrometheusAndLogsAsJson) {
   Program probe(client_words(port, {"--seconds", "1", "--no-video"}, "probe"));
   ASSERT_EQ(probe.wait(), 0) << probe.err();
 
-  const auto values = metrics_at(metrics_port);
+  auto values = metrics_at(metrics_port);
+  const auto clients = [&] {
+    return std::count_if(values.begin(), values.end(), [](const auto& one) { return one.first.starts_with("livegs_client_frames_sent_total{"); });
+  };
+  for (int i = 0; i < kPatience_ms / 20 && clients() > 1; ++i) {  // until the probe is forgotten
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    values = metrics_at(metrics_port);
+  }
   const auto value = [&](const std::string& name) {
     const auto found = values.find(name);
     EXPECT_NE(found, values.end()) << name;
@@ -84,6 +94,21 @@ TEST_F(Programs, CountsForPrometheusAndLogsAsJson) {
   // A frame is written after its step and heard of after that.
   EXPECT_GE(value("livegs_client_staleness_seconds_sum" + label), value("livegs_client_round_trip_seconds_sum" + label));
   EXPECT_GT(value("livegs_client_staleness_seconds{" + inside + ",quantile=\"0.5\"}"), 0);
+  // Frames for a client that stands still are replaced by newer ones, and the count never falls.
+  const std::string replaced = "livegs_client_frames_replaced_total" + label;
+  double count_replaced = value(replaced);
+  const double at_first = count_replaced;
+  client.send(SIGSTOP);
+  for (int i = 0; i < kPatience_ms / 20 && count_replaced < at_first + 10; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    const auto now = metrics_at(metrics_port);
+    ASSERT_TRUE(now.contains(replaced));
+    EXPECT_GE(now.at(replaced), count_replaced);
+    count_replaced = now.at(replaced);
+  }
+  client.send(SIGCONT);
+  EXPECT_GE(count_replaced, at_first + 10);
+  EXPECT_GE(metrics_at(metrics_port)[replaced], count_replaced);
 
   server.send(SIGTERM);
   EXPECT_EQ(server.wait(), 0) << server.err();
