@@ -98,6 +98,49 @@ TEST_F(Faults, After300MsOfStallTheThirdFrameIsFresh) {
   EXPECT_GE(gap_ms, 250.0);
 }
 
+// Told once, in its place between frames; and the session never knew of the stall, which begins a tick before it breaks and lasts for
+// kStall_ns after, however slow the machine is; one that is so slow that nothing comes for a second ends the stream by itself.
+TEST_F(Faults, WhatBreaksDuringAStallIsToldBeforeItsFirstFrame) {
+  constexpr uint64_t kStallFrom = 359;        // it breaks at 360
+  constexpr int64_t kStall_ns = 300'000'000;  // less than the second after which a client gives up
+  struct Seen {
+    std::atomic<FaultProxy*> proxy{nullptr};
+    std::atomic<int64_t> stalled_ns{0}, broken_ns{0};
+  };
+  const auto seen = std::make_shared<Seen>();  // the server outlives this body
+  start(breaking_scene(90, 1, 4), [seen](const Scene& scene) {
+    const bool begins = scene.world().tick() == kStallFrom;
+    const bool breaks = seen->broken_ns == 0 && scene.objects().back().rest.revision > 0;
+    FaultProxy* const proxy = seen->proxy;
+    if (begins) seen->stalled_ns = now_ns();
+    if (breaks) seen->broken_ns = now_ns();
+    if (proxy && (begins || breaks)) proxy->stall(seconds_from_ns(kStall_ns));
+  });
+  ASSERT_TRUE(client_);
+  seen->proxy = proxy_.get();
+  ASSERT_LT(served_->tick, kStallFrom) << "too late to stall: the machine is busy";
+  const auto broken = [](const ReceivedFrame& frame) { return frame.drivers->objects.back().revision > 0; };
+  ASSERT_TRUE(sink_.wait([&](const SinkLog::State& state) { return broken(state.frames.back()); }));
+  ASSERT_TRUE(sink_.wait_frames(20));
+  const SinkLog::State state = sink_.state();
+  EXPECT_TRUE(state.added.empty() && state.removed.empty());
+  int64_t gap_ns = 0;
+  for (size_t i = 1; i < state.frames.size(); ++i) gap_ns = std::max(gap_ns, state.frames[i].received_ns - state.frames[i - 1].received_ns);
+  EXPECT_TRUE(state.lost.empty() || gap_ns > 900'000'000);
+  const int64_t stalled_ns = seen->stalled_ns, broken_ns = seen->broken_ns;
+  EXPECT_GT(broken_ns, stalled_ns);
+  const auto first = std::find_if(state.frames.begin(), state.frames.end(), broken);
+  EXPECT_GE(first->received_ns, broken_ns + kStall_ns);  // nothing of it got through
+  EXPECT_TRUE(std::all_of(first, state.frames.end(), broken));
+  const uint32_t revision = first->drivers->objects.back().revision;
+  const auto is_it = [&](const StreamedObject& object) { return object.rest.revision == revision; };
+  ASSERT_EQ(std::count_if(state.changed.begin(), state.changed.end(), is_it), 1);
+  const auto told = std::find_if(state.changed.begin(), state.changed.end(), is_it) - state.changed.begin();
+  EXPECT_LE(state.changed_at[static_cast<size_t>(told)], static_cast<size_t>(first - state.frames.begin()));
+  std::printf("broke %.1f ms into a stall that went on for %.0f; its first frame came %.1f ms after it\n", milliseconds_from_ns(broken_ns - stalled_ns),
+              milliseconds_from_ns(kStall_ns), milliseconds_from_ns(first->received_ns - broken_ns - kStall_ns));
+}
+
 TEST_F(Faults, JitterOf40MsNeitherBreaksNorReorders) {
   start(box_scene());
   proxy_->set_link({.delay_ms = 1, .jitter_ms = 40});

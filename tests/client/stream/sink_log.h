@@ -22,6 +22,7 @@ class SinkLog final : public StreamSink {
     std::vector<ResumedSession> resumed;
     std::vector<size_t> resumed_at;  // how many frames there were by then
     std::vector<StreamedObject> added, changed;
+    std::vector<size_t> changed_at;  // how many frames there were by then
     std::vector<uint32_t> removed;
     std::string draining;
   };
@@ -42,7 +43,10 @@ class SinkLog final : public StreamSink {
     note([&](State& state) { state.added.push_back(std::move(object)); });
   }
   void on_object_changed(StreamedObject object) override {
-    note([&](State& state) { state.changed.push_back(std::move(object)); });
+    note([&](State& state) {
+      state.changed.push_back(std::move(object));
+      state.changed_at.push_back(state.frames.size());
+    });
   }
   void on_object_removed(uint32_t object_id) override {
     note([&](State& state) { state.removed.push_back(object_id); });
