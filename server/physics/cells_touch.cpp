@@ -313,19 +313,22 @@ void CellsBody::be_touched(MovingBody& body, ContactSide& side, std::vector<Touc
   surface_elements(AlignedBox3d(box.min() - room, box.max() + room), elements);
   if (elements.empty()) return;
   const ElementGrid grid(elements, reach + radius);
+  // Of a sheet both sides are within reach of a point, and it folds; in a pile on thick blocks the following of one side only, or
+  // overlaps that are left, kept everything awake.
+  const bool folds = !body.shape->is_ball() && (extent_.max_m - extent_.min_m).minCoeff() < 2.0 * reach;
   std::vector<SurfaceElement> outlooks;
   for (const auto& [point, way, local] : points) {
     auto depth = grid.depth_after_way(point, way);
     if (!depth || depth->distance_m - radius > kRowMargin * extent_.box_edge_m) continue;
     // A corner that is nearer to the far side of a sheet would be pushed through it.
-    if (!body.shape->is_ball()) {
+    if (folds) {
       list_outlooks(*body.shape, local, kOutlookStep * body.shape->contact_spacing_m, turn, outlooks);
       depth = grid.depth_after_way(point, way, outlooks);
       if (!depth) continue;
     }
     const double gap = depth->distance_m - radius;
     TouchRow row;
-    if (!body.shape->is_ball()) row.push_m_s *= std::clamp(1.0 + gap / (kPushedDepth * extent_.box_edge_m), 0.0, 1.0);
+    if (folds) row.push_m_s *= std::clamp(1.0 + gap / (kPushedDepth * extent_.box_edge_m), 0.0, 1.0);
     row.a = &side;
     row.b = row.rigid = &body;
     row.point_m = point - radius * depth->normal;

@@ -115,7 +115,7 @@ TEST(SoftContact, HeavyBoxRestsOnAPillowAndBothSleep) {
     EXPECT_LT(rests.y(), 0.175 - 0.001) << rate;
     run_seconds(world, 2.0);
     EXPECT_LT((body_state(world, 2).world_from_body.position_m - rests).norm(), 1e-4) << rate;
-    EXPECT_LT(Vector3d(rests.x() - 0.02, 0, rests.z()).norm(), 0.007) << rate << ": how far it hopped while it bounced";
+    EXPECT_LT(Vector3d(rests.x() - 0.02, 0, rests.z()).norm(), 0.006) << rate << ": how far it hopped while it bounced";
     EXPECT_TRUE(body_state(world, 2).asleep) << rate;
     EXPECT_TRUE(world.elastic_body(1)->asleep()) << rate;
   }
