@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "physics/elastic_budget.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace livegs {

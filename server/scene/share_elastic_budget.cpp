@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/share_elastic_budget.h"
 
+#include <algorithm>
+#include <vector>
+
 #include "core/log.h"
 #include "physics/cell_demand.h"
 #include "physics/elastic_budget.h"
