@@ -90,6 +90,10 @@ TEST(GateMutations, NoneCrashesLeavesTheRangesOrChangesALockedValue) {
     if (judgement.verdict == Verdict::Accepted && !one.facts.name.empty()) {
       ASSERT_EQ(judgement.parameters.behavior(), one.before.behavior());
     }
+    if (const EstimatedValue& was = one.before.mass_kg(); judgement.verdict == Verdict::Accepted && was.best() > 0) {
+      const double kg = judgement.parameters.mass_kg().best();
+      ASSERT_TRUE(std::abs(std::log(kg / was.best())) <= std::log(8.0) || (kg >= was.low() && kg <= was.high())) << kg << " for " << was.best();
+    }
     if (judgement.verdict != Verdict::Accepted) {
       ASSERT_EQ(judgement.parameters.SerializeAsString(), one.before.SerializeAsString());
     }
