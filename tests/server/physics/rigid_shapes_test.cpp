@@ -92,8 +92,8 @@ TEST(RigidShapes, BoxRestsOnAFieldAsOnABox) {
 }
 
 TEST(RigidShapes, FastBallDoesNotPassAFieldWall) {
-  for (const double speed : {3.0, 10.0, 40.0}) {
-    World world = world_at(60, 4, Vector3d::Zero());
+  for (const auto& [speed, rate] : {std::pair(3.0, 60), {10.0, 60}, {40.0, 60}, {3.0, 90}, {10.0, 90}, {40.0, 90}}) {
+    World world = world_at(rate, 4, Vector3d::Zero());
     // Two cells thick: the least a field can hold.
     world.add_collider(field_collider(box_mesh({0.8, 0.8, 0.02}), 0.01, Vector3d::Zero()));
     auto description = ball(1, {0.05, 0.03, 0.9}, 0.03, 0.1);

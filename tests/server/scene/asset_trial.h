@@ -18,6 +18,7 @@ struct AssetTrial {
   TrialBody body = TrialBody::Rigid;
   TrialAction action = TrialAction::Dropped;
   std::string error;        // it could not be loaded, and why; nothing below is filled
+  double rate_hz = 90;
   double seconds = 0;       // simulated
   size_t bodies = 0;        // rigid ones at the end, or 1
   size_t pieces = 0;        // that a fragile one was cut into; of three the fewest
@@ -34,7 +35,7 @@ struct AssetTrial {
 };
 
 // Runs one. `path` is an asset file. Deterministic but for times.
-AssetTrial run_asset_trial(const std::string& path, TrialBody body, TrialAction action, double seconds);
+AssetTrial run_asset_trial(const std::string& path, TrialBody body, TrialAction action, double seconds, double rate_hz = 90.0);
 
 std::string csv_header();
 std::string csv_row(const AssetTrial& trial);

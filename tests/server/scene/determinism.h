@@ -60,13 +60,14 @@ struct HashedRun {
   std::map<std::string, int> first_touch;  // by object: the tick in which something struck it first
 };
 
-inline HashedRun run_everything(int threads, int ticks) {
+inline HashedRun run_everything(int threads, int ticks, double rate_hz) {
   namespace fs = std::filesystem;
   set_thread_count(threads);
   HashedRun run;
   const fs::path folder = fs::path(LIVEGS_TESTS_DIR) / "scenes";
   auto file = read_scene_file(folder / "everything.scene.json");
   EXPECT_TRUE(file) << file.error().message;
+  file->set_rate_hz(rate_hz);
   const fs::path captured = fs::path(LIVEGS_SHARED_DATA_DIR) / "splats/ponytail_palm/ponytail_palm.ply";
   if (fs::exists(captured)) {
     v1::Object& palm = *file->add_objects();
@@ -92,15 +93,16 @@ inline HashedRun run_everything(int threads, int ticks) {
 }
 
 // Equal in every tick for 1, 2 and 8 threads; the message names the first that is not.
-inline void expect_same_bits(int ticks) {
-  const HashedRun one = run_everything(1, ticks);
+inline void expect_same_bits(int ticks, double rate_hz) {
+  SCOPED_TRACE(rate_hz);
+  const HashedRun one = run_everything(1, ticks, rate_hz);
   EXPECT_GT(one.sherds, 1u) << "the cup must have broken";
   EXPECT_GE(one.first_touch.size(), 13u);
   for (const char* name : {"pad", "marble", "plank", "block", "load"}) EXPECT_TRUE(one.first_touch.contains(name)) << name;
   // On the block, in a tenth of a second: it would take twice as long to the floor.
-  EXPECT_LT(one.first_touch.at("pad"), 15);
+  EXPECT_LT(one.first_touch.at("pad"), rate_hz / 6);
   for (const int threads : {2, 8}) {
-    const HashedRun more = run_everything(threads, ticks);
+    const HashedRun more = run_everything(threads, ticks, rate_hz);
     ASSERT_EQ(one.ticks.size(), more.ticks.size());
     const auto differs = std::mismatch(one.ticks.begin(), one.ticks.end(), more.ticks.begin()).first;
     EXPECT_EQ(differs, one.ticks.end()) << threads << " threads, from tick " << differs - one.ticks.begin() + 1 << " on";

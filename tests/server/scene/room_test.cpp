@@ -67,13 +67,13 @@ std::string things(double floor_m, const std::string& prefix) {
              R"({"behavior":"ELASTIC","density_kg_m3":300,"youngs_modulus_pa":5e4,"damping":0.3})");
 }
 
-std::string scene_text(const std::string& environment, const std::string& objects) {
-  return R"({"rate_hz":60,"environment":)" + environment + R"(,"objects":[)" + objects + "]}";
+std::string scene_text(const std::string& environment, const std::string& objects, int rate_hz = 60) {
+  return R"({"rate_hz":)" + std::to_string(rate_hz) + R"(,"environment":)" + environment + R"(,"objects":[)" + objects + "]}";
 }
 
 // After four seconds everything lies on the floor, the roof or the table, a ball wherever it rolled, and nothing was warned of.
 void expect_on_floor(Scene& scene, double floor_m, double tolerance_m) {
-  for (int tick = 0; tick < 240; ++tick) scene.step();
+  for (int tick = 0; tick < 4 * scene.world().settings().rate_hz; ++tick) scene.step();
   for (const BodyState& body : scene.world().bodies()) {
     const SceneObject& object = *scene.find(body.object_id);
     if (object.environment) continue;
@@ -86,13 +86,13 @@ void expect_on_floor(Scene& scene, double floor_m, double tolerance_m) {
 }
 
 TEST(Room, ACapturedOneHoldsThingsOnItsFloorAndOnItsRoof) {
-  for (const bool door : {false, true}) {
-    SCOPED_TRACE(door ? "with a door" : "closed");
+  for (const auto& [door, rate_hz] : {std::pair(false, 60), {false, 90}, {true, 60}, {true, 90}}) {
+    SCOPED_TRACE(::testing::Message() << (door ? "with a door, " : "closed, ") << rate_hz << " Hz");
     const ScratchFolder folder;
     ASSERT_TRUE(write_asset(folder / "room.ply", captured_room(door)));
     const std::string environment = R"({"asset":"room.ply","up":"+y","scale":1,"collide":true})";
     const std::string all = things(0.0, "") + "," + things(kHigh_m, "roof ") + kOnTable;
-    auto scene = Scene::load(folder.write("room.scene.json", scene_text(environment, all)), {});
+    auto scene = Scene::load(folder.write("room.scene.json", scene_text(environment, all, rate_hz)), {});
     ASSERT_TRUE(scene) << scene.error().message;
     expect_on_floor(*scene, 0.0, 0.02);
   }
