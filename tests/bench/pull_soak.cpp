@@ -7,7 +7,7 @@
 // all threads, milliseconds; `tick_wall`: by the clock, which says whether a tick is within its frame of 11.1 ms, on a machine that does nothing else.
 // `object_most_j`: motion and shape of one elastic object, the most of every tenth tick. `lowest_m`: the lowest centre of any
 // body over the floor, of every tick; below zero it is under it. Leaves with 1 at the first number that is not finite, at
-// more energy than hands can give, or when a centre is more than 5 cm below the floor. Progress goes to the error stream.
+// more energy than hands can give, when a centre is more than 5 cm below the floor, or when memory grows. Progress goes to the error stream.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -34,6 +34,8 @@ namespace {
 
 constexpr int kRate_hz = 90;
 constexpr double kHand_m_s = 4.0;  // a thrower's
+constexpr int kEarly_minutes = 5;   // by then the room has its balls and sherds
+constexpr double kGrown_mb = 5.0;  // more since then is not flat
 constexpr double kSunk_m = 0.05;   // a centre this far below the floor went through it
 // What hands can give one object: 200 N/m across the room's 2.8 m, and the grip's 20 weights along its diagonal of 4.2 m.
 double most_j_of(double mass_kg) { return 784.0 + 20.0 * 9.81 * 4.2 * mass_kg; }
@@ -219,9 +221,14 @@ int main(int argc, char** argv) {
   }
   Hands hands(*scene);
   std::printf("minute,pulls,tick_cpu_p50_ms,tick_cpu_p99_ms,tick_cpu_p999_ms,tick_cpu_most_ms,"
-      "tick_wall_p50_ms,tick_wall_p99_ms,tick_wall_p999_ms,tick_wall_most_ms,resident_mb,asleep,objects,bodies,energy_j,object_most_j,reach_m,lowest_m,finite\n");
+              "tick_wall_p50_ms,tick_wall_p99_ms,tick_wall_p999_ms,tick_wall_most_ms,resident_mb,asleep,objects,bodies,energy_j,object_most_j,reach_m,lowest_m,finite\n");
   int tick = 0;
   std::vector<double> all_cpu_ms, all_wall_ms;
+  double early_mb = 0;
+  for (std::vector<double>* all : {&all_cpu_ms, &all_wall_ms}) {  // written to once, so that they do not look like growth
+    all->resize(static_cast<size_t>(minutes) * 60 * kRate_hz);
+    all->clear();
+  }
   for (int minute = 1; minute <= minutes; ++minute) {
     std::vector<double> cpu_ms, wall_ms;
     double reach = 0, most_j = 0, lowest = INFINITY;
@@ -258,6 +265,11 @@ int main(int argc, char** argv) {
     std::fflush(stdout);
     if (lowest < -kSunk_m) std::fprintf(stderr, "a centre is %.3f m below the floor\n", -lowest);
     if (!finite || !std::isfinite(most_j) || over || lowest < -kSunk_m) return 1;
+    if (minute <= kEarly_minutes) early_mb = resident_mb();
+    if (const double grown_mb = resident_mb() - early_mb; grown_mb > kGrown_mb) {
+      std::fprintf(stderr, "memory has grown by %.1f MB since minute %d\n", grown_mb, kEarly_minutes);
+      return 1;
+    }
   }
   std::printf("all,%d,%s,%s,,,,,,,,,\n", hands.pulled, columns(all_cpu_ms).c_str(), columns(all_wall_ms).c_str());
 }

@@ -86,7 +86,7 @@ size_t force_pixels(const Image& image) {
 // What falls back to the CPU would be held against itself.
 void expect_drawn_by_vulkan(Program& window) {
   EXPECT_NE(window.err().find("drawing with vulkan: "), std::string::npos) << window.err();
-  EXPECT_EQ(window.err().find("the cpu draws"), std::string::npos) << window.err();
+  EXPECT_EQ(window.err().find("the processor draws"), std::string::npos) << window.err();
 }
 
 // One by one: a picture takes 16 MB.
