@@ -3,7 +3,7 @@
 //   analyze_bench SCENE OUTPUT_FOLDER
 // loads the scene, draws its views, asks a made-up model in a process of its own over HTTP, as `livegs analyze` asks a real one,
 // and writes analyze.csv: wall time from the start of the load to the values of the first object and of the last, and from the
-// first question to the end of the last object. The objects are the scene's, again and again. Requests leave at the default
+// first question to the end of the last object, which has to be within the bar, or it ends with 1. The objects are the scene's, again and again. Requests leave at the default
 // rate: four a second after a burst of eight.
 #include <cstdio>
 #include <cstdlib>
@@ -89,6 +89,7 @@ int main(int argc, char** argv) {
   std::filesystem::create_directories(argv[2]);
   std::ofstream csv(std::filesystem::path(argv[2]) / "analyze.csv");
   csv << "objects,answered,answer_s,load_1min,first_values_s,values_of_all_s,all_s,all_bar_s,slowest_views_s\n";
+  bool within = true;
   for (const auto& [count, bar_s] : {std::pair(size_t{1}, 6), {size_t{20}, 30}}) {
     double load = 0;
     (void)::getloadavg(&load, 1);
@@ -103,6 +104,8 @@ int main(int argc, char** argv) {
                   waited->views_s);
     csv << line << std::endl;
     std::printf("%s\n", line);
+    within = within && waited->all_s <= bar_s;
   }
-  return 0;
+  if (!within) std::fprintf(stderr, "analyze_bench: over the bar\n");
+  return within ? 0 : 1;
 }

@@ -31,6 +31,8 @@ int main(int argc, char** argv) {
   SceneDrawing drawing;
   const auto drawn = drawing.pose(*scene);
   if (!drawn) return 1;
+  constexpr double kBar_ms = 2000;  // one view of an object, alone on the machine
+  bool within = true;
   size_t kernels = 0;
   for (const DrawnObject& object : *drawn) kernels += object.asset->size();
   std::ofstream csv(folder / "views.csv");
@@ -49,10 +51,11 @@ int main(int argc, char** argv) {
     const auto three_ms = bench::time_of(0, 1, [&] { views = object_views(*drawn, object.id, three); });
     const ObjectView& view = views->front();
     char line[200];
-    std::snprintf(line, sizeof line, "%s,%zu,%zu,%d,%.0f,%.0f,%.0f,%.0f,2000", object.name.c_str(),
+    std::snprintf(line, sizeof line, "%s,%zu,%zu,%d,%.0f,%.0f,%.0f,%.0f,%.0f", object.name.c_str(),
                   object.asset->size(), kernels, three.long_side_px, one_ms.median_ms, one_ms.cpu_ms,
-                  three_ms.median_ms, three_ms.cpu_ms);
+                  three_ms.median_ms, three_ms.cpu_ms, kBar_ms);
     csv << line << std::endl;
+    within = within && one_ms.median_ms <= kBar_ms;
     std::printf("%s; %s\n", line, describe_camera(view).c_str());
     const std::string name = object.name;
     for (const auto& [what, image] : {std::pair("outlined", &view.outlined), std::pair("mask", &view.mask),
@@ -64,5 +67,6 @@ int main(int argc, char** argv) {
       std::printf("  %s: %s\n", slot.c_str(), value.c_str());
     }
   }
-  return 0;
+  if (!within) std::fprintf(stderr, "views_bench: over the bar of %.0f ms\n", kBar_ms);
+  return within ? 0 : 1;
 }

@@ -183,6 +183,32 @@ TEST_F(HeadsetSession, ATouchIsFeltWhenItIsSeenAndOnce) {
   EXPECT_NEAR(-0.3 * (met[0] - 3.4), -0.23, 0.05 + 2 * hand_a_picture_m);
 }
 
+// A ball that the other hand shoots at the box in a hand that keeps still: no hand moves, so nothing is foreseen, and the blow is
+// felt because the server tells of it.
+TEST_F(HeadsetSession, ABlowToWhatAHandHoldsIsFelt) {
+  const auto done = run(floating({{"box", {0, 0, 0}}}), R"(
+0    pose head   0 1.6 0         1 0 0 0
+0    pose left   0 1.6 0         1 0 0 0
+0    pose right  0 1.6 -1        1 0 0 0
+0.6  input right.squeeze 1
+2.0  input left.primary 1
+2.1  input left.primary 0
+3.5  do exit
+)",
+                        {.eye_size = "64x72", .renderer = RendererChoice::Cpu});
+  ASSERT_TRUE(done) << done.error().message;
+  expect_no_complaints();
+  size_t at_rest = 0, struck = 0;
+  for (const auto& row : rows(folder_ / "haptics.csv")) {
+    const double at_s = std::stod(row.at(0));
+    std::printf("%s felt at %.3f s, %s\n", row.at(1).c_str(), at_s, row.at(2).c_str());
+    if (row.at(1) != "/user/hand/right" || at_s < 1.4) continue;
+    ++(at_s < 2.0 ? at_rest : struck);
+  }
+  EXPECT_EQ(at_rest, 0u);
+  EXPECT_GE(struck, 1u);
+}
+
 // A runtime that goes away while it is in use: the run ends with one line that names it and the remedy.
 TEST_F(HeadsetSession, ARuntimeThatVanishesEndsTheRunWithTheRemedy) {
   const auto done = run(floating({{"box", {0, 0, 0}}}), "0 pose head 0 1.6 0 1 0 0 0\n1.0 do vanish\n30 do exit\n",

@@ -233,6 +233,24 @@ TEST_F(WindowOnADisplay, VulkanShowsAPull) {
   expect_drawn_by_vulkan(window);
 }
 
+// A device without room for all kernels, and one without room for any: the window says so in the picture, and goes on.
+TEST_F(WindowOnADisplay, SaysThatTheDeviceIsFull) {
+  size_ = "690x300";
+  for (const auto& [megabytes, notice] : {std::pair("1.5", "% of the kernels; the rest is not drawn"), std::pair("0.05", "; the processor draws from here on")}) {
+    const std::filesystem::path shots = folder_ / megabytes;
+    std::vector<std::string> words = window_words(display_, port_, {"--renderer", "vulkan", "--output", shots.string(), "--every", "1"});
+    words.insert(words.begin() + 1, std::string("LIVEGS_VULKAN_MEMORY_MB=") + megabytes);
+    Program window(words);
+    int newest = 0;
+    const auto told = first_shot(shots, 0, newest, [](const Image& image) { return notice_pixels(image) > 100; });
+    EXPECT_TRUE(told) << window.err();
+    if (told) keep((std::string("full_") + megabytes + ".png").c_str(), *told);
+    window.send(SIGINT);
+    EXPECT_EQ(window.wait(), 0) << window.err();
+    EXPECT_NE(window.err().find(notice), std::string::npos) << megabytes << " MB: " << window.err();
+  }
+}
+
 // The panel of an object: text from top to bottom on the right, none of it beyond the panel.
 TEST_F(WindowOnADisplay, ShowsWhatAThingIsMadeOf) {
   const std::string plain = folder_ / "plain", selected = folder_ / "selected";
