@@ -236,7 +236,7 @@ TEST_F(WindowOnADisplay, VulkanShowsAPull) {
 // A device without room for all kernels, and one without room for any: the window says so in the picture, and goes on.
 TEST_F(WindowOnADisplay, SaysThatTheDeviceIsFull) {
   size_ = "690x300";
-  for (const auto& [megabytes, notice] : {std::pair("1.5", "% of the kernels; the rest is not drawn"), std::pair("0.05", "; the processor draws from here on")}) {
+  for (const auto& [megabytes, notice] : {std::pair("5", "% of the kernels; the rest is not drawn"), std::pair("0.05", "; the processor draws from here on")}) {
     const std::filesystem::path shots = folder_ / megabytes;
     std::vector<std::string> words = window_words(display_, port_, {"--renderer", "vulkan", "--output", shots.string(), "--every", "1"});
     words.insert(words.begin() + 1, std::string("LIVEGS_VULKAN_MEMORY_MB=") + megabytes);
