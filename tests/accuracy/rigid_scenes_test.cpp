@@ -63,7 +63,7 @@ TEST(BreakHeight, IsTheClosedFormAtOtherSubsteps) {
   for (const int substeps : {1, 2, 8, 32}) {
     for (const double corner : {0.0, 1.0}) {
       const RigidSetup setup{.rate_hz = 60, .substeps = substeps, .parameter = corner};
-      // A corner that rocks loses what a long substep hides: 11.5 % of height at one, 7.5 % at two; goal 2 %.
+      // On a corner 11.5 % at one substep and 7.5 % at two; goal 2 %.
       const double bar = corner > 0.0 && substeps <= 2 ? (substeps == 1 ? 0.12 : 0.08) : 0.02;
       expect_within(run(break_height(setup)), "height", bar, setup);
     }

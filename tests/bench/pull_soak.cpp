@@ -68,7 +68,7 @@ double resident_mb() {
   return resident * 4096 / 1e6;
 }
 
-// Median, p99, p99.9 and the most, as four columns.
+// Median, p99, p99.9 and the most, as four columns; sorts them.
 std::string columns(std::vector<double>& ms) {
   std::sort(ms.begin(), ms.end());
   const auto part = [&](double of) { return ms[std::min(ms.size() - 1, static_cast<size_t>(of * static_cast<double>(ms.size())))]; };
