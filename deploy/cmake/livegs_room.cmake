@@ -107,12 +107,13 @@ function(livegs_embed_text target file constant)
 endfunction()
 
 # livegs_add_shader(TARGET NAME STAGE)
-#   Compiles NAME.STAGE.glsl (comp, vert or frag), beside the CMakeLists.txt, to SPIR-V in the build tree, where
-#   NAME.spv.h, or NAME_STAGE.spv.h if it is not comp, holds it as the array NAME[_STAGE]_spirv. Shaders include with the
-#   room in the path, as C++ does.
+#   Compiles NAME.STAGE.glsl (comp, vert or frag; NAME may have folders) to SPIR-V in the build tree. There BASE.spv.h, or
+#   BASE_STAGE.spv.h for vert and frag, holds it as the array BASE[_STAGE]_spirv; BASE is the last part of NAME. Shaders
+#   include with the room in the path, as C++ does.
 function(livegs_add_shader target name stage)
   find_program(LIVEGS_GLSLANG glslangValidator REQUIRED)
   set(source ${CMAKE_CURRENT_SOURCE_DIR}/${name}.${stage}.glsl)
+  cmake_path(GET name FILENAME name)
   if(NOT stage STREQUAL "comp")
     string(APPEND name _${stage})
   endif()
