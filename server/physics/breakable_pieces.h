@@ -11,7 +11,7 @@
 #include "core/result.h"
 #include "geometry/voronoi_pieces.h"
 #include "physics/material.h"
-#include "physics/rigid_shape.h"
+#include "physics/collision/collision_shape.h"
 
 // What a fragile body can break into, made at load: the pieces of its Voronoi cut, each with its share of the mass and
 // its contact shape. Bodies of several pieces are put together from these when it breaks, which is cheap.

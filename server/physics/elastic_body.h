@@ -15,9 +15,9 @@
 #include "geometry/sample_particles.h"
 #include "physics/body_region.h"
 #include "physics/collider.h"
-#include "physics/contact_rows.h"
+#include "physics/elastic/contact_constraints.h"
 #include "physics/material.h"
-#include "physics/surface_elements.h"
+#include "physics/collision/point_surface.h"
 #include "skin/driver_frame.h"
 #include "skin/rest_body.h"
 

@@ -3,7 +3,7 @@
 
 #include "geometry/triangle_mesh.h"
 #include "physics/collider.h"
-#include "physics/point_tree.h"
+#include "physics/collision/bounding_sphere_tree.h"
 
 namespace livegs {
 

@@ -2,7 +2,7 @@
 #include "scene/elastic_report.h"
 
 #include "core/format_text.h"
-#include "physics/cell_choice.h"
+#include "physics/elastic/resolution/lattice_resolution.h"
 
 namespace livegs {
 namespace {

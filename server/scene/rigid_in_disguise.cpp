@@ -3,7 +3,7 @@
 
 #include <numeric>
 
-#include "physics/cell_demand.h"
+#include "physics/elastic/resolution/resolution_request.h"
 
 namespace livegs {
 

@@ -9,7 +9,7 @@
 #include "core/log.h"
 #include "core/parallel_for.h"
 #include "geometry/shape_mesh.h"
-#include "physics/elastic_budget.h"
+#include "physics/elastic/resolution/elastic_budget.h"
 #include "scene/add_joints.h"
 #include "scene/build_object.h"
 #include "scene/check_object.h"

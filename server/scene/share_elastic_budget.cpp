@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/log.h"
-#include "physics/cell_demand.h"
-#include "physics/elastic_budget.h"
+#include "physics/elastic/resolution/resolution_request.h"
+#include "physics/elastic/resolution/elastic_budget.h"
 
 namespace livegs {
 

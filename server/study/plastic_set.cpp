@@ -7,7 +7,7 @@
 #include "study/block.h"
 #include "study/particle_fit.h"
 #include "study/stage.h"
-#include "physics/plastic_flow.h"
+#include "physics/material/return_mapping.h"
 
 namespace livegs::study {
 

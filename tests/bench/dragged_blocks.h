@@ -8,7 +8,7 @@
 #include "geometry/shape_mesh.h"
 #include "physics/breakable_pieces.h"
 #include "physics/world.h"
-#include "server/physics/elastic_bodies.h"
+#include "scenes/elastic_bodies.h"
 
 // Four elastic blocks of 28 cm (1e4 Pa, 10 x 10 x 10 cells each) that are torn to and fro by springs whose targets jump
 // about, up to 0.3 m twice a second, while 200 boxes of 4 cm fall onto a floor among them, or as many fragments. Blocks of another side

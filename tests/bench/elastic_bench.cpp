@@ -13,7 +13,7 @@
 #include <string>
 
 #include "geometry/shape_mesh.h"
-#include "server/physics/quarter_shell.h"
+#include "server/physics/elastic/quarter_shell.h"
 #include "study/bullet_body.h"
 
 using namespace livegs;

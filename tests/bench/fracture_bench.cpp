@@ -16,7 +16,7 @@
 #include "geometry/fracture_seeds.h"
 #include "geometry/piece_kernels.h"
 #include "geometry/voronoi_pieces.h"
-#include "physics/bond_graph.h"
+#include "physics/fracture/bond_graph.h"
 #include "server/geometry/fracture_shapes.h"
 
 using namespace livegs;

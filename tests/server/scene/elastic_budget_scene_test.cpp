@@ -3,7 +3,7 @@
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
-#include "physics/elastic_budget.h"
+#include "physics/elastic/resolution/elastic_budget.h"
 #include "scene/elastic_report.h"
 #include "scene/scene.h"
 

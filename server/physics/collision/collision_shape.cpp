@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "physics/collision/collision_shape.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <unordered_map>
+#include <utility>
+
+#include "geometry/mesh_topology.h"
+#include "geometry/triangle_distance.h"
+
+namespace livegs {
+namespace {
+
+using Cell = std::array<int64_t, 3>;
+struct CellHash {
+  size_t operator()(const Cell& cell) const {
+    return static_cast<size_t>((cell[0] * 73856093) ^ (cell[1] * 19349663) ^ (cell[2] * 83492791));
+  }
+};
+
+// Fills one triangle with a regular pattern whose step is at most `spacing_m` along each edge; corners excluded.
+void fill_triangle(const std::array<Eigen::Vector3d, 3>& corner, double spacing_m,
+                   std::vector<Eigen::Vector3d>& points) {
+  const double longest = std::max({(corner[1] - corner[0]).norm(), (corner[2] - corner[1]).norm(),
+                                   (corner[0] - corner[2]).norm()});
+  const int steps = static_cast<int>(std::ceil(longest / spacing_m));
+  for (int i = 0; i <= steps; ++i) {
+    for (int j = 0; j <= steps - i; ++j) {
+      const int k = steps - i - j;
+      if (i == steps || j == steps || k == steps) continue;
+      points.push_back((i * corner[0] + j * corner[1] + k * corner[2]) / steps);
+    }
+  }
+}
+
+void keep_extremes(const std::vector<Eigen::Vector3d>& vertices, std::vector<Eigen::Vector3d>& kept) {
+  std::vector<size_t> extremes;
+  for (int x = -1; x <= 1; ++x) {
+    for (int y = -1; y <= 1; ++y) {
+      for (int z = -1; z <= 1; ++z) {
+        if (x == 0 && y == 0 && z == 0) continue;
+        const Eigen::Vector3d direction(x, y, z);
+        size_t best = 0;
+        for (size_t i = 1; i < vertices.size(); ++i) {
+          if (vertices[i].dot(direction) > vertices[best].dot(direction)) best = i;
+        }
+        extremes.push_back(best);
+      }
+    }
+  }
+  std::sort(extremes.begin(), extremes.end());
+  extremes.erase(std::unique(extremes.begin(), extremes.end()), extremes.end());
+  for (const size_t index : extremes) kept.push_back(vertices[index]);
+}
+
+// Twice the volume over the area: of a sheet, from face to face.
+double mean_thickness_m(const TriangleMesh& mesh) {
+  double area_m2 = 0.0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const auto& at = mesh.vertices_m;
+    area_m2 += 0.5 * (at[b] - at[a]).cross(at[c] - at[a]).norm();
+  }
+  return 2.0 * std::abs(signed_volume_m3(mesh)) / area_m2;
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector3d> contact_points(const TriangleMesh& mesh, double spacing_m, size_t max_points) {
+  std::vector<Eigen::Vector3d> kept;
+  const bool few = mesh.vertices_m.size() <= max_points * 3 / 4;
+  if (few) {
+    kept = mesh.vertices_m;
+  } else {
+    keep_extremes(mesh.vertices_m, kept);
+  }
+
+  const auto cell_of = [&](const Eigen::Vector3d& point) {
+    return Cell{static_cast<int64_t>(std::floor(point.x() / spacing_m)),
+                static_cast<int64_t>(std::floor(point.y() / spacing_m)),
+                static_cast<int64_t>(std::floor(point.z() / spacing_m))};
+  };
+  std::unordered_map<Cell, std::vector<Eigen::Vector3d>, CellHash> taken;  // by cell: what is kept there
+  for (const Eigen::Vector3d& point : kept) taken[cell_of(point)].push_back(point);
+  const auto is_near_kept = [&](const Eigen::Vector3d& point) {
+    const Cell centre = cell_of(point);
+    for (int64_t x = -1; x <= 1; ++x) {
+      for (int64_t y = -1; y <= 1; ++y) {
+        for (int64_t z = -1; z <= 1; ++z) {
+          const auto found = taken.find({centre[0] + x, centre[1] + y, centre[2] + z});
+          if (found == taken.end()) continue;
+          for (const Eigen::Vector3d& other : found->second) {
+            if ((other - point).squaredNorm() < spacing_m * spacing_m) return true;
+          }
+        }
+      }
+    }
+    return false;
+  };
+  // The most exposed first, so that what touches first is what stays. Vertices before the filling: edges are sharp.
+  const auto take = [&](std::vector<Eigen::Vector3d> points) {
+    std::stable_sort(points.begin(), points.end(), [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+      return a.squaredNorm() > b.squaredNorm();
+    });
+    for (const Eigen::Vector3d& point : points) {
+      if (is_near_kept(point)) continue;
+      kept.push_back(point);
+      taken[cell_of(point)].push_back(point);
+    }
+  };
+  if (!few) take(mesh.vertices_m);
+  std::vector<Eigen::Vector3d> filling;
+  for (const auto& triangle : mesh.triangles) {
+    const std::array<Eigen::Vector3d, 3> corner{mesh.vertices_m[triangle[0]], mesh.vertices_m[triangle[1]],
+                                                mesh.vertices_m[triangle[2]]};
+    fill_triangle(corner, spacing_m, filling);
+  }
+  take(std::move(filling));
+  return kept;
+}
+
+double inner_radius_m(const RigidShape& shape) {
+  const Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  const double inside = -shape.sample(centre).distance_m;
+  if (!(inside > 0.0)) return 0.0;
+  if (!shape.field) return inside;
+  // A field is off by up to a cell.
+  double nearest = INFINITY;
+  for (const auto& [a, b, c] : shape.mesh.triangles) {
+    const auto& at = shape.mesh.vertices_m;
+    nearest = std::min(nearest, closest_point_on_triangle(centre, at[a], at[b], at[c]).norm());
+  }
+  return nearest;
+}
+
+RigidShape mesh_shape(const TriangleMesh& object_mesh, const Eigen::Vector3d& centre_of_mass_m,
+                      const ShapeDetail& detail) {
+  RigidShape shape;
+  shape.mesh = object_mesh;
+  shape.min_m.setConstant(INFINITY);
+  shape.max_m.setConstant(-INFINITY);
+  for (Eigen::Vector3d& vertex : shape.mesh.vertices_m) {
+    vertex -= centre_of_mass_m;
+    shape.min_m = shape.min_m.cwiseMin(vertex);
+    shape.max_m = shape.max_m.cwiseMax(vertex);
+    shape.bounding_radius_m = std::max(shape.bounding_radius_m, vertex.norm());
+  }
+  const double longest = (shape.max_m - shape.min_m).maxCoeff();
+  if (auto convex = convex_polyhedron(shape.mesh)) {
+    shape.convex = std::make_shared<const ConvexPolyhedron>(std::move(*convex));
+  } else {
+    const double cell = longest / detail.field_cells;
+    shape.field = std::make_shared<const DistanceField>(shape.mesh, cell, 3.0 * cell, detail.thin);
+    shape.wall_m = mean_thickness_m(shape.mesh);
+  }
+
+  shape.contact_spacing_m = detail.point_spacing * longest;
+  shape.contact_points_m = contact_points(shape.mesh, shape.contact_spacing_m, detail.max_points);
+  while (shape.contact_points_m.size() > detail.max_points) {
+    shape.contact_spacing_m *= 1.2;
+    shape.contact_points_m = contact_points(shape.mesh, shape.contact_spacing_m, detail.max_points);
+  }
+  shape.contact_tree = PointTree(shape.contact_points_m);
+  shape.inner_radius_m = inner_radius_m(shape);
+  return shape;
+}
+
+RigidShape ball_shape(double radius_m) {
+  RigidShape shape;
+  shape.sphere_radius_m = radius_m;
+  shape.bounding_radius_m = radius_m;
+  shape.min_m.setConstant(-radius_m);
+  shape.max_m.setConstant(radius_m);
+  return shape;
+}
+
+double RigidShape::sample_error_m() const {
+  double error = field ? field->cell_m() : 0.0;
+  for (const Part& part : parts) error = std::max(error, part.shape->sample_error_m());
+  return error;
+}
+
+DistanceField::Sample RigidShape::sample(const Eigen::Vector3d& point_m) const {
+  if (is_ball()) {
+    const double length = point_m.norm();
+    return {length - sphere_radius_m, length > 0.0 ? Eigen::Vector3d(point_m / length) : Eigen::Vector3d::UnitY()};
+  }
+  if (convex) {
+    const ConvexPolyhedron::Sample found = convex->sample(point_m);
+    return {found.distance_m, found.normal};
+  }
+  if (!parts.empty()) {
+    DistanceField::Sample nearest{INFINITY, Eigen::Vector3d::UnitY()};
+    for (const Part& part : parts) {
+      const Eigen::Vector3d local = point_m - part.offset_m;
+      const Eigen::Vector3d box = local.cwiseMax(part.shape->min_m).cwiseMin(part.shape->max_m);
+      const double outside = (local - box).norm();
+      if (outside > 0.0 && outside >= nearest.distance_m) continue;
+      const DistanceField::Sample sample = part.shape->sample(local);
+      if (sample.distance_m < nearest.distance_m) nearest = sample;
+    }
+    return nearest;
+  }
+  // Beyond the grid's margin the field only knows an upper bound; the way to the bounding box is a lower one.
+  const Eigen::Vector3d nearest = point_m.cwiseMax(min_m).cwiseMin(max_m);
+  const Eigen::Vector3d away = point_m - nearest;
+  const double length = away.norm();
+  if (length > 2.0 * field->cell_m()) return {length, away / length};
+  return field->sample(point_m);
+}
+
+}  // namespace livegs

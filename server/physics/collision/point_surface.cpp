@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "physics/collision/point_surface.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace livegs {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3i;
+
+constexpr int kMostCells = 32;       // along an axis
+constexpr int kMostNear = 48;        // elements that speak for one place
+constexpr int kMostFaces = 3;        // that meet at one place
+constexpr double kSameSide = 0.5;    // cosine between normals of one face
+constexpr double kFlat = 1e-3;       // of the reach: how hollow an edge may be and still count as convex
+constexpr double kFacing = -0.3;     // cosine between normals of points that look at each other
+constexpr int kMostProbes = 64;
+
+bool faces(std::span<const SurfaceElement> own, const Vector3d& normal) {
+  for (const SurfaceElement& face : own) {
+    if (face.normal.dot(normal) < kFacing) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+ElementGrid::ElementGrid(const std::vector<SurfaceElement>& elements, double reach_m)
+    : elements_(elements), reach_m_(reach_m) {
+  low_m_.setConstant(INFINITY);
+  Vector3d high = -low_m_;
+  for (const SurfaceElement& element : elements) {
+    low_m_ = low_m_.cwiseMin(element.position_m);
+    high = high.cwiseMax(element.position_m);
+  }
+  const Vector3d size = elements.empty() ? Vector3d::Zero().eval() : Vector3d(high - low_m_);
+  if (elements.empty()) low_m_.setZero();
+  cell_m_ = std::max(reach_m, size.maxCoeff() / (kMostCells - 1));
+  counts_ = (size / cell_m_).array().floor().cast<int>() + 1;
+  const auto cell_of = [&](const Vector3d& p) {
+    const Vector3i at = ((p - low_m_) / cell_m_).array().floor().cast<int>().min(counts_.array() - 1).max(0);
+    return at.x() + counts_.x() * (at.y() + counts_.y() * at.z());
+  };
+  begins_.assign(static_cast<size_t>(counts_.prod()) + 1, 0);
+  for (const SurfaceElement& element : elements) ++begins_[cell_of(element.position_m) + 1];
+  for (size_t i = 1; i < begins_.size(); ++i) begins_[i] += begins_[i - 1];
+  sorted_.resize(elements.size());
+  std::vector<uint32_t> next(begins_.begin(), begins_.end() - 1);
+  for (uint32_t i = 0; i < elements.size(); ++i) sorted_[next[cell_of(elements[i].position_m)]++] = i;
+}
+
+std::optional<SurfaceDepth> ElementGrid::depth(const Vector3d& point_m, std::span<const SurfaceElement> own) const {
+  if (elements_.empty()) return std::nullopt;
+  const Vector3d low = (point_m - low_m_).array() - reach_m_, high = (point_m - low_m_).array() + reach_m_;
+  const Eigen::Array3i first = (low / cell_m_).array().floor().max(-1.0).min(1e6).cast<int>().max(0);
+  const Eigen::Array3i last = (high / cell_m_).array().floor().max(-1.0).min(1e6).cast<int>().min(counts_.array() - 1);
+  std::array<uint32_t, kMostNear> near;
+  std::array<double, kMostNear> squares;
+  int count = 0, nearest = -1;
+  double least = reach_m_ * reach_m_;
+  for (int z = first.z(); z <= last.z(); ++z) {
+    for (int y = first.y(); y <= last.y(); ++y) {
+      for (int x = first.x(); x <= last.x(); ++x) {
+        const int cell = x + counts_.x() * (y + counts_.y() * z);
+        for (uint32_t k = begins_[cell]; k < begins_[cell + 1]; ++k) {
+          const SurfaceElement& element = elements_[sorted_[k]];
+          const double square = (element.position_m - point_m).squaredNorm();
+          if (square >= reach_m_ * reach_m_) continue;
+          if (count < kMostNear) {
+            near[count] = sorted_[k];
+            squares[count] = square;
+            if (square < least) {
+              least = square;
+              nearest = count;
+            }
+            ++count;
+          } else if (square < least) {
+            near[nearest] = sorted_[k];
+            squares[nearest] = least = square;
+          }
+        }
+      }
+    }
+  }
+  if (nearest < 0) return std::nullopt;
+  const SurfaceElement& first_lead = elements_[near[nearest]];
+  if (first_lead.normal.squaredNorm() < 0.5) {  // balls: the nearest one alone
+    const Vector3d away = point_m - first_lead.position_m;
+    const double distance = away.norm();
+    return SurfaceDepth{distance - first_lead.radius_m, distance > 0.0 ? Vector3d(away / distance) : Vector3d::UnitY(),
+                        first_lead.index};
+  }
+  // Faces, the nearest first. Those beyond an edge that is hollow do not count.
+  std::optional<SurfaceDepth> deepest, facing;
+  std::array<bool, kMostNear> taken{};
+  int leader = nearest;
+  for (int face = 0; face < kMostFaces && leader >= 0; ++face) {
+    const SurfaceElement& lead = elements_[near[leader]];
+    double weights = 0.0, distance = 0.0;
+    Vector3d normal = Vector3d::Zero();
+    for (int k = 0; k < count; ++k) {
+      const SurfaceElement& element = elements_[near[k]];
+      if (element.normal.dot(lead.normal) < kSameSide) continue;
+      taken[k] = true;
+      const double part = 1.0 - squares[k] / (reach_m_ * reach_m_), weight = part * part;
+      weights += weight;
+      distance += weight * element.normal.dot(point_m - element.position_m);
+      normal += weight * element.normal;
+    }
+    const Vector3d across = lead.position_m - first_lead.position_m;
+    const bool convex = across.dot(first_lead.normal) <= kFlat * reach_m_ && across.dot(lead.normal) >= -kFlat * reach_m_;
+    if (convex) {
+      const double length = normal.norm();
+      SurfaceDepth found{distance / weights, normal / length, lead.index};
+      if (!(length > 0.0)) found = {lead.normal.dot(point_m - lead.position_m), lead.normal, lead.index};
+      if (!deepest || found.distance_m > deepest->distance_m) deepest = found;
+      if (faces(own, found.normal) && (!facing || found.distance_m > facing->distance_m)) facing = found;
+    }
+    leader = -1;
+    for (int k = 0; k < count; ++k) {
+      if (!taken[k] && (leader < 0 || squares[k] < squares[leader])) leader = k;
+    }
+  }
+  if (own.empty() || deepest->distance_m > 0.0) return deepest;
+  return facing;
+}
+
+std::optional<SurfaceDepth> ElementGrid::depth_after_way(const Vector3d& end_m, const Vector3d& way_m,
+                                                         std::span<const SurfaceElement> own) const {
+  const double length = way_m.norm();
+  if (length > 0.5 * reach_m_) {
+    const int probes = static_cast<int>(std::min<double>(kMostProbes, std::ceil(length / (0.5 * reach_m_))));
+    for (int k = 0; k < probes; ++k) {
+      const Vector3d rest = (1.0 - static_cast<double>(k) / probes) * way_m;
+      auto found = depth(end_m - rest, own);
+      if (!found || found->distance_m > 0.0 || found->normal.dot(way_m) >= 0.0) continue;
+      found->distance_m += found->normal.dot(rest);
+      return found;
+    }
+  }
+  return depth(end_m, own);
+}
+
+}  // namespace livegs

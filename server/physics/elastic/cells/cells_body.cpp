@@ -1,0 +1,547 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Construction, and what is asked of a body between substeps.
+#include "physics/elastic/cells/cells_body.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "core/log.h"
+#include "physics/elastic/resolution/resolution_request.h"
+#include "physics/lattice/region_load.h"
+
+namespace livegs {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr double kGravity_m_s2 = 9.81;
+constexpr double kLeastShare = 1e-3;  // of the heaviest node near, in the mass of a node
+
+}  // namespace
+
+CellsBody::CellsBody(const ElasticBodyDescription& description, double rate_hz, int substeps, bool may_sleep)
+    : material_(description.material),
+      options_(description.cells),
+      extent_(measure_extent(description.particles)),
+      particle_rest_m_(description.particles.positions_m),
+      particle_volumes_m3_(description.particles.volumes_m3),
+      object_id_(description.object_id),
+      rate_hz_(rate_hz),
+      scene_substeps_(substeps),
+      most_node_substeps_(description.cell_width_m > 0.0 ? std::numeric_limits<double>::infinity() : description.most_node_substeps),
+      whole_node_substeps_(description.whole_node_substeps),
+      world_from_object_{description.world_from_object.position_m, description.world_from_object.orientation.normalized()},
+      orientation_(world_from_object_.orientation),
+      may_rest_(may_sleep),
+      rest_clock_(may_sleep) {
+  for (const double volume : particle_volumes_m3_) volume_m3_ += volume;
+  for (size_t i = 0; i < description.regions.size(); ++i) {
+    const BodyRegion& region = description.regions[i];
+    boundary_moved_ = boundary_moved_ || (region.boundary && region.motion);
+    if (!region.material) continue;
+    region_materials_.push_back(*region.material);
+    region_names_.push_back(region.name.empty() ? "region " + std::to_string(i) : region.name);
+  }
+  set_up_materials();
+  choose(description.cell_width_m);
+  lattice_ = build_lattice(extent_, choice_.cell_width_m, description.regions);
+  neighbours_ = find_node_neighbours(lattice_.node_coordinates);
+  if (const int pieces = piece_count(lattice_), own = description.particles.piece_count; own > 0 && pieces > own) {
+    log_warn("object %u: its cells are in %d pieces and its surface in %d: it comes apart; a smaller spacing_m than %.3g m "
+             "holds it together",
+             object_id_, pieces, own, extent_.spacing_m);
+  }
+  for (const Vector3d& particle : particle_rest_m_) particle_points_.push_back(lattice_.embed(particle));
+
+  nodes_ = CellNodes(lattice_.node_coordinates.size(), lattice_.cell_width_m);
+  inverse_masses_.assign(nodes_.count(), 1.0);
+  hold_regions(description);
+  set_masses();
+  make_surface(description.particles);
+  start_motion(description);
+  load_regions(description);
+  rebuild_cells();
+}
+
+void CellsBody::set_up_materials() {
+  BodyMaterials materials = body_materials(material_, region_materials_, volume_m3_);
+  cell_materials_.materials = std::move(materials.elastic);
+  densities_kg_m3_ = std::move(materials.densities_kg_m3);
+  plasticities_ = std::move(materials.plasticities);
+}
+
+double CellsBody::asked_modulus_pa(size_t material) const {
+  const double own = material_.effective_youngs_modulus_pa();
+  return material == 0 ? own : region_materials_[material - 1].youngs_modulus_pa.value_or(own);
+}
+
+void CellsBody::choose(double cell_width_m) {
+  CellDemand demand =
+      cell_demand(extent_, {cell_materials_.materials, densities_kg_m3_, {}}, boundary_moved_, rate_hz_, scene_substeps_);
+  demand.cell_width_m = cell_width_m;
+  demand.most_node_substeps = most_node_substeps_;
+  choice_ = choose_cells(demand);
+  alone_.reset();
+  if (most_node_substeps_ < whole_node_substeps_) {
+    demand.most_node_substeps = whole_node_substeps_;
+    const CellChoice alone = choose_cells(demand);
+    if (alone.cell_width_m != choice_.cell_width_m || alone.substeps != choice_.substeps) alone_ = alone;
+  }
+  if (!options_.choose) {
+    choice_.substeps = scene_substeps_;
+    choice_.youngs_modulus_pa = demand.youngs_modulus_pa;
+    choice_.clipped = false;
+    choice_.struck_steps = 1;
+    choice_.courant = std::sqrt(demand.youngs_modulus_pa / demand.density_kg_m3) /
+                      (rate_hz_ * scene_substeps_ * choice_.cell_width_m);
+  }
+  if (!choice_.clipped) return;
+  const double ceiling = choice_.youngs_modulus_pa / demand.density_kg_m3;
+  for (size_t k = 0; k < densities_kg_m3_.size(); ++k) {
+    IsotropicMaterial& one = cell_materials_.materials[k];
+    one.youngs_modulus_pa = std::min(one.youngs_modulus_pa, ceiling * densities_kg_m3_[k]);
+  }
+}
+
+// A node at the far corner of a nearly empty cell may have a millionth of its neighbours' mass. What they pass to it is
+// then rounding, and it whips about. It gets kLeastShare of the heaviest node it shares a cell with; all are scaled so
+// that the body weighs the same (the sample plant would weigh 0.2 % more).
+void CellsBody::keep_from_nothing() {
+  std::vector<uint32_t> leaders(masses_kg_.size());
+  for (uint32_t i = 0; i < leaders.size(); ++i) leaders[i] = i;
+  for (const LatticeCell& cell : lattice_.cells) {
+    const uint32_t heaviest = *std::max_element(cell.nodes.begin(), cell.nodes.end(), [&](uint32_t a, uint32_t b) {
+      return masses_kg_[a] < masses_kg_[b] || (masses_kg_[a] == masses_kg_[b] && a > b);
+    });
+    for (const uint32_t node : cell.nodes) {
+      if (masses_kg_[heaviest] > masses_kg_[leaders[node]]) leaders[node] = heaviest;
+    }
+  }
+  followers_.clear();
+  double before = 0.0, after = 0.0;
+  const std::vector<double> own_kg = masses_kg_;
+  for (uint32_t i = 0; i < masses_kg_.size(); ++i) {
+    before += own_kg[i];
+    if (own_kg[i] < kLeastShare * own_kg[leaders[i]]) {
+      masses_kg_[i] = kLeastShare * own_kg[leaders[i]];
+      followers_.push_back({i, leaders[i], 1.0 - own_kg[i] / masses_kg_[i], nodes_.velocity_m_s(leaders[i])});
+    }
+    after += masses_kg_[i];
+  }
+  for (double& mass : masses_kg_) mass *= before / after;
+}
+
+void CellsBody::set_masses() {
+  masses_kg_.assign(nodes_.count(), 0.0);
+  for (size_t k = 0; k < lattice_.material_node_volumes_m3.size(); ++k) {
+    for (size_t i = 0; i < masses_kg_.size(); ++i) {
+      masses_kg_[i] += densities_kg_m3_[k] * lattice_.material_node_volumes_m3[k][i];
+    }
+  }
+  keep_from_nothing();
+  mass_kg_ = 0.0;
+  for (size_t i = 0; i < masses_kg_.size(); ++i) {
+    mass_kg_ += masses_kg_[i];
+    inverse_masses_[i] = inverse_masses_[i] > 0.0 ? 1.0 / masses_kg_[i] : 0.0;
+    nodes_.set_mass(i, masses_kg_[i], inverse_masses_[i]);
+  }
+}
+
+// After masses, held nodes or what has flowed change. The sweep's rotations are kept.
+void CellsBody::rebuild_cells() {
+  std::vector<Quaterniond> rotations(lattice_.cells.size(), orientation_ * extent_.object_from_lattice);
+  if (!batches_.places.empty()) {
+    for (size_t i = 0; i < rotations.size(); ++i) {
+      if (batches_.places[i].kind != CellPlace::Kind::Held) rotations[i] = batches_.rotation(i);
+    }
+  }
+  surface_mobility_.clear();
+  for (const NodeSample& sample : surface_) surface_mobility_.push_back(static_cast<float>(mobility(sample)));
+  predict_accuracy();
+  batches_ = make_cell_batches(lattice_, inverse_masses_, rotations, nodes_.spare(),
+                               plastic_parts_.empty(), options_.thin);
+  own_gains_ = struck_gains_ = company_gains_ = {};
+  last_step_s_ = 0.0;
+  if (!plastic_parts_.empty()) set_all_plastic();
+}
+
+// For second-order steps, which motion that is not yet at rest takes. Where the stiffness is clipped, what is simulated is as
+// exact as its own band says; against what was asked for it is the ratio of the two.
+void CellsBody::predict_accuracy() {
+  const double step_s = (options_.second_order ? 2.0 / 3.0 : 1.0) / (rate_hz_ * choice_.substeps);
+  const Vector3d cells = (extent_.max_m - extent_.min_m) / lattice_.cell_width_m;
+  bands_.clear();
+  thin_part_ = thin_part(lattice_, extent_.loose);
+  for (size_t k = 0; k < densities_kg_m3_.size(); ++k) {
+    const IsotropicMaterial& one = cell_materials_.materials[k];
+    const double courant = std::sqrt(one.youngs_modulus_pa / densities_kg_m3_[k]) * step_s / lattice_.cell_width_m;
+    ModulusBand band = band_of(
+        {.mean_sweep_compliance = mean_sweep_compliance(lattice_, inverse_masses_, one.youngs_modulus_pa, step_s),
+         .poisson_ratio = one.poisson_ratio,
+         .cells_across = cells.minCoeff(),
+         .cells_along = cells.maxCoeff(),
+         .courant = courant,
+         .ceiling_ratio = modulus_ceiling_pa(lattice_, densities_kg_m3_[k], step_s) / one.youngs_modulus_pa});
+    if (thin_part_ > kMostThinPart && band.band != ElasticBand::Unknown) {
+      if (band.band == ElasticBand::Exact) band.band = ElasticBand::Band;
+      band.ratio_low *= kThinBendsFrom;
+      band.ratio_high *= kThinBendsTo;
+      band.ratio_across = std::max(band.ratio_across, band.ratio_high);
+    }
+    const double kept = one.youngs_modulus_pa / asked_modulus_pa(k);
+    band.ratio_low *= kept;
+    band.ratio_high *= kept;
+    band.ratio_across *= kept;
+    bands_.push_back(band);
+  }
+}
+
+// A thin cell's take the inverse of a matrix of 18 x 18, and a body may be alone and in company by turns.
+const SweepGains& CellsBody::gains_of(double h, bool second_order) {
+  const auto alike = [&](double other_s) { return std::abs(h - other_s) <= 1e-9 * h; };
+  const double own_s = 1.0 / (rate_hz_ * choice_.substeps);
+  StepGains& gains = alike(own_s) ? own_gains_ : alike(own_s / choice_.struck_steps) ? struck_gains_ : company_gains_;
+  if (!alike(gains.step_s)) gains = {h, {}};
+  std::optional<SweepGains>& found = gains.of_order[second_order];
+  if (!found) {
+    found = make_sweep_gains(lattice_, batches_, inverse_masses_, cell_materials_, options_.compensate,
+                             second_order ? 2.0 * h / 3.0 : h);
+  }
+  return *found;
+}
+
+void CellsBody::make_surface(const ParticleSet& particles) {
+  struct Point {
+    EmbeddedPoint at;
+    const std::vector<Vector3d>* normals;
+  };
+  std::vector<Point> points;
+  const std::vector<SurfacePoint> sampled = surface_points(particles);
+  for (const SurfacePoint& point : sampled) points.push_back({lattice_.embed(point.rest_m), &point.normals});
+  std::stable_sort(points.begin(), points.end(), [](const Point& a, const Point& b) { return a.at.cell < b.at.cell; });
+  for (uint32_t i = 0; i < points.size(); ++i) {
+    surface_.push_back(sample_at(points[i].at));
+    surface_local_.push_back(points[i].at.local.cast<float>());
+    face_begins_.push_back(static_cast<uint32_t>(face_normals_.size()));
+    for (const Vector3d& normal : *points[i].normals) {
+      face_normals_.push_back((extent_.object_from_lattice.conjugate() * normal).cast<float>());
+    }
+    if (i == 0 || points[i].at.cell != points[i - 1].at.cell) {
+      surface_cells_.push_back({lattice_.cells[points[i].at.cell].nodes, i, i, {}});
+    }
+    surface_cells_.back().end = i + 1;
+    surface_cells_.back().points.extend(surface_local_.back());
+  }
+  face_begins_.push_back(static_cast<uint32_t>(face_normals_.size()));
+}
+
+// Of nodes, from those of particles: the best field that is linear in the place as it is, so that a body that turns, stretches
+// or shears starts as told; what is left over, as means by the share of mass.
+std::vector<Vector3d> CellsBody::node_velocities(std::span<const Vector3d> velocities_m_s, const Vector3d& rest_centre_m,
+                                                 const Matrix3d& world_from_rest) const {
+  const auto arm = [&](const Vector3d& rest_m) -> Vector3d { return world_from_rest * (rest_m - rest_centre_m); };
+  double volume_m3 = 0.0;
+  Vector3d middle = Vector3d::Zero(), mean = Vector3d::Zero();
+  for (size_t p = 0; p < velocities_m_s.size(); ++p) {
+    volume_m3 += particle_volumes_m3_[p];
+    middle += particle_volumes_m3_[p] * arm(particle_rest_m_[p]);
+    mean += particle_volumes_m3_[p] * velocities_m_s[p];
+  }
+  middle /= volume_m3;
+  mean /= volume_m3;
+  Matrix3d spread = Matrix3d::Zero(), moved = Matrix3d::Zero();
+  for (size_t p = 0; p < velocities_m_s.size(); ++p) {
+    const Vector3d r = arm(particle_rest_m_[p]) - middle;
+    spread += particle_volumes_m3_[p] * r * r.transpose();
+    moved += particle_volumes_m3_[p] * (velocities_m_s[p] - mean) * r.transpose();
+  }
+  const Matrix3d gradient = spread.completeOrthogonalDecomposition().solve(moved.transpose()).transpose();
+  const auto linear = [&](const Vector3d& r) -> Vector3d { return mean + gradient * (r - middle); };
+
+  std::vector<Vector3d> velocities(nodes_.count(), Vector3d::Zero());
+  std::vector<double> shares(nodes_.count(), 0.0);
+  for (size_t p = 0; p < velocities_m_s.size(); ++p) {
+    const NodeSample sample = sample_at(particle_points_[p]);
+    const Vector3d left = velocities_m_s[p] - linear(arm(particle_rest_m_[p]));
+    for (int c = 0; c < 8; ++c) {
+      const double share = particle_volumes_m3_[p] * std::max(0.0f, sample.weights[c]);
+      velocities[sample.nodes[c]] += share * left;
+      shares[sample.nodes[c]] += share;
+    }
+  }
+  for (size_t i = 0; i < velocities.size(); ++i) {
+    if (shares[i] > 0.0) velocities[i] /= shares[i];
+    velocities[i] += linear(arm(lattice_.node_position_m(i)));
+  }
+  return velocities;
+}
+
+void CellsBody::start_motion(const ElasticBodyDescription& description) {
+  const size_t count = nodes_.count();
+  std::vector<Vector3d> velocities(count, Vector3d::Zero()), positions(count);
+
+  std::mt19937_64 random(description.cells.scramble);
+  const auto anywhere = [&] { return 2.0 * static_cast<double>(random() >> 11) * 0x1p-53 - 1.0; };
+  Vector3d rest_centre = Vector3d::Zero();
+  for (size_t i = 0; i < count; ++i) rest_centre += masses_kg_[i] / mass_kg_ * lattice_.node_position_m(i);
+  origin_m_ = world_from_object_ * rest_centre;
+  const Matrix3d world_from_rest = orientation_.toRotationMatrix() * description.initial_deformation;
+  if (!description.particle_velocities_m_s.empty()) {
+    velocities = node_velocities(description.particle_velocities_m_s, rest_centre, world_from_rest);
+  }
+  for (size_t i = 0; i < count; ++i) {
+    const Vector3d r = lattice_.node_position_m(i) - rest_centre;
+    positions[i] = orientation_ * (description.initial_deformation * r);
+    velocities[i] += description.velocity_m_s + description.angular_velocity_rad_s.cross(positions[i]);
+    if (description.cells.scramble > 0) {
+      const Vector3d far(anywhere(), anywhere(), anywhere());
+      positions[i] = orientation_ * (extent_.object_from_lattice * far.cwiseProduct(extent_.max_m - extent_.min_m));
+    }
+    if (inverse_masses_[i] == 0.0) {
+      positions[i] = orientation_ * r;
+      velocities[i].setZero();
+    }
+    nodes_.set_motion(i, positions[i], velocities[i]);
+  }
+  motion_ = mass_motion(positions, velocities, masses_kg_);
+  momentum_before_ = motion_.momentum;
+  angular_before_ = motion_.angular_momentum;
+  whole_ = {centre_m(), orientation_};
+  for (const Vector3d& position : positions) reach_m_ = std::max(reach_m_, (position - motion_.centre_m).norm());
+}
+
+void CellsBody::may_take(double node_substeps) {
+  if (std::isfinite(most_node_substeps_)) most_node_substeps_ = node_substeps;
+}
+
+void CellsBody::set_material(const Material& material) {
+  become_elastic();
+  material_ = material;
+  set_up_materials();
+  choose(choice_.cell_width_m);
+  const double before = mass_kg_;
+  set_masses();
+  // The velocities stay, so momentum follows the mass.
+  if (mass_kg_ != before) restart_motion();
+  rebuild_cells();
+  wake();
+}
+
+void CellsBody::restart_motion() {
+  std::vector<Vector3d> positions(nodes_.count()), velocities(nodes_.count());
+  for (size_t i = 0; i < nodes_.count(); ++i) {
+    positions[i] = nodes_.position_m(i);
+    velocities[i] = nodes_.velocity_m_s(i);
+    nodes_.set_motion(i, positions[i], velocities[i]);
+  }
+  motion_ = mass_motion(positions, velocities, masses_kg_);
+  momentum_before_ = motion_.momentum;
+  angular_before_ = motion_.angular_momentum;
+  owed_velocity_.setZero();
+  owed_spin_.setZero();
+  contact_lag_m_.setZero();
+  late_impulse_.setZero();
+  candidate_margin_m_ = touch_margin_m_ = 0.0;
+  first_step_ = true;
+}
+
+void CellsBody::wake() {
+  become_elastic();
+  rest_clock_.wake();
+  stayed_s_ = 0.0;
+}
+
+// Hysteretic damping loses 2 pi eta of a vibration's energy a cycle; a rate of eta omega does the same at one
+// frequency, and it is matched at the lowest: the axial or bending mode of a beam of the body's longest side and
+// smallest thickness, free at both ends or clamped at one.
+double CellsBody::damping_rate() const { return material_.loss_factor * lowest_rate_rad_s(); }
+
+double CellsBody::lowest_rate_rad_s() const {
+  const Vector3d size = extent_.max_m - extent_.min_m;
+  const double length = size.maxCoeff(), thickness = size.minCoeff();
+  const double wave_m_s = std::sqrt(cell_materials_.materials[0].youngs_modulus_pa / densities_kg_m3_[0]);
+  const double axial = (free() ? M_PI : M_PI_2) / length;
+  const double bending = (free() ? 22.37 : 3.516) / std::sqrt(12.0) * thickness / (length * length);
+  return wave_m_s * std::min(axial, bending);
+}
+
+RestBody CellsBody::rest_body() const {
+  RestBody rest;
+  rest.kind = DriverKind::Lattice;
+  rest.object_from_lattice = lattice_.object_from_lattice;
+  rest.cell_width_m = lattice_.cell_width_m;
+  rest.node_coordinates = lattice_.node_coordinates;
+  for (const LatticeCell& cell : lattice_.cells) {
+    rest.cells.push_back(cell.nodes);
+    if (lattice_.has_virtual_cells) rest.cell_fills.push_back(cell.fill);
+  }
+  return rest;
+}
+
+void CellsBody::write_drivers(ObjectDrivers& drivers) const {
+  drivers.object_id = object_id_;
+  drivers.kind = DriverKind::Lattice;
+  drivers.asleep = asleep();
+  drivers.neighbours = neighbours_;
+  drivers.poses.clear();
+  drivers.rotations.clear();
+  drivers.positions_m.resize(nodes_.count());
+  for (size_t i = 0; i < nodes_.count(); ++i) {
+    drivers.positions_m[i] = (origin_m_ + nodes_.position_m(i)).cast<float>();
+  }
+}
+
+Pose CellsBody::centre_pose() const {
+  Matrix3d match = Matrix3d::Zero();
+  Vector3d rest_centre = Vector3d::Zero();
+  for (size_t i = 0; i < masses_kg_.size(); ++i) rest_centre += masses_kg_[i] * lattice_.node_position_m(i);
+  rest_centre /= mass_kg_;
+  for (size_t i = 0; i < masses_kg_.size(); ++i) {
+    match += masses_kg_[i] * (nodes_.position_m(i) - motion_.centre_m) *
+             (lattice_.node_position_m(i) - rest_centre).transpose();
+  }
+  return {origin_m_ + motion_.centre_m, extract_rotation(match, orientation_)};
+}
+
+Vector3d CellsBody::velocity_m_s() const { return motion_.velocity_m_s(); }
+Vector3d CellsBody::angular_velocity_rad_s() const { return motion_.angular_velocity_rad_s(); }
+
+std::vector<ParticleState> CellsBody::particles() const {
+  std::vector<ParticleState> states(particle_points_.size());
+  const Matrix3d lattice_from_object = extent_.object_from_lattice.conjugate().toRotationMatrix();
+  for (size_t p = 0; p < states.size(); ++p) {
+    const NodeSample sample = sample_at(particle_points_[p]);
+    const auto gradients = trilinear_gradients(particle_points_[p].local, lattice_.cell_width_m);
+    const LatticeCell& cell = lattice_.cells[particle_points_[p].cell];
+    double density = 0.0;
+    for (const MaterialShare& share : cell.materials) density += share.part * densities_kg_m3_[share.material];
+    states[p].position_m = origin_m_ + nodes_.position_m(sample);
+    states[p].velocity_m_s = velocity_of(sample);
+    states[p].mass_kg = density * particle_volumes_m3_[p];
+    Matrix3d f = Matrix3d::Zero();
+    for (int c = 0; c < 8; ++c) f += nodes_.position_m(sample.nodes[c]) * gradients[c].transpose();
+    states[p].deformation_gradient = f * lattice_from_object;
+  }
+  return states;
+}
+
+double CellsBody::elastic_j() const {
+  double sum = 0.0;
+  for (size_t i = 0; i < lattice_.cells.size(); ++i) sum += energy_of(i, shape_of(i));
+  return sum;
+}
+
+BodyEnergy CellsBody::energy(const Vector3d& gravity_m_s2) const {
+  BodyEnergy energy;
+  for (size_t i = 0; i < masses_kg_.size(); ++i) {
+    const double mass = masses_kg_[i];
+    const Vector3d position = origin_m_ + nodes_.position_m(i), velocity = node_velocity(i);
+    energy.kinetic_j += 0.5 * mass * velocity.squaredNorm();
+    energy.gravity_j -= mass * gravity_m_s2.dot(position);
+    energy.linear_momentum += mass * velocity;
+    energy.angular_momentum += mass * position.cross(velocity);
+  }
+  energy.elastic_j = elastic_j();
+  energy.plastic_work_j = plastic_work_j_;
+  return energy;
+}
+
+Eigen::AlignedBox3d CellsBody::bounds_m() const {
+  if (frozen()) {  // its nodes are where it froze
+    const Vector3d around = Vector3d::Constant(reach_m_);
+    return {centre_m() - around, centre_m() + around};
+  }
+  Eigen::AlignedBox3d box;
+  for (uint32_t i = 0; i < nodes_.count(); ++i) box.extend(nodes_.position_m(i));
+  return box.translate(origin_m_);
+}
+
+ElasticAccuracy CellsBody::accuracy() const {
+  ElasticAccuracy accuracy;
+  accuracy.cell_width_m = choice_.cell_width_m;
+  accuracy.substeps = choice_.substeps;
+  accuracy.courant = choice_.courant;
+  const auto tell = [&](size_t k, MaterialAccuracy& of_material) {
+    of_material.youngs_modulus_pa = asked_modulus_pa(k);
+    of_material.reached_youngs_modulus_pa = cell_materials_.materials[k].youngs_modulus_pa;
+    of_material.clipped = of_material.reached_youngs_modulus_pa < of_material.youngs_modulus_pa;
+    of_material.band = of_material.clipped ? ElasticBand::Clipped : bands_[k].band;
+    of_material.modulus_ratio_low = bands_[k].ratio_low;
+    of_material.modulus_ratio_high = bands_[k].ratio_high;
+    of_material.modulus_ratio_across = bands_[k].ratio_across;
+  };
+  tell(0, accuracy);
+  for (size_t k = 1; k < bands_.size(); ++k) {
+    accuracy.regions.push_back({{}, region_names_[k - 1]});
+    tell(k, accuracy.regions.back());
+  }
+  accuracy.put_back = put_back_;
+  accuracy.node_substeps = choice_.node_substeps;
+  if (alone_) {
+    accuracy.alone_cell_width_m = alone_->cell_width_m;
+    accuracy.alone_reached_pa = alone_->youngs_modulus_pa;
+  }
+  accuracy.over_budget = choice_.over_budget;
+  accuracy.sag = densities_kg_m3_[0] * kGravity_m_s2 * (extent_.max_m - extent_.min_m).minCoeff() /
+                 cell_materials_.materials[0].youngs_modulus_pa;
+  accuracy.thin_part = thin_part_;
+  accuracy.nodes = nodes_.count();
+  accuracy.cells = lattice_.cells.size();
+  accuracy.particles = particle_points_.size();
+  accuracy.bytes = nodes_.bytes() + batches_.bytes() + surface_.capacity() * (sizeof(NodeSample) + sizeof(Eigen::Vector3f)) +
+                   face_normals_.capacity() * sizeof(Eigen::Vector3f) +
+                   surface_cells_.capacity() * sizeof(SurfaceCell);
+  for (const StepGains* gains : {&own_gains_, &struck_gains_, &company_gains_}) {
+    for (const auto& of_order : gains->of_order) accuracy.bytes += of_order ? of_order->bytes() : 0;
+  }
+  return accuracy;
+}
+
+Vector3d CellsBody::world_point(const Vector3d& rest_point_m) const {
+  return origin_m_ + nodes_.position_m(sample_at(lattice_.embed(rest_point_m)));
+}
+
+Vector3d CellsBody::point_velocity_m_s(const Vector3d& rest_point_m) const {
+  return velocity_of(sample_at(lattice_.embed(rest_point_m)));
+}
+
+std::optional<ElasticBody::RayHit> CellsBody::ray_cast(const Vector3d& origin_m, const Vector3d& direction) const {
+  const double within = 0.75 * extent_.box_edge_m;  // voxels seen edge-on leave no gap
+  std::optional<RayHit> hit;
+  for (size_t p = 0; p < particle_points_.size(); ++p) {
+    const Vector3d to = origin_m_ + nodes_.position_m(sample_at(particle_points_[p])) - origin_m;
+    const double along = to.dot(direction);
+    if (along < 0.0 || (hit && along >= hit->distance_m)) continue;
+    if ((to - along * direction).squaredNorm() > within * within) continue;
+    hit = RayHit{along, particle_rest_m_[p]};
+  }
+  return hit;
+}
+
+NodeSample CellsBody::sample_at(const EmbeddedPoint& point) const {
+  const std::array<double, 8> weights = trilinear_weights(point.local);
+  NodeSample sample;
+  for (int c = 0; c < 8; ++c) {
+    sample.nodes[c] = lattice_.cells[point.cell].nodes[c];
+    sample.weights[c] = static_cast<float>(weights[c]);
+  }
+  return sample;
+}
+
+Vector3d CellsBody::node_velocity(size_t node) const {
+  if (inverse_masses_[node] == 0.0) return nodes_.velocity_m_s(node);
+  return nodes_.velocity_m_s(node) + owed_velocity_ + owed_spin_.cross(nodes_.position_m(node) - motion_.centre_m);
+}
+
+Vector3d CellsBody::velocity_of(const NodeSample& sample) const {
+  Vector3d sum = Vector3d::Zero();
+  for (int c = 0; c < 8; ++c) sum += sample.weights[c] * node_velocity(sample.nodes[c]);
+  return sum;
+}
+
+}  // namespace livegs

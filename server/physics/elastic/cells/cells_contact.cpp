@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Contact of the body's surface points with colliders, after the elastic sweep: one Gauss-Seidel pass,
+// forwards and backwards in turn, because a fixed order pulls a body sideways.
+#include <algorithm>
+#include <cmath>
+
+#include "physics/elastic/cells/cells_body.h"
+#include "physics/elastic/contact_constraints.h"
+
+namespace livegs {
+namespace {
+
+using Eigen::Vector3d;
+
+// Candidates are found with room for the body to move this part of a cell at least.
+constexpr double kCandidateRoom = 0.5;
+// A point of a held body has this part of its mobility at least, or none: what is left of it on free nodes would send
+// those ten times as far as the point goes, or, where it is rounding, anywhere.
+constexpr double kLeastMobile = 1e-2;
+
+}  // namespace
+
+// That holds the cell's points, where the nodes were at the start of the step.
+CellsBody::Ball CellsBody::ball_around(const SurfaceCell& cell) const {
+  const std::array<NodeLanes, 8> corners = nodes_.corners_m(cell.nodes, cell.points, false);
+  NodeLanes centre = corners[0];
+  for (int k = 1; k < 8; ++k) centre += corners[k];
+  centre *= 0.125f;
+  float squared = 0.0f;
+  for (const NodeLanes corner : corners) {
+    const NodeLanes arm = corner - centre;
+    squared = std::max(squared, arm[0] * arm[0] + arm[1] * arm[1] + arm[2] * arm[2]);
+  }
+  return {{centre[0], centre[1], centre[2]}, std::sqrt(squared)};
+}
+
+// Which surface cells may meet which colliders before a node has moved by the margin.
+void CellsBody::find_candidates(const SubstepContext& context) {
+  const double speed = motion_.velocity_m_s().norm() + reach_m_ * spin_rad_s_ + 4.0 * deviation_m_s_ +
+                       context.gravity_m_s2.norm() / rate_hz_;
+  const double margin = std::max(kCandidateRoom * lattice_.cell_width_m, speed / rate_hz_);
+  candidate_margin_m_ = margin;
+  candidate_colliders_ = context.colliders.size();
+  candidates_.clear();
+  std::vector<uint32_t> near;
+  for (uint32_t k = 0; k < context.colliders.size(); ++k) {
+    if (reaches(context.colliders[k], origin_m_ + motion_.centre_m, 1.5 * reach_m_ + extent_.box_edge_m + margin)) {
+      near.push_back(k);
+    }
+  }
+  if (near.empty()) return;
+  for (uint32_t i = 0; i < surface_cells_.size(); ++i) {
+    const Ball ball = ball_around(surface_cells_[i]);
+    for (const uint32_t k : near) {
+      if (reaches(context.colliders[k], origin_m_ + ball.centre_m, ball.radius_m + margin)) candidates_.push_back({i, k});
+    }
+  }
+}
+
+void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) {
+  // How far a node may have gone in this step, and a corner of the cell with it; deviations are several times their mean.
+  candidate_margin_m_ -= 1.5 * step_s * (motion_.velocity_m_s().norm() + reach_m_ * spin_rad_s_ + 4.0 * deviation_m_s_);
+  if (candidate_margin_m_ <= 0.0 || candidate_colliders_ != context.colliders.size()) find_candidates(context);
+
+  if (candidates_.empty()) return;
+  if (sides_.empty()) sides_.assign(surface_.size(), Side{});
+  const size_t first_touch = touches_.size();
+  const std::vector<ColliderProbe> probes(context.colliders.begin(), context.colliders.end());
+  const auto resolve = [&](const ColliderProbe& collider, uint32_t collider_index, double friction, uint32_t i) {
+    const NodeSample& sample = surface_[i];
+    Side& side = sides_[i];
+    const Vector3d point = nodes_.corrected_m(sample), from = nodes_.position_m(sample);
+    const bool met = side.collider == collider_index;
+    const Vector3d last = met ? side.normal.cast<double>().eval() : Vector3d::Zero().eval();
+    const SurfaceSample surface = surface_after_way(collider, origin_m_ + from, origin_m_ + point, last);
+    if (surface.distance_m >= 0.0) {
+      if (met) side = {};
+      return;
+    }
+    side = {collider_index, surface.normal.cast<float>()};
+    touching_ = true;
+    // What was inside already comes out no faster than the push speed.
+    const Vector3d moved = point - from;
+    const double gap_before = surface.distance_m - surface.normal.dot(moved);
+    const double depth = std::min(0.0, gap_before + kContactPushSpeed_m_s * step_s) - surface.distance_m;
+    const double w = surface_mobility_[i];
+    if (depth <= 0.0 || w <= 0.0) return;
+    const Vector3d pull_kg_m = contact_correction(surface.normal, depth, moved, friction) / w;
+    take_contact(i, point, pull_kg_m, step_s);
+    const double size = pull_kg_m.norm() / step_s;
+    count_contact(origin_m_ + point, size);
+  };
+  for (size_t n = 0; n < candidates_.size(); ++n) {
+    const Candidate& candidate = candidates_[backward_ ? candidates_.size() - 1 - n : n];
+    const SurfaceCell& cell = surface_cells_[candidate.cell];
+    const ColliderProbe& collider = probes[candidate.collider];
+    const double friction = mixed_friction(material_.friction, collider.collider().friction);
+    const uint32_t count = cell.end - cell.begin;
+    for (uint32_t i = 0; i < count; ++i) {
+      resolve(collider, candidate.collider, friction, backward_ ? cell.end - 1 - i : cell.begin + i);
+    }
+  }
+  resist_rolling(first_touch, step_s);
+}
+
+double CellsBody::mobility(const NodeSample& sample) const {
+  double sum = 0.0, unheld = 0.0;
+  for (int c = 0; c < 8; ++c) sum += sample.weights[c] * sample.weights[c] * inverse_masses_[sample.nodes[c]];
+  if (free()) return sum;
+  for (int c = 0; c < 8; ++c) unheld += sample.weights[c] * sample.weights[c] / masses_kg_[sample.nodes[c]];
+  return sum > kLeastMobile * unheld ? sum : 0.0;
+}
+
+void CellsBody::take_contact(uint32_t sample, const Vector3d& point_m, const Vector3d& pull_kg_m, double step_s) {
+  const Vector3d impulse = pull_kg_m / step_s;
+  nodes_.pull(surface_[sample], pull_kg_m);
+  contact_impulse_ += impulse;
+  contact_moment_ += point_m.cross(impulse);
+  touches_.push_back({sample, impulse});
+}
+
+}  // namespace livegs

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is strained beyond the law that the sweep was made for may gain energy: a limp sheet that spins faster than its waves
+// run, rubber of nu 0.49 that lands, leaves that a hand wrings. The body as a whole can tell: its energy never rises by more than
+// hands and bodies that move gave it, force times way; things that do not move give nothing. What it rose by is taken out of the
+// motion of its nodes against the body as a whole, which changes neither momentum nor angular momentum. Looked at once a frame,
+// and only while a cell is badly strained: about half a substep, eight cells at a time.
+#include <algorithm>
+#include <cmath>
+
+#include "physics/elastic/cells/cells_body.h"
+
+namespace livegs {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kStrainedSquared = 0.25;  // |S - I|² of the worst cell, with bending
+// Of the energy that is not of its flight. What is pressed or held reads more for a while than it has.
+constexpr double kMostGainFree = 0.003, kMostGainTouching = 0.3;
+// Beyond it (steps that a study gives, none that a body chooses) it shows next to nothing of its modulus, and its energy, which
+// is reckoned with all of it, says nothing.
+constexpr double kMostCourant = 1.0;
+// Of E V, strain of the order of a hundred everywhere, and of what it gets by falling through its own length or by stopping.
+constexpr double kLost = 1e5, kLostOfFall = 1e3;
+
+// What a cell stores by (cell_energy), as put(shear, lambda, modes).
+template <class Put>
+void tell_moduli(const LatticeCell& cell, double width_m, const IsotropicMaterial& material, const Put& put) {
+  put(static_cast<float>(cell.volume_m3 * material.shear_modulus_pa()),
+      static_cast<float>(cell.volume_m3 * material.lame_lambda_pa()), mode_stiffness(cell, width_m, material));
+}
+
+}  // namespace
+
+double CellsBody::rough_elastic_j() const {
+  // None is full where something flows, and cut ones then have strains of their own.
+  std::vector<CutModuli> cut(plastic_parts_.empty() ? batches_.cut.size() : 0, CutModuli{});
+  double sum = 0.0;
+  size_t a_full_one = lattice_.cells.size();
+  for (size_t i = 0; i < lattice_.cells.size(); ++i) {
+    const CellPlace& at = batches_.places[i];
+    const LatticeCell& cell = lattice_.cells[i];
+    if (at.kind == CellPlace::Kind::Full) {
+      a_full_one = i;
+    } else if (at.kind == CellPlace::Kind::Cut && !cut.empty()) {
+      tell_moduli(cell, lattice_.cell_width_m, cell_materials_.of(cell), [&](float shear_j, float lambda_j, const auto& modes) {
+        CutModuli& eight = cut[at.index];
+        eight.shear_j[at.lane] = shear_j;
+        eight.lambda_j[at.lane] = lambda_j;
+        for (int j = 0; j < kModeCount; ++j) {
+          for (int d = 0; d < 3; ++d) eight.mode_n_m[j][d][at.lane] = static_cast<float>(modes[j][d]);
+        }
+      });
+    } else {
+      sum += energy_of(i, shape_of(i));
+    }
+  }
+  const float inverse_four_widths = static_cast<float>(0.25 / lattice_.cell_width_m);
+  for (size_t k = 0; k < cut.size(); ++k) {
+    sum += cut_cell_energy(batches_.cut[k], nodes_.positions(), cut[k], inverse_four_widths);
+  }
+  if (a_full_one == lattice_.cells.size()) return sum;
+  FullModuli full;
+  const LatticeCell& cell = lattice_.cells[a_full_one];
+  tell_moduli(cell, lattice_.cell_width_m, cell_materials_.of(cell), [&](float shear_j, float lambda_j, const auto& modes) {
+    full.shear_j = shear_j;
+    full.lambda_j = lambda_j;
+    for (int j = 0; j < kModeCount; ++j) {
+      for (int d = 0; d < 3; ++d) full.mode_n_m[j][d] = static_cast<float>(modes[j][d]);
+    }
+  });
+  const FullCells* cells = batches_.full.data();
+  return sum + full_cell_energy(cells, cells + batches_.full.size(), nodes_.positions(), full, inverse_four_widths);
+}
+
+// Once a frame, before what else changes it between frames. False: it is lost.
+bool CellsBody::bound_energy() {
+  const bool touched = std::exchange(touched_, touching_) || touching_;
+  const double work_j = std::exchange(work_j_, 0.0);
+  const bool unknown = driven_ || moved_ || untangling_ || comes_off() || !region_loads_.empty();
+  if (choice_.courant > kMostCourant || std::max(strain_squared_, bent_squared_) < kStrainedSquared) {
+    bound_j_.reset();
+    return true;
+  }
+  const double stored_j = rough_elastic_j(), flight_j = free() ? 0.5 * motion_.momentum.squaredNorm() / mass_kg_ : 0.0;
+  const double inner_j = std::max(0.0, kinetic_j_ - flight_j) + stored_j;
+  const double fall_j = mass_kg_ * gravity_m_s2_ * reach_m_ + flight_j;
+  if (inner_j > kLost * cell_materials_.materials[0].youngs_modulus_pa * volume_m3_ + kLostOfFall * fall_j) return false;
+  const double energy_j = kinetic_j_ + stored_j - mass_kg_ * gravity_.dot(centre_m());
+  const double bound_j = bound_j_ && !unknown ? std::min(*bound_j_ + work_j, energy_j) : energy_j;
+  bound_j_ = bound_j;
+  const double gained_j = energy_j - bound_j;
+  if (gained_j <= (touched || forced_ ? kMostGainTouching : kMostGainFree) * inner_j) return true;
+
+  const Vector3d velocity = free() ? motion_.velocity_m_s() : Vector3d::Zero();
+  const Vector3d spin = free() ? motion_.angular_velocity_rad_s() : Vector3d::Zero();
+  std::vector<Vector3d> beside(nodes_.count());
+  double beside_j = 0.0;
+  for (size_t i = 0; i < beside.size(); ++i) {
+    if (inverse_masses_[i] == 0.0) continue;
+    beside[i] = nodes_.velocity_m_s(i) - velocity - spin.cross(nodes_.position_m(i) - motion_.centre_m);
+    beside_j += 0.5 * masses_kg_[i] * beside[i].squaredNorm();
+  }
+  if (!(beside_j > 0.0)) return true;
+  const double taken = 1.0 - std::sqrt(1.0 - std::min(1.0, gained_j / beside_j));
+  for (size_t i = 0; i < beside.size(); ++i) {
+    if (inverse_masses_[i] != 0.0) nodes_.change_velocities(i, -taken * beside[i]);
+  }
+  return true;
+}
+
+}  // namespace livegs

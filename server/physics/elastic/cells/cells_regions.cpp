@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Regions that are fixed, moved or loaded. Nodes of cells that lie wholly in a held region are held themselves; where
+// a region ends inside a cell, its particles are held one by one after the sweep, which is softer
+// (elastic-study.md 5): hence lattice planes are snapped to regions where that can be.
+#include <algorithm>
+#include <cmath>
+
+#include "core/log.h"
+#include "physics/elastic/cells/cells_body.h"
+#include "physics/lattice/region_load.h"
+
+namespace livegs {
+namespace {
+
+using Eigen::Vector3d;
+
+// A particle with less than this of its weight on free nodes is held well enough by the others: holding it by itself
+// would hold those free nodes, a whole cell away from where the region ends.
+constexpr double kFreeShare = 0.5;
+
+bool holds(const BodyRegion& region) { return region.fixed || region.motion.has_value(); }
+
+}  // namespace
+
+// Whether all the material of a cell may lie in the region, by the cell cut to the body's bounds.
+bool CellsBody::in_region(const LatticeCell& cell, const BodyRegion& region) const {
+  const double margin = 1e-3 * lattice_.cell_width_m;
+  const Vector3d low_m = lattice_.object_from_lattice.position_m, width = Vector3d::Constant(lattice_.cell_width_m);
+  const Vector3d low = extent_.object_from_lattice.conjugate() * low_m +
+                       lattice_.cell_width_m * cell.coordinates.cast<double>();
+  const Vector3d from = low.cwiseMax(extent_.min_m), to = (low + width).cwiseMin(extent_.max_m);
+  for (int c = 0; c < 8; ++c) {
+    const Vector3d corner(c & 1 ? to.x() : from.x(), c & 2 ? to.y() : from.y(), c & 4 ? to.z() : from.z());
+    if (!region.contains(extent_.object_from_lattice * corner, margin)) return false;
+  }
+  return true;
+}
+
+void CellsBody::hold_regions(const ElasticBodyDescription& description) {
+  std::vector<bool> taken(lattice_.node_coordinates.size(), false);
+  const std::vector<uint8_t> cells_around = cells_around_nodes(lattice_);
+  for (const BodyRegion& region : description.regions) {
+    if (!holds(region)) continue;
+    HeldRegion held;
+    held.region = region;
+    const auto take = [&](uint32_t node) {
+      if (taken[node]) return;
+      taken[node] = true;
+      inverse_masses_[node] = 0.0;
+      held.nodes.push_back(node);
+      held.node_rest_m.push_back(lattice_.node_position_m(node));
+    };
+    if (region.boundary) {
+      // All that is outside, and of a cell that is not full all nodes: those within would else meet a free surface.
+      for (uint32_t node = 0; node < taken.size(); ++node) {
+        if (cells_around[node] < 8) take(node);
+      }
+      const double full_m3 = std::pow(lattice_.cell_width_m, 3);
+      for (const LatticeCell& cell : lattice_.cells) {
+        const bool outer = std::any_of(cell.nodes.begin(), cell.nodes.end(),
+                                       [&](uint32_t node) { return cells_around[node] < 8; });
+        if (!outer || cell.volume_m3 > (1.0 - 1e-6) * full_m3) continue;
+        for (const uint32_t node : cell.nodes) take(node);
+      }
+    } else {
+      for (const LatticeCell& cell : lattice_.cells) {
+        if (!(region.fixed ? cell.fixed && in_region(cell, region) : in_region(cell, region))) continue;
+        for (const uint32_t node : cell.nodes) take(node);
+      }
+      for (size_t p = 0; p < particle_rest_m_.size(); ++p) {
+        if (!region.contains(particle_rest_m_[p], 1e-6 * lattice_.cell_width_m)) continue;
+        const NodeSample sample = sample_at(particle_points_[p]);
+        double free_share = 0.0;
+        for (int c = 0; c < 8; ++c) free_share += taken[sample.nodes[c]] ? 0.0 : std::abs(sample.weights[c]);
+        if (free_share < kFreeShare) continue;
+        held.particles.push_back(sample);
+        held.particle_rest_m.push_back(particle_rest_m_[p]);
+      }
+      if (held.nodes.empty()) hold_face(description.particles, held);
+    }
+    if (held.nodes.empty() && held.particles.empty()) {
+      log_warn("object %u: region \"%s\" from (%.3g, %.3g, %.3g) to (%.3g, %.3g, %.3g) m holds no material", object_id_,
+               region.name.c_str(), region.min_m.x(), region.min_m.y(), region.min_m.z(), region.max_m.x(),
+               region.max_m.y(), region.max_m.z());
+      continue;
+    }
+    if (held.nodes.empty() && held.particles.size() < 3) {
+      log_warn("object %u: region \"%s\" holds %zu of its particles and no cell: it turns about them; a wider region or a "
+               "smaller spacing_m than %.3g m holds it as a clamp",
+               object_id_, region.name.c_str(), held.particles.size(), extent_.spacing_m);
+    }
+    held_ = true;
+    moved_ = moved_ || region.motion.has_value();
+    held_regions_.push_back(std::move(held));
+  }
+}
+
+// A grip thinner than a voxel has the corners of the body's surface in it and little else: it is held by its face, as a
+// traction is spread. By that alone: both together are more than the nodes of one layer of cells can follow.
+// Only what goes right across the body is a grip: a line of it is a hinge.
+void CellsBody::hold_face(const ParticleSet& particles, HeldRegion& held) {
+  Eigen::AlignedBox3d body;
+  for (const Vector3d& particle : particle_rest_m_) body.extend(particle);
+  const Vector3d slack = Vector3d::Constant(1e-6 * lattice_.cell_width_m);
+  const auto over = (held.region.min_m - slack).array() <= body.min().array() && (held.region.max_m + slack).array() >= body.max().array();
+  if (over.count() < 2) return;
+  const std::vector<LoadPoint> points = load_points(particles, extent_, lattice_, held.region);
+  if (points.size() <= held.particles.size()) return;
+  held.particles.clear();
+  held.particle_rest_m.clear();
+  for (const LoadPoint& point : points) {
+    const NodeSample sample = sample_at(point.point);
+    Vector3d rest_m = Vector3d::Zero();
+    for (int c = 0; c < 8; ++c) rest_m += sample.weights[c] * lattice_.node_position_m(sample.nodes[c]);
+    held.particles.push_back(sample);
+    held.particle_rest_m.push_back(rest_m);
+  }
+}
+
+void CellsBody::load_regions(const ElasticBodyDescription& description) {
+  for (const BodyRegion& region : description.regions) {
+    if (region.traction_pa.isZero()) continue;
+    const std::vector<LoadPoint> points = load_points(description.particles, extent_, lattice_, region);
+    if (points.empty()) {
+      log_warn("object %u: region \"%s\" has a traction and holds no material", object_id_, region.name.c_str());
+    }
+    for (const LoadPoint& point : points) {
+      region_loads_.push_back({sample_at(point.point), point.area_m2 * region.traction_pa});
+    }
+  }
+}
+
+Vector3d CellsBody::region_target_m(const HeldRegion& held, const Vector3d& rest_m, double time_s) const {
+  const Vector3d point = held.region.motion ? moved_point(*held.region.motion, rest_m, time_s) : rest_m;
+  return world_from_object_ * point - origin_m_;
+}
+
+bool CellsBody::driven(double from_s, double to_s) const {
+  return moved_ && std::any_of(held_regions_.begin(), held_regions_.end(), [&](const HeldRegion& held) {
+           return !held.released && held.region.motion && moves_between(*held.region.motion, from_s, to_s);
+         });
+}
+
+void CellsBody::move_regions(double time_s, double h) {
+  for (const HeldRegion& held : held_regions_) {
+    if (held.released || !held.region.motion) continue;
+    for (size_t i = 0; i < held.nodes.size(); ++i) {
+      const Vector3d target = region_target_m(held, held.node_rest_m[i], time_s);
+      nodes_.predict(held.nodes[i], target, (target - nodes_.position_m(held.nodes[i])) / h);
+    }
+  }
+}
+
+void CellsBody::hold_particles(double time_s) {
+  for (const HeldRegion& held : held_regions_) {
+    if (held.released) continue;
+    for (size_t i = 0; i < held.particles.size(); ++i) {
+      const NodeSample& sample = held.particles[i];
+      const double w = mobility(sample);
+      if (w <= 0.0) continue;
+      nodes_.pull(sample, (region_target_m(held, held.particle_rest_m[i], time_s) - nodes_.corrected_m(sample)) / w);
+    }
+  }
+}
+
+bool CellsBody::release_region(const std::string& name) {
+  bool found = false;
+  held_ = moved_ = false;
+  for (HeldRegion& held : held_regions_) {
+    if (held.region.name == name && !held.released) {
+      found = held.released = true;
+      for (const uint32_t node : held.nodes) inverse_masses_[node] = 1.0;
+    }
+    held_ = held_ || !held.released;
+    moved_ = moved_ || (!held.released && held.region.motion);
+  }
+  if (!found) return false;
+  set_masses();
+  restart_motion();  // the last step was not a free body's
+  rebuild_cells();
+  wake();
+  return true;
+}
+
+}  // namespace livegs

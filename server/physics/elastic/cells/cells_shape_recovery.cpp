@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A body wound twice round an axis is in a true local minimum: every cell is upright and nearly at rest, and nothing a
+// cell can see leads out (elastic-study.md 4). A folded edge may be another. The body as a whole can tell: its best
+// affine fit is far from upright, or it is strained, alone and has come to rest all the same. Of one that lies on something
+// or has flowed only a strain beyond all proportion says so, and what flowed in a tangle is forgotten.
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+#include "physics/elastic/cells/cells_body.h"
+#include "physics/elastic/cells/plate_cell.h"
+
+namespace livegs {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// det A / (|A| / sqrt 3)^3 is 1 for a rotation, 0 for what is flat or wound, negative for what is mirrored.
+constexpr double kTangled = 0.1, kUpright = 0.8;
+constexpr double kPatience_s = 0.5;  // most tangles come apart by themselves
+constexpr double kPull_per_s = 12.0; // of the way to the rigid shape; twice that after each kPatience_s of pulling
+constexpr double kMostDoublings = 10.0;
+constexpr double kMostGain = 1.5;    // of its energy, in a frame of pulling
+constexpr double kStrainedSquared = 0.01;  // |S - I|² of the worst cell
+constexpr double kWildSquared = 1.0;       // of one that touches something or has flowed
+constexpr double kLeastWild = 0.02;        // of its volume: not a loose end of a leaf
+constexpr double kLargestSag = 0.05;       // strain by its own weight
+constexpr double kPressing = 0.01;         // of the force that its strain takes, E eps A: less does not hold it so
+constexpr double kSettled = 0.02;          // kinetic energy of the deviation over elastic energy
+
+double uprightness(const Matrix3d& a) {
+  const double size = a.norm() / std::sqrt(3.0);
+  return size > 0.0 ? a.determinant() / (size * size * size) : 0.0;
+}
+
+Matrix3d nearest_rotation(const Matrix3d& a) {
+  const Eigen::JacobiSVD<Matrix3d> svd(a, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Matrix3d flip = Matrix3d::Identity();
+  flip(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
+  return svd.matrixU() * flip * svd.matrixV().transpose();
+}
+
+}  // namespace
+
+// The part of its volume in cells that are strained by their whole size.
+double CellsBody::wild_part() const {
+  double wild_m3 = 0.0;
+  for (size_t i = 0; i < lattice_.cells.size(); ++i) {
+    if (batches_.places[i].kind == CellPlace::Kind::Held) continue;
+    const CellShape shape = shape_of(i);
+    const Matrix3d stretch = shape.rotation.transpose() * shape.f;
+    const bool flowed = !plastic_parts_.empty();
+    // A fold leaves no strain at the centroid.
+    const double fold = batches_.places[i].kind == CellPlace::Kind::Thin
+                            ? thin_cell_fold(lattice_.cells[i], lattice_.cell_width_m)
+                            : 16.0 / (lattice_.cell_width_m * lattice_.cell_width_m);
+    double squared = (0.5 * (stretch + stretch.transpose()) - (flowed ? plastic_parts_[i] : Matrix3d::Identity())).squaredNorm();
+    for (int j = 0; j < kModeCount; ++j) {
+      const Vector3d bent = flowed ? Vector3d(shape.modes[j] - plastic_modes_[i][j]) : shape.modes[j];
+      squared += fold * bent.squaredNorm();
+    }
+    if (squared > kWildSquared) wild_m3 += lattice_.cells[i].volume_m3;
+  }
+  return wild_m3 / volume_m3_;
+}
+
+// Of its sheets and cords, if it has any.
+double CellsBody::thickness_m() const {
+  double thin_m3 = 0.0, sum = 0.0;
+  for (const LatticeCell& cell : lattice_.cells) {
+    if (!cell.thin) continue;
+    thin_m3 += cell.volume_m3;
+    sum += cell.volume_m3 * std::sqrt(12.0 * cell.thin->variance_m2.minCoeff());
+  }
+  return thin_m3 > 0.0 ? sum / thin_m3 : (extent_.max_m - extent_.min_m).minCoeff();
+}
+
+void CellsBody::untangle(double frame_s) {
+  if (!tangled_) return;
+  // Not while something presses it, or it sags under its own weight: then being strained is right.
+  const double youngs_modulus_pa = cell_materials_.materials[0].youngs_modulus_pa, weight_n = mass_kg_ * gravity_m_s2_;
+  const double length_m = (extent_.max_m - extent_.min_m).norm();
+  const double sag = densities_kg_m3_[0] * gravity_m_s2_ * length_m / youngs_modulus_pa;
+  const double area_m2 = volume_m3_ / (extent_.max_m - extent_.min_m).maxCoeff();
+  const double holding_n = std::max(weight_n, kPressing * youngs_modulus_pa * std::sqrt(bent_squared_) * area_m2);
+  const bool pressed = touching_ && (carried_n_ > holding_n || sag > kLargestSag), flowed = !plastic_parts_.empty();
+  const bool alone = free() && !pressed && !forced_ && !comes_off() && region_loads_.empty();
+  if (!alone) {
+    tangled_s_ = 0.0;
+    untangling_ = false;  // or nothing would flow while a hand holds it
+    return;
+  }
+  Vector3d rest_centre = Vector3d::Zero();
+  for (size_t i = 0; i < masses_kg_.size(); ++i) rest_centre += masses_kg_[i] / mass_kg_ * lattice_.node_position_m(i);
+  Matrix3d match = Matrix3d::Zero(), rest = Matrix3d::Zero();
+  for (size_t i = 0; i < masses_kg_.size(); ++i) {
+    const Vector3d r = lattice_.node_position_m(i) - rest_centre;
+    match += masses_kg_[i] * (nodes_.position_m(i) - motion_.centre_m) * r.transpose();
+    rest += masses_kg_[i] * r * r.transpose();
+  }
+  const Matrix3d fit = match * rest.inverse();
+  if (!fit.allFinite()) return;
+  const double upright = uprightness(fit);
+  // A spinning body is strained by that alone, by rho (omega L)² / E, and by L / t more where it bends.
+  const double wave_squared = youngs_modulus_pa / densities_kg_m3_[0], slender = length_m / thickness_m();
+  const double spun = std::pow(motion_.angular_velocity_rad_s().norm() * reach_m_, 2) / wave_squared * slender;
+  // A mat that lies folded is as its weight has it: how upright it is says nothing.
+  const bool limp = touching_ && sag * slender * slender > kLargestSag;
+  const bool wild = touching_ || flowed;
+  const bool strained = bent_squared_ > (wild ? kWildSquared : kStrainedSquared) + 4.0 * spun * spun &&
+                        (!wild || wild_part() > kLeastWild);
+  if (!untangling_) {
+    if ((limp || upright > kUpright) && !strained) tangled_ = false;
+    const bool settled = strained && 0.5 * mass_kg_ * deviation_m_s_ * deviation_m_s_ < kSettled * rough_elastic_j();
+    // A tangle that does not come to rest either counts half: first-order steps should have calmed it long since.
+    const double weight = (!limp && upright < kTangled) || settled ? 1.0 : strained && (wild || strained_) ? 0.5 : -1.0;
+    tangled_s_ = std::max(0.0, tangled_s_ + weight * frame_s);
+    untangling_ = tangled_s_ > kPatience_s;
+    if (untangling_) {
+      ++untangled_;
+      if (flowed) forget_flow();
+    }
+  }
+  if (!untangling_) return;
+  if ((limp || upright > kUpright) && !strained) {
+    untangling_ = false;
+    tangled_s_ = 0.0;
+    return;
+  }
+  // Pulled together about the centre, to rest but for the motion of a rigid body with its momentum and angular momentum.
+  // What snaps back between frames, as folds of a thin sheet do, is pulled harder and harder.
+  tangled_s_ += frame_s;
+  const double doublings = std::min(tangled_s_ / kPatience_s - 1.0, kMostDoublings);
+  const double part = 1.0 - std::exp(-kPull_per_s * std::exp2(doublings) * frame_s);
+  const Matrix3d rotation = nearest_rotation(fit);
+  const Vector3d velocity = motion_.velocity_m_s(), l = motion_.angular_momentum, centre = motion_.centre_m;
+  std::vector<Vector3d> was(masses_kg_.size()), now(was.size());
+  const std::vector<Vector3d> still(was.size(), Vector3d::Zero());
+  for (size_t i = 0; i < was.size(); ++i) was[i] = nodes_.position_m(i);
+  const auto pull = [&](double share) {
+    for (size_t i = 0; i < was.size(); ++i) {
+      now[i] = was[i] + share * (centre + rotation * (lattice_.node_position_m(i) - rest_centre) - was[i]);
+    }
+    const Vector3d spin = solve_inertia(mass_motion(now, still, masses_kg_).inertia, l);
+    for (size_t i = 0; i < now.size(); ++i) nodes_.set_motion(i, now[i], velocity + spin.cross(now[i] - centre));
+  };
+  const double before_j = elastic_j();
+  pull(part);
+  // A sheet is squashed on the straight way to its shape, and would keep that if something came between: it is there at once.
+  if (elastic_j() > kMostGain * before_j) pull(1.0);
+  restart_motion();
+}
+
+}  // namespace livegs

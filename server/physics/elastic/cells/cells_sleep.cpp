@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Less where less will do: a body that flies without deforming visibly moves as a rigid one, a still one sleeps.
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "physics/elastic/cells/cells_body.h"
+#include "physics/elastic/rigid_proxy.h"
+#include "physics/motion/free_rotation.h"
+
+namespace livegs {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// A free body whose worst cell is strained less than this for so long is frozen into its shape.
+constexpr double kVisibleStrain = 1e-3;
+constexpr double kUnstrainedTime_s = 0.25;
+constexpr double kMeasuredCalm = 100.0;  // 0.2 mm/s in place of 20
+// Its centre of mass goes no farther than this part of its length in half a period of its slowest vibration: what bends by
+// a thousandth of it is within 1 % of where it will be.
+constexpr double kMeasuredPart = 3e-6;
+// A still body's points that tremble stay this near where they were, in parts of its smallest side, for so long.
+constexpr double kTremble = 0.01, kTrembling_s = 2.0;
+// As of a rigid body (rigid_step.cpp).
+constexpr double kMost_m_s = 1e6, kFarthest_m = 1e9;
+
+}  // namespace
+
+void CellsBody::end_frame(double frame_s) {
+  if (asleep()) return;
+  if (rigid_) {
+    place_rigid();
+    whole_ = {centre_m(), orientation_};
+    return;
+  }
+  if (!moves_finitely() || !bound_energy()) put_back();
+  // A held body's origin stays where it is, so that rounding does not move what is held.
+  Vector3d shift = Vector3d::Zero();
+  if (!held_ || motion_.centre_m.norm() > 4.0 * reach_m_) shift = motion_.centre_m.cast<float>().cast<double>();
+  origin_m_ += shift;
+  motion_.centre_m -= shift;
+  reach_m_ = nodes_.move_all(-shift, motion_.centre_m);
+  orientation_ = (rotation_exp(frame_s * motion_.angular_velocity_rad_s()) * orientation_).normalized();
+  whole_ = {centre_m(), orientation_};
+  candidate_margin_m_ -= 1e-6 * reach_m_;  // rounding of the shift
+  touch_margin_m_ -= 1e-6 * reach_m_;
+
+  see_impalers(frame_s);
+  flow();
+  untangle(frame_s);
+  rest(frame_s);
+}
+
+void CellsBody::rest(double frame_s) {
+  const bool unstrained = free() && may_rest_ && !touching_ && !forced_ && !comes_off() && region_loads_.empty() &&
+                          strain_squared_ < kVisibleStrain * kVisibleStrain;
+  unstrained_s_ = unstrained ? unstrained_s_ + frame_s : 0.0;
+  if (unstrained_s_ >= kUnstrainedTime_s) {
+    become_rigid();
+    return;
+  }
+  // What is held or loaded is measured: it sleeps in equilibrium, not while it still creeps there. What lies on
+  // something trembles more.
+  const bool measured = held_ || !region_loads_.empty();
+  const bool moves = forced_ || driven_ || comes_off() || (measured && !stays(frame_s));
+  const double calm = measured ? kMeasuredCalm : 1.0;
+  double seen_m_s = moves || !supported_ ? 0.0 : fastest_m_s(RestClock::kStillSpeed_m_s / calm);
+  if (!measured && !moves && supported_ && trembles(seen_m_s, frame_s)) seen_m_s = 0.0;
+  if (rest_clock_.tick(frame_s, calm * seen_m_s, supported_, moves)) sleep();
+}
+
+// A slow vibration is slow at its farthest, twice a period, for longer than any clock: so it is the way in half a period
+// that tells. Of the centre of mass, which no rounding moves.
+bool CellsBody::stays(double frame_s) {
+  const Vector3d centre = centre_m();
+  stayed_s_ += frame_s;
+  if ((centre - stayed_at_m_).norm() > kMeasuredPart * (extent_.max_m - extent_.min_m).maxCoeff()) {
+    stayed_at_m_ = centre;
+    stayed_s_ = 0.0;
+  }
+  return stayed_s_ >= M_PI / lowest_rate_rad_s();
+}
+
+// A corner that is folded under may snap to and fro for good while all else is still. Whether that is all that moves.
+bool CellsBody::trembles(double seen_m_s, double frame_s) {
+  const bool still = std::max(motion_.velocity_m_s().norm(), deviation_m_s_) < RestClock::kStillSpeed_m_s;
+  if (!still || (seen_m_s < RestClock::kStillSpeed_m_s && trembled_at_m_.empty())) {
+    trembled_at_m_.clear();
+    return false;
+  }
+  const double most_m = kTremble * (extent_.max_m - extent_.min_m).minCoeff();
+  bool near = trembled_at_m_.size() == surface_.size();
+  for (size_t i = 0; near && i < surface_.size(); ++i) {
+    near = (origin_m_ + nodes_.position_m(surface_[i]) - trembled_at_m_[i]).squaredNorm() < most_m * most_m;
+  }
+  if (near) {
+    trembling_s_ += frame_s;
+  } else {
+    trembled_at_m_.clear();
+    for (const NodeSample& sample : surface_) trembled_at_m_.push_back(origin_m_ + nodes_.position_m(sample));
+    trembling_s_ = 0.0;
+  }
+  return trembling_s_ >= kTrembling_s;
+}
+
+// By the sums of the last step, which are of all nodes: one that is not finite makes its centre so.
+bool CellsBody::moves_finitely() const {
+  const Vector3d centre = centre_m();
+  return centre.allFinite() && centre.cwiseAbs().maxCoeff() < kFarthest_m && std::isfinite(reach_m_) &&
+         std::isfinite(kinetic_j_) && kinetic_j_ < 0.5 * mass_kg_ * kMost_m_s * kMost_m_s &&
+         motion_.momentum.allFinite() && motion_.angular_momentum.allFinite();
+}
+
+// At rest and in its rest shape where the last frame left it whole; a held one where it is held.
+void CellsBody::put_back() {
+  ++put_back_;
+  Vector3d rest_centre = Vector3d::Zero();
+  for (size_t i = 0; i < masses_kg_.size(); ++i) rest_centre += masses_kg_[i] / mass_kg_ * lattice_.node_position_m(i);
+  orientation_ = held_ ? world_from_object_.orientation : whole_.orientation;
+  origin_m_ = held_ ? world_from_object_ * rest_centre : whole_.position_m;
+  const Vector3d still = Vector3d::Zero();
+  for (size_t i = 0; i < nodes_.count(); ++i) {
+    nodes_.set_motion(i, orientation_ * (lattice_.node_position_m(i) - rest_centre), still);
+  }
+  for (Follower& follower : followers_) follower.leader_m_s = still;
+  if (!plastic_parts_.empty()) forget_flow();
+  batches_.set_rotations(orientation_ * extent_.object_from_lattice);
+  restart_motion();
+  carried_n_ = strain_squared_ = bent_squared_ = deviation_m_s_ = spin_rad_s_ = tangled_s_ = 0.0;
+  strained_ = tangled_ = untangling_ = false;
+  bound_j_.reset();
+  contact_tally_ = {};
+  impalers_.clear();
+  sides_.clear();
+  boxes_known_ = false;
+}
+
+void CellsBody::sleep() {
+  rest_clock_.sleep();
+  trembled_at_m_.clear();
+  nodes_.stop();
+  motion_.momentum.setZero();
+  motion_.angular_momentum.setZero();
+  momentum_before_.setZero();
+  angular_before_.setZero();
+  owed_velocity_.setZero();
+  owed_spin_.setZero();
+  contact_lag_m_.setZero();
+  late_impulse_.setZero();
+  deviation_m_s_ = 0.0;
+  first_step_ = true;
+}
+
+// Of a point of the surface, as it is seen: a node of a cell with next to nothing in its corner may tremble unseen. Of a body
+// that moves or deforms as a whole anyway, that speed, which is cheap; and where all nodes are still, so are the points, which
+// are means of them.
+double CellsBody::fastest_m_s(double still_m_s) const {
+  const double mean = std::max(motion_.velocity_m_s().norm(), deviation_m_s_);
+  if (mean >= still_m_s) return mean;
+  double squared = 0.0;
+  for (size_t i = 0; i < nodes_.count(); ++i) squared = std::max(squared, node_velocity(i).squaredNorm());
+  if (surface_.empty() || squared < still_m_s * still_m_s) return std::sqrt(squared);
+  squared = 0.0;
+  for (const NodeSample& sample : surface_) {
+    squared = std::max(squared, velocity_of(sample).squaredNorm());
+    if (squared >= still_m_s * still_m_s) break;
+  }
+  return std::sqrt(squared);
+}
+
+void CellsBody::become_rigid() {
+  RigidMotion rigid;
+  rigid.world_from_body.position_m = origin_m_ + motion_.centre_m;
+  for (size_t i = 0; i < nodes_.count(); ++i) {
+    rigid.shape_m.push_back((nodes_.position_m(i) - motion_.centre_m).cast<float>());
+  }
+  if (!(motion_.inertia.determinant() > 0.0)) return;  // a single line of particles turns freely; it stays as it is
+  rigid.axes = principal_axes(motion_.inertia);
+  rigid.inverse_inertia = motion_.inertia.inverse();
+  rigid_ = std::move(rigid);
+}
+
+// One world substep as a rigid body; false when something is near, and the body is elastic again.
+bool CellsBody::rigid_substep(const SubstepContext& context) {
+  const double h = context.duration_s;
+  const Vector3d velocity = motion_.velocity_m_s();
+  const Vector3d centre = rigid_->world_from_body.position_m;
+  // It wakes one frame before anything can touch it.
+  const double reach = reach_m_ + extent_.box_edge_m + 2.0 / rate_hz_ * velocity.norm();
+  bool near = !context.forces.empty() || !context.others.empty();
+  for (const Collider& collider : context.colliders) near = near || reaches(collider, centre, reach);
+  for (const MovingBody* body : context.bodies) {
+    const double distance = body->shape->sample(body->start.inverse() * centre).distance_m;
+    near = near || distance < reach + 2.0 / rate_hz_ * body->fastest_m_s();
+  }
+  if (near) {
+    become_elastic();
+    return false;
+  }
+  rigid_->world_from_body.position_m += h * velocity + 0.5 * h * h * context.gravity_m_s2;
+  rigid_->world_from_body.orientation =
+      turned_freely(rigid_->world_from_body.orientation, rigid_->axes, motion_.angular_momentum, h);
+  motion_.momentum += h * mass_kg_ * context.gravity_m_s2;
+  motion_.inertia = rotated_tensor(rigid_->world_from_body.orientation, rigid_->inverse_inertia).inverse();
+  supported_ = context.gravity_m_s2.squaredNorm() == 0.0;
+  return true;
+}
+
+// The nodes where the rigid motion has taken them.
+void CellsBody::place_rigid() {
+  origin_m_ = rigid_->world_from_body.position_m;
+  motion_.centre_m.setZero();
+  const Matrix3d turn = rigid_->world_from_body.orientation.toRotationMatrix();
+  const Vector3d velocity = motion_.velocity_m_s(), spin = motion_.angular_velocity_rad_s();
+  for (size_t i = 0; i < nodes_.count(); ++i) {
+    const Vector3d r = turn * rigid_->shape_m[i].cast<double>();
+    nodes_.set_motion(i, r, velocity + spin.cross(r));
+  }
+  orientation_ = centre_pose().orientation;
+}
+
+void CellsBody::become_elastic() {
+  if (!rigid_) return;
+  place_rigid();
+  rigid_.reset();
+  // The sweep's rotations have stood still meanwhile; there is no strain to speak of, so all are the body's.
+  batches_.set_rotations(orientation_ * extent_.object_from_lattice);
+  momentum_before_ = motion_.momentum;
+  angular_before_ = motion_.angular_momentum;
+  owed_velocity_.setZero();
+  owed_spin_.setZero();
+  contact_lag_m_.setZero();
+  late_impulse_.setZero();
+  unstrained_s_ = 0.0;
+  candidate_margin_m_ = touch_margin_m_ = 0.0;
+  first_step_ = true;
+}
+
+}  // namespace livegs

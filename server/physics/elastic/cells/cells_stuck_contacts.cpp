@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A soft body can get stuck on another: a hand draws it round a bar until its points are on either side, and each is
+// pushed out on the side that it is on. No contact sees a way out of that: in an hour of pulls a toy duck stayed stretched to
+// three times its length on the stretcher of a stool, squeezed by 400 N and never at rest. The body as a whole can tell:
+// what one body pushes it with cancels, and it is strained far with the pushes pointing apart (in a cup or between tongs
+// they point together) or beyond all proportion. It then has no contact with that one, and is drawn off it with its shape
+// back, until they no longer overlap. A rubber band stretched round a bar looks the same, and comes off too.
+#include <algorithm>
+
+#include "core/log.h"
+#include "physics/elastic/cells/cells_body.h"
+#include "physics/motion/body_id.h"
+#include "physics/elastic/rigid_proxy.h"
+
+namespace livegs {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kFarSquared = 0.1, kWildSquared = 1.0;  // |S - I|² of the worst cell, with bending
+constexpr double kCancelled = 0.5;           // of the sizes of impulses, what their sum is less than
+constexpr double kPatience_s = 0.5;
+// It comes off at its own radius in this time, with no more than this.
+constexpr double kComesOff_s = 0.25;
+constexpr double kMostDraw_m_s2 = 20.0;
+
+}  // namespace
+
+CellsBody::Impaler& CellsBody::impaler(uint64_t contact_id) {
+  const auto at = std::lower_bound(impalers_.begin(), impalers_.end(), contact_id,
+                                   [](const Impaler& one, uint64_t id) { return one.contact_id < id; });
+  if (at != impalers_.end() && at->contact_id == contact_id) return *at;
+  return *impalers_.insert(at, {.contact_id = contact_id});
+}
+
+bool CellsBody::comes_off(uint64_t contact_id) const {
+  return std::any_of(impalers_.begin(), impalers_.end(),
+                     [&](const Impaler& one) { return one.parting && one.contact_id == contact_id; });
+}
+
+bool CellsBody::comes_off() const {
+  return std::any_of(impalers_.begin(), impalers_.end(), [](const Impaler& one) { return one.parting; });
+}
+
+void CellsBody::take_rows(std::span<const TouchRow> rows) {
+  resist_rolling(rows);
+  if (bent_squared_ <= kFarSquared) return;
+  Impaler* last = nullptr;
+  for (const TouchRow& row : rows) {
+    if (!(row.normal_impulse_n_s > 0.0)) continue;
+    if (!last || last->contact_id != row.met_id) last = &impaler(row.met_id);
+    last->pushed_n_s += row.normal_impulse_n_s;
+    const Vector3d push = row.normal_impulse_n_s * row.normal, point = row.point_m - origin_m_;
+    last->net_n_s += push;
+    last->moment += row.normal_impulse_n_s * point;
+    last->apart += push.dot(point);
+  }
+}
+
+// Once a frame.
+void CellsBody::see_impalers(double frame_s) {
+  for (Impaler& one : impalers_) {
+    if (!one.parting) {
+      // Of the pushes, about the middle of the points they act at.
+      const double apart = one.pushed_n_s > 0.0 ? one.apart - one.net_n_s.dot(one.moment) / one.pushed_n_s : 0.0;
+      const bool stuck = (apart > 0.0 || bent_squared_ > kWildSquared) && one.net_n_s.norm() < kCancelled * one.pushed_n_s;
+      one.stuck_s += stuck ? frame_s : -frame_s;
+      one.parting = one.overlaps = one.stuck_s > kPatience_s;
+    if (one.parting) log_debug("object %u is stuck on object %u and comes off", object_id_, object_of(one.contact_id));
+    } else if (!one.overlaps) {
+      one.parting = false;
+      one.stuck_s = 0.0;
+    } else {
+      one.overlaps = false;  // until a step finds that it still does
+    }
+    one.pushed_n_s = one.apart = 0.0;
+    one.net_n_s.setZero();
+    one.moment.setZero();
+  }
+  std::erase_if(impalers_, [](const Impaler& one) { return !one.parting && one.stuck_s <= 0.0; });
+}
+
+void CellsBody::push_whole(const Vector3d& impulse_n_s, double step_s) {
+  if (asleep()) wake();
+  const Vector3d gained = impulse_n_s / mass_kg_;
+  for (uint32_t i = 0; i < masses_kg_.size(); ++i) {
+    if (inverse_masses_[i] == 0.0) continue;
+    if (in_step_) {
+      nodes_.correct(i, step_of(step_s) * gained);
+    } else {
+      nodes_.change_velocities(i, gained);
+    }
+  }
+  if (in_step_) {
+    contact_impulse_ += impulse_n_s;
+    contact_moment_ += motion_.centre_m.cross(impulse_n_s);
+  } else if (free()) {
+    motion_.momentum += impulse_n_s;
+    momentum_before_ += impulse_n_s;
+    late_impulse_ += impulse_n_s;
+  }
+}
+
+// Takes the rows out that it listed with those it comes off, from `begin` on, and draws it away from them.
+void CellsBody::come_off(const SubstepPart& part, const SubstepContext& context, size_t begin, std::vector<TouchRow>& rows) {
+  const auto listed = rows.begin() + static_cast<std::ptrdiff_t>(begin);
+  for (auto row = listed; row != rows.end(); ++row) {
+    if (row->gap_m < 0.0 && comes_off(row->met_id)) impaler(row->met_id).overlaps = true;
+  }
+  rows.erase(std::remove_if(listed, rows.end(), [&](const TouchRow& row) { return comes_off(row.met_id); }), rows.end());
+
+  const Vector3d centre = centre_m();
+  const double speed_m_s = reach_m_ / kComesOff_s, most_m_s = kMostDraw_m_s2 * part.duration_s;
+  const auto impulse = [&](const Vector3d& away, const Vector3d& other_m_s, double other_inverse_mass) -> Vector3d {
+    const double lacking = speed_m_s - away.dot(velocity_m_s() - other_m_s);
+    return std::clamp(lacking, 0.0, most_m_s) / (1.0 / mass_kg_ + other_inverse_mass) * away;
+  };
+  for (MovingBody* body : context.bodies) {
+    if (!comes_off(body->contact_id)) continue;
+    Impaler& one = impaler(body->contact_id);
+    const Pose at = body->at_end(), body_from_world = at.inverse();
+    // A bar right through it may be near no point of its surface.
+    for (uint32_t i = 0; i < lattice_.cells.size() && !one.overlaps; ++i) {
+      const Vector3d inside = origin_m_ + nodes_.corrected_m(sample_at({i, lattice_.cells[i].centroid}));
+      one.overlaps = body->shape->sample(body_from_world * inside).distance_m < 0.0;
+    }
+    if (!one.overlaps) continue;
+    const Vector3d away = at.orientation * body->shape->sample(body_from_world * centre).gradient;
+    const Vector3d other_m_s = body->velocity_m_s + body->spin_rad_s.cross(centre - at.position_m);
+    const Vector3d given = impulse(away, other_m_s, body->inverse_mass);
+    push_whole(given, part.duration_s);
+    const ContactSpot spot = body->spot_at(centre);
+    body->give(spot, centre, -given);
+    body->count(spot, centre, -given);
+  }
+  for (const ElasticNeighbour& other : context.others) {
+    if (!comes_off(other.contact_id) || !impaler(other.contact_id).overlaps) continue;
+    const Vector3d between = centre - other.body->centre_m();
+    const Vector3d given = impulse(between.norm() > 0.0 ? Vector3d(between.normalized()) : Vector3d::UnitY(),
+                                   other.body->velocity_m_s(), 1.0 / other.body->mass_kg());
+    push_whole(given, part.duration_s);
+    other.body->push_whole(-given, part.duration_s);
+  }
+}
+
+}  // namespace livegs

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "physics/elastic/contact_constraints.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace livegs {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// Sweeps end when a sweep changes the impulses by less than this part of them. More sweeps share the weight more evenly.
+constexpr int kMostSweeps = 8;
+constexpr double kSettled = 0.02;
+
+Vector3d relative_way(const TouchRow& row) { return row.a->way_m(row.spot_a) - row.b->way_m(row.spot_b); }
+
+void prepare(TouchRow& row, double step_s) {
+  const Matrix3d response = row.a->response(row.spot_a) + row.b->response(row.spot_b);
+  row.way_before_m = relative_way(row);
+  row.normal_response = row.normal.dot(response * row.normal);
+  // No direction in the tangent plane gives way more than the sum of both.
+  const Vector3d tangent = row.normal.unitOrthogonal(), bitangent = row.normal.cross(tangent);
+  const double k1 = tangent.dot(response * tangent), k2 = bitangent.dot(response * bitangent);
+  row.tangent_response = std::max(k1, k2) + std::abs(tangent.dot(response * bitangent));
+  row.normal_impulse_n_s = 0.0;
+  row.friction_impulse_n_s.setZero();
+  const double gap_before = row.gap_m - row.normal.dot(row.way_before_m);
+  row.least_gap_m = std::min(0.0, gap_before + row.push_m_s * step_s);
+}
+
+// How much the row's impulse changed.
+double solve(TouchRow& row) {
+  if (!(row.normal_response > 0.0)) return 0.0;
+  const Vector3d way = relative_way(row);
+  const double gap = row.gap_m + row.normal.dot(way - row.way_before_m) - row.least_gap_m;
+  const double normal = std::max(0.0, row.normal_impulse_n_s - gap / row.normal_response);
+  if (normal == 0.0 && row.normal_impulse_n_s == 0.0) return 0.0;
+  const Vector3d slid = way - row.normal * row.normal.dot(way);
+  Vector3d friction = row.friction_impulse_n_s - slid / row.tangent_response;
+  const double size = friction.norm(), limit = row.friction * normal;
+  if (size > limit) friction *= limit / size;
+  const Vector3d change = (normal - row.normal_impulse_n_s) * row.normal + friction - row.friction_impulse_n_s;
+  row.normal_impulse_n_s = normal;
+  row.friction_impulse_n_s = friction;
+  row.a->give(row.spot_a, row.point_m, change);
+  row.b->give(row.spot_b, row.point_m, -change);
+  return change.norm();
+}
+
+}  // namespace
+
+void solve_rows(std::vector<TouchRow>& rows, double step_s) {
+  for (TouchRow& row : rows) prepare(row, step_s);
+  for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
+    double changed = 0.0, total = 0.0;
+    for (size_t n = 0; n < rows.size(); ++n) {
+      TouchRow& row = rows[sweep % 2 ? rows.size() - 1 - n : n];
+      changed += solve(row);
+      total += row.normal_impulse_n_s;
+    }
+    if (changed <= kSettled * total) break;
+  }
+  for (TouchRow& row : rows) {
+    if (row.normal_impulse_n_s <= 0.0) continue;
+    const Vector3d impulse = row.normal_impulse_n_s * row.normal + row.friction_impulse_n_s;
+    row.a->count(row.spot_a, row.point_m, impulse);
+    row.b->count(row.spot_b, row.point_m, -impulse);
+  }
+}
+
+}  // namespace livegs

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "physics/elastic_body.h"
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#include "physics/elastic/cells/cells_body.h"
+#include "physics/elastic/livegs_v1/livegs_v1_body.h"
+#include "physics/elastic/step_elastic_bodies.h"
+
+namespace livegs {
+namespace {
+
+using Eigen::Vector3d;
+
+// Coordinates beyond this are a mistake of units; inside it every index fits its type.
+constexpr double kFurthest_m = 1e6;
+// The body's extent over a particle's edge: bounds the lattice by the size of the input.
+constexpr double kMostEdges = 1e6;
+
+Error not_physical(const ElasticBodyDescription& description, const std::string& what) {
+  return invalid_argument("object " + std::to_string(description.object_id) + ": " + what);
+}
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
+}
+
+bool finite(const Vector3d& v) { return v.allFinite() && v.cwiseAbs().maxCoeff() <= kFurthest_m; }
+
+Result<void> check_particles(const ElasticBodyDescription& d) {
+  const ParticleSet& set = d.particles;
+  const size_t count = set.positions_m.size();
+  if (count == 0) return not_physical(d, "no particles; an elastic body needs at least one");
+  if (set.volumes_m3.size() != count) return not_physical(d, "volumes_m3 has not one entry a particle");
+  if (!set.on_surface.empty() && set.on_surface.size() != count) {
+    return not_physical(d, "on_surface has not one entry a particle");
+  }
+  if (!d.particle_velocities_m_s.empty() && d.particle_velocities_m_s.size() != count) {
+    return not_physical(d, "particle_velocities_m_s has not one entry a particle");
+  }
+  Vector3d low = set.positions_m[0], high = low;
+  double volume = 0.0;
+  for (size_t i = 0; i < count; ++i) {
+    if (!finite(set.positions_m[i])) return not_physical(d, "a particle's position is not finite or beyond 1e6 m");
+    if (!std::isfinite(set.volumes_m3[i]) || set.volumes_m3[i] <= 0.0) {
+      return not_physical(d, "a particle's volume is " + number(set.volumes_m3[i]) + "; it must be above 0");
+    }
+    volume += set.volumes_m3[i];
+    low = low.cwiseMin(set.positions_m[i]);
+    high = high.cwiseMax(set.positions_m[i]);
+  }
+  for (const Vector3d& velocity : d.particle_velocities_m_s) {
+    if (!finite(velocity)) return not_physical(d, "a particle's velocity is not finite");
+  }
+  if (!std::isfinite(set.spacing_m) || set.spacing_m < 0.0) return not_physical(d, "spacing_m must be 0 or above");
+  const double edge = set.spacing_m > 0.0 ? std::min(set.spacing_m, std::cbrt(volume / count))
+                                          : std::cbrt(volume / count);
+  if ((high - low).maxCoeff() > kMostEdges * edge || std::cbrt(volume) > kFurthest_m) {
+    return not_physical(d, "the particles are a million times further apart than they are wide; check the spacing");
+  }
+  return {};
+}
+
+Result<void> check_material(const ElasticBodyDescription& d) {
+  const Material& m = d.material;
+  if (!(m.mass_kg > 0.0) || !std::isfinite(m.mass_kg)) {
+    return not_physical(d, "mass_kg is " + number(m.mass_kg) + "; it must be above 0");
+  }
+  const double stiffness = m.effective_youngs_modulus_pa();
+  if (!(stiffness > 0.0) || !std::isfinite(stiffness)) {
+    return not_physical(d, "youngs_modulus_pa times structure_coefficient is " + number(stiffness) +
+                               "; it must be above 0");
+  }
+  if (!(m.poisson_ratio >= 0.0 && m.poisson_ratio <= 0.49)) {
+    return not_physical(d, "poisson_ratio is " + number(m.poisson_ratio) + "; it must be 0 to 0.49");
+  }
+  if (!(m.loss_factor >= 0.0 && m.loss_factor <= 2.0)) {
+    return not_physical(d, "loss_factor is " + number(m.loss_factor) + "; it must be 0 to 2");
+  }
+  if (!(m.friction >= 0.0) || !std::isfinite(m.friction)) {
+    return not_physical(d, "friction is " + number(m.friction) + "; it must be 0 or above");
+  }
+  return {};
+}
+
+Result<void> check_motion(const ElasticBodyDescription& d) {
+  if (!finite(d.world_from_object.position_m) || !finite(d.velocity_m_s) || !finite(d.angular_velocity_rad_s) ||
+      !d.initial_deformation.allFinite()) {
+    return not_physical(d, "its pose, velocity or initial deformation is not finite");
+  }
+  if (!(std::abs(d.world_from_object.orientation.norm() - 1.0) < 1e-3)) {
+    return not_physical(d, "the orientation is not a unit quaternion");
+  }
+  for (const BodyRegion& region : d.regions) {
+    if (!region.min_m.allFinite() || !region.max_m.allFinite() || !region.traction_pa.allFinite()) {
+      return not_physical(d, "region " + region.name + " is not finite");
+    }
+  }
+  if (!(d.cell_width_m >= 0.0) || !std::isfinite(d.cell_width_m)) {
+    return not_physical(d, "cell_width_m is " + number(d.cell_width_m) + "; it must be 0 (chosen) or above");
+  }
+  return {};
+}
+
+}  // namespace
+
+const char* name_of(ElasticBand band) {
+  switch (band) {
+    case ElasticBand::Exact: return "exact";
+    case ElasticBand::Band: return "band";
+    case ElasticBand::Clipped: return "clipped";
+    default: return "unknown";
+  }
+}
+
+Result<void> check_elastic_body(const ElasticBodyDescription& description) {
+  for (const auto& check : {check_particles, check_material, check_motion}) {
+    if (Result<void> checked = check(description); !checked) return checked;
+  }
+  return {};
+}
+
+Result<std::unique_ptr<ElasticBody>> make_elastic_body(const ElasticBodyDescription& description,
+                                                       ElasticSolver solver, double rate_hz, int substeps,
+                                                       bool may_sleep) {
+  if (auto checked = check_elastic_body(description); !checked) return checked.error();
+  if (!(rate_hz > 0.0) || !std::isfinite(rate_hz)) {
+    return not_physical(description, "rate_hz is " + number(rate_hz) + "; it must be above 0");
+  }
+  if (substeps < 1 || substeps > 10000) {
+    return not_physical(description, "substeps is " + std::to_string(substeps) + "; it must be 1 to 10000");
+  }
+  if (solver != ElasticSolver::Cells) {
+    const bool steady = solver == ElasticSolver::LivegsV1Steady;
+    return std::unique_ptr<ElasticBody>(std::make_unique<LivegsV1Body>(description, rate_hz, substeps, may_sleep, steady));
+  }
+  return std::unique_ptr<ElasticBody>(std::make_unique<CellsBody>(description, rate_hz, substeps, may_sleep));
+}
+
+void ElasticBody::surface_elements(const Eigen::AlignedBox3d&, std::vector<SurfaceElement>&) const {}
+ContactSpot ElasticBody::spot_at(uint32_t, const Vector3d&) const { return {}; }
+ContactSide& ElasticBody::contact_side(double) {
+  std::abort();
+}
+void ElasticBody::wait_for_company(bool) {}
+
+void ElasticBody::substep(const SubstepContext& context) {
+  SteppedBody alone{this, context};
+  step_elastic_bodies({&alone, 1});
+}
+
+}  // namespace livegs

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Contact of the baseline with what moves: particles as balls against rigid bodies and against the particles of other
+// elastic bodies, and contact points of rigid bodies against the particles.
+#include <algorithm>
+#include <cmath>
+
+#include "physics/elastic/livegs_v1/livegs_v1_body.h"
+#include "physics/elastic/rigid_proxy.h"
+
+namespace livegs {
+namespace {
+
+using Eigen::AlignedBox3d;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// In spacings: of the balls, beyond which no element need be known; and of gaps that get a row.
+constexpr double kElementReach = 1.5;
+constexpr double kRowMargin = 0.02;
+
+ContactSpot spot_of(uint32_t particle) {
+  ContactSpot spot;
+  for (uint32_t& node : spot.sample.nodes) node = particle;
+  spot.sample.weights[0] = 1.0f;
+  return spot;
+}
+
+uint32_t particle_of(const ContactSpot& spot) { return spot.sample.nodes[0]; }
+
+}  // namespace
+
+// In the middle of a step, or as a sleeper that is pushed.
+class LivegsV1Body::Side final : public ContactSide {
+ public:
+  explicit Side(LivegsV1Body& body) : body_(body) {}
+  double step_s = 0.0;
+
+  Matrix3d response(const ContactSpot& spot) const override {
+    return step_s * body_.mobility(particle_of(spot)) * Matrix3d::Identity();
+  }
+  Vector3d way_m(const ContactSpot& spot) const override {
+    if (!body_.in_step_) return step_s * body_.velocities_m_s_[particle_of(spot)];
+    return body_.predicted_m_[particle_of(spot)] - body_.positions_m_[particle_of(spot)];
+  }
+  void give(const ContactSpot& spot, const Vector3d&, const Vector3d& impulse) override {
+    if (!body_.in_step_) return body_.push_particle(particle_of(spot), impulse);
+    body_.predicted_m_[particle_of(spot)] += step_s * body_.mobility(particle_of(spot)) * impulse;
+  }
+  void count(const ContactSpot&, const Vector3d& point, const Vector3d& impulse) override {
+    body_.count_contact(point, impulse.norm());
+    body_.touching_ = true;
+  }
+
+ private:
+  LivegsV1Body& body_;
+};
+
+ContactSide& LivegsV1Body::contact_side(double step_s) {
+  if (!side_) side_ = std::make_unique<Side>(*this);
+  static_cast<Side&>(*side_).step_s = step_s;
+  return *side_;
+}
+
+void LivegsV1Body::surface_elements(const AlignedBox3d& within, std::vector<SurfaceElement>& elements) const {
+  for (const SurfacePoint& point : surface_) {
+    const Vector3d at = origin_m_ + (in_step_ ? predicted_m_ : positions_m_)[point.particle];
+    if (within.contains(at)) elements.push_back({at, Vector3d::Zero(), std::max(point.radius_m, 0.5 * spacing_m_), point.particle});
+  }
+}
+
+Eigen::AlignedBox3d LivegsV1Body::bounds_m() const {
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& position : positions_m_) box.extend(position);
+  return box.translate(origin_m_);
+}
+
+double LivegsV1Body::element_reach_m() const { return kElementReach * spacing_m_; }
+ContactSpot LivegsV1Body::spot_at(uint32_t element, const Vector3d&) const { return spot_of(element); }
+
+void LivegsV1Body::push_particle(uint32_t particle, const Vector3d& impulse_n_s) {
+  if (asleep()) wake();
+  if (held(particle)) return;
+  velocities_m_s_[particle] += mobility(particle) * impulse_n_s;
+  motion_.momentum += impulse_n_s;
+  motion_.angular_momentum += (positions_m_[particle] - motion_.centre_m).cross(impulse_n_s);
+}
+
+void LivegsV1Body::count_contact(const Vector3d& point_m, double impulse_n_s) {
+  contact_tally_.impulse_n_s += impulse_n_s;
+  contact_tally_.moment += impulse_n_s * point_m;
+}
+
+void LivegsV1Body::sleep() {
+  rest_clock_.sleep();
+  for (Vector3d& v : velocities_m_s_) v.setZero();
+  motion_.momentum.setZero();
+  motion_.angular_momentum.setZero();
+}
+
+bool LivegsV1Body::meets_awake(const SubstepContext& context) const {
+  for (const MovingBody* body : context.bodies) {
+    if (body->asleep) continue;
+    const Pose body_from_world = body->start.inverse();
+    const double margin = context.duration_s * body->fastest_m_s() + kRowMargin * spacing_m_;
+    const auto gap = [&](const Vector3d& p) { return body->shape->sample(body_from_world * Vector3d(origin_m_ + p)).distance_m; };
+    if (gap(motion_.centre_m) > reach_m_ + spacing_m_ + margin) continue;
+    for (const SurfacePoint& point : surface_) {
+      if (gap(positions_m_[point.particle]) < point.radius_m + margin) return true;
+    }
+  }
+  return false;
+}
+
+void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& context, std::vector<TouchRow>& rows) {
+  if (context.bodies.empty() && context.others.empty()) return;
+  const double h = part.duration_s;
+  ContactSide& side = contact_side(h);
+  const double margin = kRowMargin * spacing_m_;
+  const Vector3d centre = origin_m_ + motion_.centre_m, way = h * motion_.velocity_m_s();
+  const double around = 1.1 * (reach_m_ + spacing_m_) + way.norm();
+  AlignedBox3d box;
+  for (const SurfacePoint& point : contact_points_) box.extend(Vector3d(origin_m_ + predicted_m_[point.particle]));
+
+  std::vector<SurfaceElement> own;
+  for (MovingBody* body : context.bodies) {
+    const Pose from_before = body->before.inverse(), at = body->at_end(), from_at = at.inverse();
+    if (body->shape->sample(from_at * centre).distance_m > around + h * body->fastest_m_s()) continue;
+    const double friction = mixed_friction(material_.friction, body->friction);
+    const auto add = [&](uint32_t particle, const Vector3d& normal, double gap) {
+      TouchRow row;
+      row.a = &side;
+      row.b = body;
+      row.spot_a = spot_of(particle);
+      row.point_m = origin_m_ + predicted_m_[particle];
+      // A first-order step turns a particle's impulse about where it was before.
+      row.spot_b = body->spot_at(row.point_m, origin_m_ + positions_m_[particle]);
+      row.normal = normal;
+      row.gap_m = gap;
+      row.friction = friction;
+      row.met_id = body->contact_id;
+      rows.push_back(row);
+    };
+    for (const SurfacePoint& point : contact_points_) {
+      const DistanceField::Sample found =
+          gap_after_way(*body->shape, from_before * Vector3d(origin_m_ + positions_m_[point.particle]),
+                        from_at * Vector3d(origin_m_ + predicted_m_[point.particle]));
+      const double gap = found.distance_m - point.radius_m;
+      if (gap <= margin) add(point.particle, at.orientation * found.gradient, gap);
+    }
+    if (body->shape->is_ball()) continue;
+    if (own.empty()) {
+      for (const SurfacePoint& point : surface_) {
+        own.push_back({origin_m_ + predicted_m_[point.particle], Vector3d::Zero(), point.radius_m, point.particle});
+      }
+    }
+    const ElementGrid grid(own, element_reach_m());
+    for (const Vector3d& corner : body->shape->contact_points_m) {
+      const Vector3d point = at * corner;
+      if (!box.contains(point)) continue;
+      const auto depth = grid.depth(point);
+      if (depth && depth->distance_m <= 0.0) add(depth->element, -depth->normal, depth->distance_m);
+    }
+  }
+  for (const ElasticNeighbour& other : context.others) {
+    std::vector<SurfaceElement> elements;
+    const Vector3d room = Vector3d::Constant(other.body->element_reach_m());
+    other.body->surface_elements(AlignedBox3d(box.min() - room, box.max() + room), elements);
+    if (elements.empty()) continue;
+    const ElementGrid grid(elements, other.body->element_reach_m());
+    const double friction = mixed_friction(material_.friction, other.body->material().friction);
+    for (const SurfacePoint& point : surface_) {
+      const Vector3d at = origin_m_ + predicted_m_[point.particle];
+      const auto depth = grid.depth_after_way(at, way - h * other.body->velocity_m_s());
+      if (!depth || depth->distance_m - point.radius_m > margin) continue;
+      TouchRow row;
+      row.a = &side;
+      row.b = &other.body->contact_side(h);
+      row.spot_a = spot_of(point.particle);
+      row.spot_b = spot_of(depth->element);
+      row.point_m = at;
+      row.normal = depth->normal;
+      row.gap_m = depth->distance_m - point.radius_m;
+      row.friction = friction;
+      row.met_id = other.contact_id;
+      rows.push_back(row);
+    }
+  }
+}
+
+}  // namespace livegs

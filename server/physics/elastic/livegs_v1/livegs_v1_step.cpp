@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The substep of the baseline: what drives it, contact, velocities from positions.
+#include <algorithm>
+#include <cmath>
+
+#include "core/log.h"
+#include "physics/elastic/livegs_v1/livegs_v1_body.h"
+
+namespace livegs {
+namespace {
+
+using Eigen::Vector3d;
+
+// A substep in which gravity crosses a spacing would lay the whole body flat on the ground. It is taken as several of
+// the paper's own length, where the paper's d_R means what it meant there. No step that the baseline is for is so long
+// (2.7 mm particles at 60 Hz and one substep are the first), so its dependence on the step stays what it is.
+constexpr int kMostSteps = 1000;
+// A particle that goes further than this part of a spacing is followed along its way, or it would jump over the ground.
+constexpr double kFollowedWay = 0.5;
+constexpr int kMostProbes = 200;
+
+// Where a point on its way first meets the collider, by sphere tracing; `gap_m` is how near counts, and the least step.
+struct Meeting {
+  Vector3d point_m, normal;
+};
+std::optional<Meeting> first_meeting(const Collider& collider, const Vector3d& start_m, const Vector3d& way_m,
+                                     double radius_m, double gap_m) {
+  const double length = way_m.norm();
+  double gone = 0.0;
+  for (int probe = 0; probe < kMostProbes && gone < length; ++probe) {
+    const Vector3d point = start_m + gone / length * way_m;
+    const SurfaceSample surface = sample_surface(collider, point);
+    const double free = surface.distance_m - radius_m;
+    if (free <= gap_m && surface.normal.dot(way_m) < 0.0) return Meeting{point, surface.normal};
+    gone += std::max(free, gap_m);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+int LivegsV1Body::begin_substep(const SubstepContext& context) {
+  const double end_s = context.start_s + context.duration_s;
+  forced_ = driven(context.start_s, end_s);
+  for (const PointForce& force : context.forces) forced_ = forced_ || force.force_n.squaredNorm() > 0.0;
+  if (asleep()) {
+    const bool touched = forced_ || meets_awake(context);
+    if (!touched) return 0;
+    wake();
+  }
+  touching_ = false;
+  return steps_of(context);
+}
+
+void LivegsV1Body::end_substep(const SubstepContext& context) {
+  supported_ = touching_ || held_ || context.gravity_m_s2.squaredNorm() == 0.0;
+}
+
+// How many steps the substep is taken as; 0 where even the most are too long.
+int LivegsV1Body::steps_of(const SubstepContext& context) {
+  const double fall_m = context.duration_s * context.duration_s * context.gravity_m_s2.norm();
+  if (fall_m <= spacing_m_) return 1;
+  const double steps = std::max(2.0, std::ceil(context.duration_s / kPaperSubstep_s - 1e-9));
+  const bool refused = !(steps <= kMostSteps);
+  if (!warned_of_step_) {
+    log_warn("object %u: livegs-v1 %s a substep of %g s, in which gravity alone moves it %g m and its particles are "
+             "%g m apart; raise the rate or the substeps",
+             object_id_, refused ? "stands still for" : "takes several steps in place of", context.duration_s, fall_m,
+             spacing_m_);
+    warned_of_step_ = true;
+  }
+  return refused ? 0 : static_cast<int>(steps);
+}
+
+void LivegsV1Body::begin_step(const SubstepPart& part, const SubstepContext& context) {
+  drive(context, context.start_s + part.began_s + part.duration_s, part.duration_s);
+  match_shapes(blend(part.duration_s));
+  in_step_ = true;
+}
+
+void LivegsV1Body::end_step(const SubstepPart& part, const SubstepContext& context) {
+  const double h = part.duration_s;
+  resolve_contacts(context, h);
+  for (size_t i = 0; i < positions_m_.size(); ++i) velocities_m_s_[i] = (predicted_m_[i] - positions_m_[i]) / h;
+  std::swap(positions_m_, predicted_m_);
+  motion_ = mass_motion(positions_m_, velocities_m_s_, masses_kg_);
+  reach_m_ = 0.0;
+  for (const Vector3d& x : positions_m_) reach_m_ = std::max(reach_m_, (x - motion_.centre_m).norm());
+  in_step_ = false;
+}
+
+// Damping takes from the deviation of old velocities from the body's motion as a whole, which is none for a body that
+// is held somewhere; forces are not damped, or a load would weigh less.
+void LivegsV1Body::drive(const SubstepContext& context, double end_s, double h) {
+  const double kept = 1.0 / (1.0 + h * damping_rate(h));
+  if (kept < 1.0) {
+    const Vector3d velocity = anchored_ ? Vector3d::Zero().eval() : motion_.velocity_m_s();
+    const Vector3d spin = anchored_ ? Vector3d::Zero().eval() : motion_.angular_velocity_rad_s();
+    for (size_t i = 0; i < positions_m_.size(); ++i) {
+      const Vector3d whole = velocity + spin.cross(positions_m_[i] - motion_.centre_m);
+      velocities_m_s_[i] = whole + kept * (velocities_m_s_[i] - whole);
+    }
+  }
+  for (const PointForce& force : context.forces) {
+    const size_t i = nearest_particle(force.point_m);
+    velocities_m_s_[i] += h / masses_kg_[i] * force.force_n;
+  }
+  for (const Load& load : loads_) velocities_m_s_[load.particle] += h / masses_kg_[load.particle] * load.force_n;
+  for (size_t i = 0; i < positions_m_.size(); ++i) {
+    predicted_m_[i] = positions_m_[i];
+    if (!held(i)) predicted_m_[i] += h * (velocities_m_s_[i] + h * context.gravity_m_s2);
+  }
+  for (const uint32_t i : driven_) predicted_m_[i] = prescribed_m(i, end_s);
+}
+
+void LivegsV1Body::resolve_contacts(const SubstepContext& context, double h) {
+  // About the centre: a radius that holds every particle before and after.
+  double swept = reach_m_;
+  for (const Vector3d& x : predicted_m_) swept = std::max(swept, (x - motion_.centre_m).norm());
+  swept = 1.1 * (swept + spacing_m_);
+  const Vector3d centre = origin_m_ + motion_.centre_m;
+  reachable_colliders(context.colliders, centre, swept, reachable_);
+
+  for (const SurfacePoint& point : contact_points_) {
+    const size_t i = point.particle;
+    for (const Collider* collider : reachable_) {
+      const double friction = mixed_friction(material_.friction, collider->friction);
+      const auto push = [&](const Vector3d& normal, double depth_m) {
+        touching_ = true;
+        if (held(i)) return;
+        const Vector3d correction = contact_correction(normal, depth_m, predicted_m_[i] - positions_m_[i], friction);
+        predicted_m_[i] += correction;
+        const double impulse_n_s = masses_kg_[i] * correction.norm() / h;
+        contact_tally_.impulse_n_s += impulse_n_s;
+        contact_tally_.moment += impulse_n_s * (origin_m_ + predicted_m_[i]);
+      };
+      const Vector3d way = predicted_m_[i] - positions_m_[i];
+      if (way.norm() > kFollowedWay * spacing_m_) {
+        const auto met = first_meeting(*collider, origin_m_ + positions_m_[i], way, point.radius_m, 0.01 * spacing_m_);
+        const double depth = met ? met->normal.dot(met->point_m - origin_m_ - predicted_m_[i]) : 0.0;
+        if (depth > 0.0) push(met->normal, depth);
+      }
+      const SurfaceSample surface = sample_surface(*collider, origin_m_ + predicted_m_[i]);
+      const double depth = point.radius_m - surface.distance_m;
+      if (depth > 0.0) push(surface.normal, depth);
+    }
+  }
+}
+
+void LivegsV1Body::end_frame(double frame_s) {
+  if (asleep()) return;
+  for (Vector3d& x : positions_m_) x -= motion_.centre_m;
+  origin_m_ += motion_.centre_m;
+  motion_.centre_m.setZero();
+  orientation_ = centre_pose().orientation;
+  double fastest = 0.0;
+  for (const Vector3d& v : velocities_m_s_) fastest = std::max(fastest, v.squaredNorm());
+  if (rest_clock_.tick(frame_s, std::sqrt(fastest), supported_, forced_)) sleep();
+}
+
+}  // namespace livegs

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "physics/elastic/resolution/lattice_resolution.h"
+#include "physics/elastic/cells/cell_stiffness.h"
+
+namespace livegs {
+namespace {
+
+constexpr double kLeastExact = 4.0, kLeastExactPerBulk = 0.9, kLeastBand = 1.1;
+// Of what is predicted; with what is measured beside it, bodies called exact are within 5 % (tests/accuracy/tension_test.cpp).
+constexpr double kExactWithin = 0.04;
+// Of the ceiling: a modulus far above it shows less than one just above it.
+constexpr double kLeastOfCeiling = 0.45, kMostOfCeiling = 1.1;
+// Of so many cells along a body shows up to this times more than that, measured: 1.4 at 8, 1.7 at 6, 2.1 at 4, 1.8 at 3.
+constexpr double kEndsOverCeiling = 4.5;
+// What pulls at the ends of so few cells in steps so long never lets them rest: there is nothing to tell.
+constexpr double kFew = 4.5, kFewInARow = 3.5, kOneAcross = 1.5, kRestlessEnds = 0.25, kMostEnds = 0.5;
+
+// Measured E_app / E against Ybar, with the ends of the band put on: softness from elastic-study.md 3 (each column of
+// Courant numbers turned into Ybar by its thickness), stiffness from this solver, which is stiffer than the study's
+// prototype past the exact range: at 4 cells across 1.03, 1.14, 1.37, 1.6 at Co 0.9, 1.2, 1.35, 1.7.
+struct Point {
+  double y, ratio;
+};
+template <size_t kCount>
+double interpolate(const std::array<Point, kCount>& points, double y) {
+  if (y <= points.front().y) return points.front().ratio;
+  for (size_t i = 1; i < kCount; ++i) {
+    if (y > points[i].y) continue;
+    const double s = (y - points[i - 1].y) / (points[i].y - points[i - 1].y);
+    return points[i - 1].ratio + s * (points[i].ratio - points[i - 1].ratio);
+  }
+  return points.back().ratio;
+}
+
+// The softest: up to nu .3, and at .45.
+constexpr std::array<Point, 4> kSoftest30 = {{{1.1, 0.84}, {1.39, 0.88}, {2.17, 0.965}, {4.0, 0.97}}};
+constexpr std::array<Point, 5> kSoftest45 = {{{1.1, 0.79}, {1.39, 0.82}, {2.17, 0.91}, {3.1, 0.95}, {6.7, 0.98}}};
+// The stiffest: one cell across, two, and four or more.
+constexpr std::array<Point, 3> kStiffest1 = {{{1.1, 2.2}, {2.0, 1.5}, {4.5, 1.1}}};
+constexpr std::array<Point, 4> kStiffest2 = {{{1.1, 2.1}, {2.0, 1.35}, {3.0, 1.2}, {4.0, 1.08}}};
+constexpr std::array<Point, 4> kStiffest4 = {{{1.1, 1.7}, {2.0, 1.4}, {3.0, 1.12}, {4.0, 1.06}}};
+
+double softest(double y, double poisson_ratio) {
+  if (poisson_ratio >= 0.45) return interpolate(kSoftest45, y * (1.0 - 2.0 * poisson_ratio) / 0.1);
+  const double share = std::clamp((poisson_ratio - 0.3) / 0.15, 0.0, 1.0);
+  return (1.0 - share) * interpolate(kSoftest30, y) + share * interpolate(kSoftest45, y);
+}
+
+double stiffest(double y, double cells_across) {
+  const double one = interpolate(kStiffest1, y), two = interpolate(kStiffest2, y), four = interpolate(kStiffest4, y);
+  if (cells_across <= 1.0) return one;
+  if (cells_across <= 2.0) return one + (cells_across - 1.0) * (two - one);
+  return two + std::min(0.5 * (cells_across - 2.0), 1.0) * (four - two);
+}
+
+}  // namespace
+
+double mean_sweep_compliance(const Lattice& lattice, std::span<const double> inverse_masses_per_kg,
+                             double youngs_modulus_pa, double step_s) {
+  double volume = 0.0, sum = 0.0;
+  for (const LatticeCell& cell : lattice.cells) {
+    std::array<double, 8> inverse;
+    for (int c = 0; c < 8; ++c) inverse[c] = inverse_masses_per_kg[cell.nodes[c]];
+    const double own_mobility = make_cell_block(cell, lattice.cell_width_m, inverse).mobility.trace() / 3.0;
+    if (own_mobility <= 0.0) continue;
+    volume += cell.volume_m3;
+    sum += 1.0 / (youngs_modulus_pa * step_s * step_s * own_mobility);  // V Y
+  }
+  return volume > 0.0 ? sum / volume : std::numeric_limits<double>::infinity();
+}
+
+double thin_part(const Lattice& lattice, bool loose) {
+  constexpr double kAlong = 0.98;  // cos of 11 degrees
+  double thin_m3 = 0.0, all_m3 = 0.0;
+  for (const LatticeCell& cell : lattice.cells) {
+    all_m3 += cell.volume_m3;
+    if (!cell.thin) continue;
+    const Eigen::Vector3d& variance = cell.thin->variance_m2;
+    const bool sheet = variance[1] * variance[1] > variance[0] * variance[2];
+    const double along = cell.thin->axes.col(sheet ? 0 : 2).cwiseAbs().maxCoeff();
+    if (loose || along < kAlong) thin_m3 += cell.volume_m3;
+  }
+  return all_m3 > 0.0 ? thin_m3 / all_m3 : 0.0;
+}
+
+double modulus_ceiling_pa(const Lattice& lattice, double density_kg_m3, double step_s) {
+  const double fullness = static_cast<double>(lattice.cells.size()) / static_cast<double>(lattice.node_coordinates.size());
+  const double speed_m_s = lattice.cell_width_m / step_s;
+  // 1.85 without compensation (elastic-study.md 2.4); with it 4.4 at nu 0, 4.1 at .3, 3.9 at .45, measured.
+  return 4.15 * density_kg_m3 * speed_m_s * speed_m_s * fullness;
+}
+
+double end_excess(double courant, double cells_along) { return 2.0 * courant * courant / cells_along; }
+
+ModulusBand band_of(const BandDemand& demand) {
+  const double y = demand.mean_sweep_compliance, ends = end_excess(demand.courant, demand.cells_along);
+  const double few = demand.cells_across < kOneAcross ? kFewInARow : kFew;
+  if (demand.cells_along < few && ends > kRestlessEnds) return {ElasticBand::Unknown, 0.0, 0.0};
+  if (y < kLeastBand && demand.ceiling_ratio < 1.0) {
+    const double most = kMostOfCeiling * (1.0 + kEndsOverCeiling / demand.cells_along);
+    const double most_across = kMostOfCeiling * (1.0 + kEndsOverCeiling / demand.cells_across);
+    return {ElasticBand::Clipped, kLeastOfCeiling * demand.ceiling_ratio, most * demand.ceiling_ratio,
+            most_across * demand.ceiling_ratio};
+  }
+  const double ends_across = end_excess(demand.courant, demand.cells_across);
+  const double across = 1.0 / (1.0 - std::min(ends_across, kMostEnds));
+  if (y > kLeastExact && y > kLeastExactPerBulk / (1.0 - 2.0 * demand.poisson_ratio) && ends <= kMostEndExcess) {
+    return {ElasticBand::Exact, 1.0 - kExactWithin, 1.0 + kExactWithin, std::max(across, 1.0 + kExactWithin)};
+  }
+  const double inside = stiffest(y, demand.cells_across);
+  return {ElasticBand::Band, softest(y, demand.poisson_ratio), inside / (1.0 - std::min(ends, kMostEnds)), inside * across};
+}
+
+}  // namespace livegs

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "physics/elastic/rigid_proxy.h"
+
+#include <algorithm>
+
+#include "physics/motion/free_rotation.h"
+#include "physics/collision/conservative_advancement.h"
+
+namespace livegs {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// Ways longer than this part of a body's smallest side are followed.
+constexpr double kFollowedWay = 0.2;
+
+Matrix3d cross_matrix(const Vector3d& v) {
+  Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+}  // namespace
+
+void MovingBody::begin_step(double began, double step, double substep_s) {
+  before = began > 0.0 ? at_end() : start;
+  began_s = began;
+  step_s = step;
+  expected_part = (began + step) / substep_s;
+}
+
+Pose MovingBody::at_end() const {
+  return {before.position_m + step_s * (velocity_m_s + expected_part * expected_m_s),
+          (rotation_exp(step_s * (spin_rad_s + expected_part * expected_rad_s)) * before.orientation).normalized()};
+}
+
+double MovingBody::fastest_m_s() const {
+  return (velocity_m_s + expected_m_s).norm() + (spin_rad_s + expected_rad_s).norm() * shape->bounding_radius_m;
+}
+
+ContactSpot MovingBody::spot_at(const Vector3d& point_m, const Vector3d& acts_m) const {
+  const Vector3d point_before = before * Vector3d(at_end().inverse() * point_m);
+  ContactSpot spot;
+  spot.arm_m = acts_m - before.position_m;
+  spot.base_m = point_m - point_before - step_s * (velocity_m_s + spin_rad_s.cross(spot.arm_m));
+  return spot;
+}
+
+Matrix3d MovingBody::response(const ContactSpot& spot) const {
+  const Matrix3d cross = cross_matrix(spot.arm_m);
+  return step_s * (inverse_mass * Matrix3d::Identity() - cross * inverse_inertia * cross);
+}
+
+Vector3d MovingBody::way_m(const ContactSpot& spot) const {
+  return spot.base_m + step_s * (velocity_m_s + spin_rad_s.cross(spot.arm_m));
+}
+
+void MovingBody::give(const ContactSpot& spot, const Vector3d&, const Vector3d& impulse) {
+  const Vector3d turn = spot.arm_m.cross(impulse);
+  const Vector3d gained = inverse_mass * impulse, turned = inverse_inertia * turn;
+  velocity_m_s += gained;
+  spin_rad_s += turned;
+  impulse_n_s += impulse;
+  angular_impulse += turn;
+  late_m += began_s * gained;
+  late_rad += began_s * turned;
+}
+
+void MovingBody::turn(const Vector3d& couple) {
+  const Vector3d turned = inverse_inertia * couple;
+  spin_rad_s += turned;
+  angular_impulse += couple;
+  late_rad += began_s * turned;
+}
+
+void MovingBody::count(const ContactSpot&, const Vector3d& point_m, const Vector3d& impulse) {
+  const double size = impulse.norm();
+  contact_impulse_n_s += size;
+  contact_moment += size * point_m;
+  steps_n_s += size * (began_s + step_s) / (step_s * expected_part);
+}
+
+DistanceField::Sample gap_after_way(const RigidShape& shape, const Vector3d& from_m, const Vector3d& to_m) {
+  const Vector3d way = to_m - from_m;
+  const double smallest = (shape.max_m - shape.min_m).minCoeff();
+  if (way.norm() > kFollowedWay * smallest) {
+    const auto sample = [&](const Vector3d& point) {
+      const DistanceField::Sample found = shape.sample(point);
+      return SurfaceSample{found.distance_m, found.gradient};
+    };
+    const auto hit = sweep_sphere(sample, from_m, way, 0.0, 0.01 * smallest);
+    if (hit) return {hit->separation_m + hit->normal.dot(way), hit->normal};
+  }
+  return shape.sample(to_m);
+}
+
+}  // namespace livegs

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "physics/elastic/step_elastic_bodies.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "physics/elastic/rigid_proxy.h"
+
+namespace livegs {
+
+void step_elastic_bodies(std::span<SteppedBody> bodies) {
+  int count = 0;
+  for (SteppedBody& stepped : bodies) {
+    stepped.steps = stepped.body->begin_substep(stepped.context);
+    count = std::max(count, stepped.steps);
+  }
+  if (count == 0) return;
+  std::vector<MovingBody*> moving;
+  for (const SteppedBody& stepped : bodies) {
+    moving.insert(moving.end(), stepped.context.bodies.begin(), stepped.context.bodies.end());
+  }
+  std::sort(moving.begin(), moving.end(),
+            [](const MovingBody* a, const MovingBody* b) { return a->contact_id < b->contact_id; });
+  moving.erase(std::unique(moving.begin(), moving.end()), moving.end());
+
+  const double substep_s = bodies.front().context.duration_s;
+  std::vector<TouchRow> rows;
+  std::vector<size_t> row_ends(bodies.size());
+  for (int k = 0; k < count; ++k) {
+    const SubstepPart part{k * (substep_s / count), substep_s / count};
+    for (SteppedBody& stepped : bodies) {
+      // A sleeper that was pushed in the last step takes part from now on.
+      if (stepped.steps == 0 && k > 0 && !stepped.body->asleep()) {
+        stepped.steps = stepped.body->begin_substep(stepped.context);
+      }
+      if (stepped.steps > 0) stepped.body->begin_step(part, stepped.context);
+    }
+    for (MovingBody* body : moving) body->begin_step(part.began_s, part.duration_s, substep_s);
+    rows.clear();
+    for (size_t i = 0; i < bodies.size(); ++i) {
+      if (bodies[i].steps > 0) bodies[i].body->list_contacts(part, bodies[i].context, rows);
+      row_ends[i] = rows.size();
+    }
+    if (!rows.empty()) solve_rows(rows, part.duration_s);
+    for (size_t i = 0, begin = 0; i < bodies.size(); begin = row_ends[i++]) {
+      const std::span listed(rows.begin() + static_cast<std::ptrdiff_t>(begin), rows.begin() + static_cast<std::ptrdiff_t>(row_ends[i]));
+      if (bodies[i].steps > 0) bodies[i].body->take_rows(listed);
+      if (!bodies[i].context.met) continue;
+      for (const TouchRow& row : listed) {
+        if (row.normal_impulse_n_s > 0.0) bodies[i].context.met->push_back(row.met_id);
+      }
+    }
+    for (SteppedBody& stepped : bodies) {
+      if (stepped.steps > 0) stepped.body->end_step(part, stepped.context);
+    }
+  }
+  for (SteppedBody& stepped : bodies) {
+    if (stepped.steps > 0) stepped.body->end_substep(stepped.context);
+  }
+}
+
+}  // namespace livegs

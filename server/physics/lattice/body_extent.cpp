@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/inside_grid.h"
+#include "physics/lattice/cut_boxes.h"
+#include "physics/lattice/lattice.h"
+
+namespace livegs {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// The principal axes are taken when their bounding box is smaller than this part of the object axes' one.
+constexpr double kTighter = 0.9;
+
+struct Bounds {
+  Vector3d min = Vector3d::Constant(1e300), max = Vector3d::Constant(-1e300);
+  void add(const Vector3d& point, double half = 0.0) {
+    min = min.cwiseMin(point - Vector3d::Constant(half));
+    max = max.cwiseMax(point + Vector3d::Constant(half));
+  }
+  double volume() const { return (max - min).prod(); }
+};
+
+// Of a mesh where its vertices are: cubes about the few particles of a slender bar lie tighter along some oblique axes.
+Bounds bounds_along(const ParticleSet& particles, const Matrix3d& lattice_from_object) {
+  Bounds bounds;
+  for (const Vector3d& vertex : particles.mesh_vertices_m) bounds.add(lattice_from_object * vertex);
+  if (!particles.mesh_vertices_m.empty()) return bounds;
+  for (size_t i = 0; i < particles.positions_m.size(); ++i) {
+    bounds.add(lattice_from_object * particles.positions_m[i], 0.5 * std::cbrt(particles.volumes_m3[i]));
+  }
+  return bounds;
+}
+
+Matrix3d principal_axes(const ParticleSet& particles) {
+  Vector3d centre = Vector3d::Zero();
+  double volume = 0.0;
+  for (size_t i = 0; i < particles.positions_m.size(); ++i) {
+    centre += particles.volumes_m3[i] * particles.positions_m[i];
+    volume += particles.volumes_m3[i];
+  }
+  centre /= volume;
+  Matrix3d covariance = Matrix3d::Zero();
+  for (size_t i = 0; i < particles.positions_m.size(); ++i) {
+    const Vector3d r = particles.positions_m[i] - centre;
+    covariance += particles.volumes_m3[i] * r * r.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(covariance);
+  Matrix3d axes = solver.eigenvectors();
+  for (int d = 0; d < 3; ++d) {  // the sign of an eigenvector is arbitrary: its largest entry is made positive
+    Eigen::Index largest;
+    axes.col(d).cwiseAbs().maxCoeff(&largest);
+    if (axes(largest, d) < 0.0) axes.col(d) = -axes.col(d);
+  }
+  if (axes.determinant() < 0.0) axes.col(2) = -axes.col(2);
+  return axes;
+}
+
+// How far the surface goes: of a mesh where all its vertices are, of a list of points where they are.
+Bounds surface_bounds(const ParticleSet& particles, const Matrix3d& lattice_from_object) {
+  Bounds bounds;
+  const auto& points = particles.mesh_vertices_m.empty() ? particles.positions_m : particles.mesh_vertices_m;
+  for (const Vector3d& point : points) bounds.add(lattice_from_object * point);
+  return bounds;
+}
+
+// Whether the voxel centres alone describe the solid: they hold most of its volume, and reach to within a voxel of
+// every face. Then mesh vertices, which would carry mass half outside the body, are contact samples only. A potted
+// plant fails the second test: its leaves hold no voxel centre, and the pot must not be stretched over them.
+bool voxels_fill(const ParticleSet& particles, double volume, const Matrix3d& lattice_from_object,
+                 const Bounds& surface) {
+  if (particles.surface_carries || particles.on_surface.size() != particles.positions_m.size()) return false;
+  Bounds voxels;
+  size_t count = 0;
+  for (size_t i = 0; i < particles.positions_m.size(); ++i) {
+    if (particles.on_surface[i]) continue;
+    voxels.add(lattice_from_object * particles.positions_m[i], 0.5 * particles.spacing_m);
+    ++count;
+  }
+  const bool of_mesh = !particles.mesh_vertices_m.empty();
+  if (count == 0 || (count == particles.positions_m.size() && !of_mesh)) return false;
+  if (static_cast<double>(count) * std::pow(particles.spacing_m, 3) <= 0.5 * volume) return false;
+  const double reach = particles.spacing_m * (1.0 + 1e-6);
+  return ((voxels.min - surface.min).cwiseAbs().array() <= reach).all() &&
+         ((voxels.max - surface.max).cwiseAbs().array() <= reach).all();
+}
+
+// Whole voxels end before or after the true faces. Of a compact body along the object's axes the outermost are cut or
+// lengthened to them: a box is filled exactly. Volumes were shared by samples, some to an edge of a voxel: a box that has
+// about its own is taken to be full, and what that adds or takes is made up by the others. False, and nothing changed, where
+// full ones are not nearly all.
+bool end_at_faces(const Bounds& surface, double volume, BodyExtent& extent) {
+  constexpr double kAbout = 0.25, kRounding = 1e-6, kNearlyAll = 0.8, kFilled = 0.999;
+  // What fills its bounding box has no partial ones: its sections are as wide as they look.
+  const bool filled = volume >= kFilled * surface.volume();
+  std::vector<MassBox> boxes = extent.boxes;
+  std::vector<char> full;
+  double full_m3 = 0.0, partial_m3 = 0.0;
+  for (MassBox& box : boxes) {
+    Vector3d low = box.centre_m - box.half_m, high = box.centre_m + box.half_m;
+    const double edge = 2.0 * box.half_m.x();
+    for (int d = 0; d < 3; ++d) {
+      if (low[d] < extent.min_m[d] + kRounding * edge) low[d] = surface.min[d];
+      if (high[d] > extent.max_m[d] - kRounding * edge) high[d] = surface.max[d];
+      low[d] = std::clamp(low[d], surface.min[d], box.centre_m[d]);
+      high[d] = std::clamp(high[d], box.centre_m[d], surface.max[d]);
+    }
+    const double own_m3 = (high - low).prod();
+    box.centre_m = 0.5 * (low + high);
+    box.half_m = 0.5 * (high - low);
+    full.push_back(filled || std::abs(box.volume_m3 - own_m3) <= kAbout * own_m3);
+    if (full.back()) box.volume_m3 = own_m3;
+    (full.back() ? full_m3 : partial_m3) += box.volume_m3;
+  }
+  if (full_m3 < kNearlyAll * volume) return false;
+  // All of the change falls to the partial ones where they can bear it.
+  const bool bearable = partial_m3 > 0.0 && std::abs(volume - full_m3 - partial_m3) < 0.5 * partial_m3;
+  for (size_t i = 0; i < boxes.size(); ++i) {
+    if (!bearable) boxes[i].volume_m3 *= volume / (full_m3 + partial_m3);
+    if (bearable && !full[i]) boxes[i].volume_m3 *= (volume - full_m3) / partial_m3;
+  }
+  extent.boxes = std::move(boxes);
+  return true;
+}
+
+// A bar, a rod or a plate of less than some voxels has few particles inside, and cubes about its vertices are a poor picture
+// of it: a bar of 2.4 m by 0.1 m was held by a hinge, and a plate of 3 mm got 0.3 of its load. What fills a good part of
+// its bounds is cut into boxes of its own, along the lattice axes, no longer than a voxel and some to each edge. False, and
+// nothing changed, where they do not make up its volume.
+bool cut_mesh(const ParticleSet& particles, double volume, const Matrix3d& lattice_from_object, const Bounds& surface,
+              BodyExtent& extent) {
+  constexpr double kSolid = 0.4, kMadeUp = 0.1;
+  constexpr int kLeastEdge = 6, kMostEdge = 64;
+  const Vector3d size = surface.max - surface.min;
+  if (particles.mesh_triangles.empty() || !(volume > kSolid * size.prod())) return false;
+  RegularGrid grid;
+  for (int d = 0; d < 3; ++d) {
+    grid.counts[d] = static_cast<int>(std::clamp(std::ceil(size[d] / particles.spacing_m), 1.0 * kLeastEdge, 1.0 * kMostEdge));
+  }
+  const Vector3d edge = size.cwiseQuotient(grid.counts.cast<double>());
+  grid.origin_m = Vector3d::Constant(0.5);  // in edges of a box
+  TriangleMesh mesh;
+  mesh.triangles = particles.mesh_triangles;
+  for (const Vector3d& vertex : particles.mesh_vertices_m) {
+    mesh.vertices_m.push_back((lattice_from_object * vertex - surface.min).cwiseQuotient(edge));
+  }
+  const std::vector<uint8_t> inside = nodes_inside(mesh, grid);
+  const auto count = static_cast<double>(std::count(inside.begin(), inside.end(), 1));
+  if (std::abs(count * edge.prod() - volume) > kMadeUp * volume) return false;
+  extent.boxes.clear();
+  for (int k = 0; k < grid.counts.z(); ++k) {
+    for (int j = 0; j < grid.counts.y(); ++j) {
+      for (int i = 0; i < grid.counts.x(); ++i) {
+        if (!inside[grid.index(i, j, k)]) continue;
+        extent.boxes.push_back({surface.min + grid.point_m(i, j, k).cwiseProduct(edge), 0.5 * edge, volume / count});
+      }
+    }
+  }
+  extent.min_m = surface.min;
+  extent.max_m = surface.max;
+  return true;
+}
+
+}  // namespace
+
+BodyExtent measure_extent(const ParticleSet& particles) {
+  BodyExtent extent;
+  extent.spacing_m = particles.spacing_m;
+  extent.of_points = particles.mesh_vertices_m.empty();
+  Matrix3d lattice_from_object = Matrix3d::Identity();
+  const Matrix3d principal = principal_axes(particles).transpose();
+  if (bounds_along(particles, principal).volume() < kTighter * bounds_along(particles, lattice_from_object).volume()) {
+    lattice_from_object = principal;
+  }
+  extent.object_from_lattice = Eigen::Quaterniond(Matrix3d(lattice_from_object.transpose()));
+  if (lattice_from_object.isIdentity()) extent.object_from_lattice.setIdentity();
+
+  double volume = 0.0;
+  for (const double v : particles.volumes_m3) volume += v;
+  const Bounds surface = surface_bounds(particles, lattice_from_object);
+  const bool voxels_only = voxels_fill(particles, volume, lattice_from_object, surface);
+  Bounds material;
+  double used = 0.0;
+  for (size_t i = 0; i < particles.positions_m.size(); ++i) {
+    const Vector3d centre = lattice_from_object * particles.positions_m[i];
+    if (voxels_only && particles.on_surface[i]) continue;
+    const double half = voxels_only ? 0.5 * particles.spacing_m : 0.5 * std::cbrt(particles.volumes_m3[i]);
+    extent.boxes.push_back({centre, Vector3d::Constant(half), particles.volumes_m3[i]});
+    material.add(centre, half);
+    used += particles.volumes_m3[i];
+  }
+  extent.box_edge_m = voxels_only ? particles.spacing_m
+                                  : std::cbrt(volume / static_cast<double>(particles.positions_m.size()));
+  extent.min_m = material.min;
+  extent.max_m = material.max;
+  if (!voxels_only) {
+    extent.loose = !cut_mesh(particles, volume, lattice_from_object, surface, extent) && particles.surface_carries;
+    return extent;
+  }
+  for (MassBox& box : extent.boxes) box.volume_m3 *= volume / used;
+  if (!along_object_axes(extent) || !end_at_faces(surface, volume, extent)) {
+    // Voxels stand obliquely, or the body is little more than surface: all are stretched.
+    const Vector3d stretch = (surface.max - surface.min).cwiseQuotient(material.max - material.min);
+    for (MassBox& box : extent.boxes) {
+      box.centre_m = surface.min + (box.centre_m - material.min).cwiseProduct(stretch);
+      box.half_m = box.half_m.cwiseProduct(stretch);
+    }
+  }
+  extent.min_m = surface.min;
+  extent.max_m = surface.max;
+  return extent;
+}
+
+}  // namespace livegs

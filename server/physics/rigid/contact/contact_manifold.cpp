@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "physics/rigid/contact/contact_manifold.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace livegs {
+namespace {
+
+// Points whose depths differ by less than this part of the smaller bounding radius are equally deep: a box face that rests
+// is held by its corners, not by whichever point rounding made the deepest.
+constexpr double kEqualDepth = 0.002;
+// Contacts of a pair that moved against each other by less than this part of the smaller bounding radius are not looked
+// for again. A tenth of the margin within which they are found.
+constexpr double kStillPart = 0.1 * kContactMargin;
+
+using Chosen = std::vector<const ContactCandidate*>;
+
+// Up to four of `group` (its deepest first) that span it. Ties go to the lowest feature id, so that rounding does not
+// decide them.
+Chosen spread_points(Chosen group, double equal_depth_m) {
+  if (group.size() <= kMaxPatchPoints) return group;
+  const double deep_m = group[0]->separation_m + equal_depth_m;
+  std::sort(group.begin(), group.end(), [](const ContactCandidate* a, const ContactCandidate* b) {
+    return a->feature_id < b->feature_id;
+  });
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  double deep_count = 0.0;
+  for (const ContactCandidate* candidate : group) {
+    if (candidate->separation_m > deep_m) continue;
+    mean += candidate->point_m;
+    deep_count += 1.0;
+  }
+  mean /= deep_count;
+
+  // Shallow points count for less, so that a face far above does not outbid an edge that touches.
+  const auto weight = [&](const ContactCandidate& candidate) {
+    return 1.0 / (1.0 + std::max(0.0, candidate.separation_m - deep_m) / equal_depth_m);
+  };
+  Chosen chosen;
+  const auto choose = [&](const auto& score) {
+    const ContactCandidate* best = nullptr;
+    double best_score = 0.0;
+    for (const ContactCandidate* candidate : group) {
+      const double value = score(*candidate);
+      if (value > best_score * (1.0 + 1e-6)) {
+        best = candidate;
+        best_score = value;
+      }
+    }
+    if (best) chosen.push_back(best);
+  };
+  choose([&](const ContactCandidate& c) {
+    return c.separation_m > deep_m ? 0.0 : (c.point_m - mean).squaredNorm() + 1e-12;
+  });
+  const Eigen::Vector3d first = chosen[0]->point_m;
+  const Eigen::Vector3d normal = chosen[0]->normal;
+  choose([&](const ContactCandidate& c) { return weight(c) * (c.point_m - first).squaredNorm(); });
+  if (chosen.size() < 2) return chosen;
+  const Eigen::Vector3d along = chosen[1]->point_m - first;
+  // Twice the area of the triangle with the first two, signed; one per mille of their square is still a line.
+  const auto side = [&](const ContactCandidate& c) {
+    const double area = normal.dot(along.cross(c.point_m - first));
+    return std::abs(area) > 1e-3 * along.squaredNorm() ? area : 0.0;
+  };
+  choose([&](const ContactCandidate& c) { return weight(c) * std::max(0.0, side(c)); });
+  choose([&](const ContactCandidate& c) { return weight(c) * std::max(0.0, -side(c)); });
+  return chosen;
+}
+
+// The patch of the substep before that this one continues.
+const ContactPatch* earlier_patch(const RigidBody& body, const ContactPatch& patch) {
+  const ContactPatch* best = nullptr;
+  double best_cosine = kPatchNormalCosine;
+  for (const ContactPatch& earlier : body.previous_patches) {
+    if (earlier.other_id != patch.other_id) continue;
+    const double cosine = earlier.normal.dot(patch.normal);
+    if (cosine > best_cosine) {
+      best = &earlier;
+      best_cosine = cosine;
+    }
+  }
+  return best;
+}
+
+double earlier_impulse(const RigidBody& body, uint64_t other_id, uint64_t feature_id) {
+  for (const ContactPatch& earlier : body.previous_patches) {
+    if (earlier.other_id != other_id) continue;
+    for (int i = 0; i < earlier.point_count; ++i) {
+      if (earlier.points[i].feature_id == feature_id) return earlier.points[i].impulse_n_s;
+    }
+  }
+  return 0.0;
+}
+
+// The closing speed the point will have at the moment of touch, from the constant acceleration of the substep, and the one
+// that this would give from then on.
+void foresee_touch(const RigidBody& body, const RigidBody* other, const ContactCandidate& candidate,
+                   double duration_s, ContactPoint& point) {
+  Eigen::Vector3d velocity = body.point_velocity(candidate.point_m - body.world_from_body.position_m);
+  Eigen::Vector3d acceleration = body.substep_acceleration_m_s2;
+  if (other) {
+    velocity -= other->point_velocity(candidate.point_m - other->world_from_body.position_m);
+    acceleration -= other->substep_acceleration_m_s2;
+  }
+  const double normal_acceleration = candidate.normal.dot(acceleration);
+  const double closing = -(candidate.normal.dot(velocity) - normal_acceleration * duration_s);
+  const double gap = std::max(0.0, candidate.separation_m);
+  const double at_touch = std::sqrt(std::max(0.0, closing * closing - 2.0 * normal_acceleration * gap));
+  point.impact_speed_m_s = closing > 0.0 ? at_touch : 0.0;
+  point.approach_speed_m_s = std::max(0.0, closing);
+  const double until_touch = gap > 0.0 && closing + at_touch > 0.0 ? 2.0 * gap / (closing + at_touch) : 0.0;
+  point.until_touch_s = std::clamp(until_touch, 0.0, duration_s);
+  point.carried_speed_m_s = -std::min(0.0, normal_acceleration) * (duration_s - point.until_touch_s);
+}
+
+// Friction acts where the pressure of the substep before had its centre.
+void find_centre(const RigidBody& body, ContactPatch& patch) {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  double weight = 0.0;
+  for (int i = 0; i < patch.point_count; ++i) {
+    centre += patch.points[i].impulse_n_s * patch.points[i].arm_a_m;
+    weight += patch.points[i].impulse_n_s;
+  }
+  if (weight <= 0.0) {
+    centre.setZero();
+    for (int i = 0; i < patch.point_count; ++i) centre += patch.points[i].arm_a_m;
+    weight = patch.point_count;
+  }
+  patch.arm_a_m = centre / weight;
+  patch.arm_body_m = body.world_from_body.orientation.conjugate() * patch.arm_a_m;
+  patch.twist_radius_m = 0.0;
+  for (int i = 0; i < patch.point_count; ++i) {
+    patch.twist_radius_m += (patch.points[i].arm_a_m - patch.arm_a_m).norm() / patch.point_count;
+  }
+}
+
+Pose first_from_other(const RigidBody& body, const RigidBody& other) {
+  return body.world_from_body.inverse() * other.world_from_body;
+}
+
+void remember(const RigidBody& body, ContactPatch& patch) {
+  const Pose& other = patch.other->world_from_body;
+  patch.lasts = true;
+  patch.normal_is_others = patch.turns;  // points of the first body lie on a face of the other
+  const Eigen::Quaterniond& axes = patch.normal_is_others ? other.orientation : body.world_from_body.orientation;
+  patch.found_normal = axes.conjugate() * patch.normal;
+  const Pose relative = first_from_other(body, *patch.other);
+  patch.found_turn = relative.orientation;
+  patch.found_shift_m = relative.position_m;
+  for (int i = 0; i < patch.point_count; ++i) {
+    ContactPoint& point = patch.points[i];
+    point.anchor_b_m = other.orientation.conjugate() *
+                       (body.world_from_body.position_m + point.arm_a_m - point.separation_m * point.normal -
+                        other.position_m);
+  }
+}
+
+}  // namespace
+
+bool continue_patch(RigidBody& body, const ContactPair& pair, double duration_s) {
+  const ContactPatch* earlier = nullptr;
+  for (const ContactPatch& patch : body.previous_patches) {
+    if (patch.other_id == pair.other_id && patch.lasts) earlier = &patch;
+  }
+  if (!earlier) return false;
+  const RigidBody& other = *earlier->other;
+  const Pose relative = first_from_other(body, other);
+  const double tolerance = kStillPart * pair.size_m;
+  const double turn = 2.0 * (relative.orientation.conjugate() * earlier->found_turn).vec().norm();
+  if ((relative.position_m - earlier->found_shift_m).squaredNorm() > tolerance * tolerance ||
+      turn * pair.size_m > tolerance) {
+    return false;
+  }
+  ContactPatch patch = *earlier;
+  patch.friction = pair.friction;
+  patch.restitution = pair.restitution;
+  const Pose& place = body.world_from_body;
+  patch.normal = (patch.normal_is_others ? other.world_from_body.orientation : place.orientation) * patch.found_normal;
+  for (int i = 0; i < patch.point_count; ++i) {
+    ContactPoint& point = patch.points[i];
+    point.normal = patch.normal;
+    point.arm_a_m = place.orientation * point.arm_body_m;
+    const Eigen::Vector3d on_first = place.position_m + point.arm_a_m;
+    point.separation_m = patch.normal.dot(on_first - other.world_from_body * point.anchor_b_m);
+    point.largest_impulse_n_s = 0.0;
+    foresee_touch(body, pair.other, {point.feature_id, on_first, patch.normal, point.separation_m}, duration_s, point);
+  }
+  find_centre(body, patch);
+  body.patches.push_back(patch);
+  return true;
+}
+
+void append_patches(RigidBody& body, const ContactPair& pair, double duration_s,
+                    std::vector<ContactCandidate>& candidates) {
+  // What is not finite has no order and touches nothing.
+  std::erase_if(candidates, [](const ContactCandidate& candidate) {
+    return !std::isfinite(candidate.separation_m) || !candidate.point_m.allFinite() || !candidate.normal.allFinite();
+  });
+  std::sort(candidates.begin(), candidates.end(), [](const ContactCandidate& a, const ContactCandidate& b) {
+    return a.separation_m != b.separation_m ? a.separation_m < b.separation_m : a.feature_id < b.feature_id;
+  });
+  const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
+  std::vector<char> taken(candidates.size(), 0);
+  for (size_t seed = 0; seed < candidates.size(); ++seed) {
+    if (taken[seed]) continue;
+    Chosen group;
+    for (size_t i = seed; i < candidates.size(); ++i) {
+      if (taken[i] || candidates[i].normal.dot(candidates[seed].normal) < kPatchNormalCosine) continue;
+      taken[i] = 1;
+      group.push_back(&candidates[i]);
+    }
+    Chosen chosen = spread_points(std::move(group), kEqualDepth * pair.size_m);
+    std::sort(chosen.begin(), chosen.end(), [](const ContactCandidate* a, const ContactCandidate* b) {
+      return a->feature_id < b->feature_id;
+    });
+
+    ContactPatch patch;
+    patch.other = pair.other;
+    patch.other_id = pair.other_id;
+    patch.friction = pair.friction;
+    patch.restitution = pair.restitution;
+    patch.restitution_speed_m_s = pair.restitution_speed_m_s;
+    patch.push_speed_m_s = pair.push_speed_m_s;
+    patch.turns = chosen.back()->feature_id < kForeignFeature;
+    patch.normal.setZero();
+    for (const ContactCandidate* candidate : chosen) {
+      ContactPoint& point = patch.points[patch.point_count++];
+      point.feature_id = candidate->feature_id;
+      point.normal = candidate->normal;
+      point.arm_a_m = candidate->point_m - body.world_from_body.position_m;
+      point.arm_body_m = body_from_world * point.arm_a_m;
+      point.separation_m = candidate->separation_m;
+      point.turns = candidate->feature_id < kForeignFeature;
+      point.impulse_n_s = earlier_impulse(body, pair.other_id, candidate->feature_id);
+      foresee_touch(body, pair.other, *candidate, duration_s, point);
+      patch.normal += candidate->normal;
+    }
+    patch.normal.normalize();
+    find_centre(body, patch);
+    if (pair.lasts) remember(body, patch);
+    if (const ContactPatch* earlier = earlier_patch(body, patch)) {
+      patch.friction_impulse_n_s = earlier->friction_impulse_n_s;
+      patch.twist_impulse = earlier->twist_impulse;
+    }
+    body.patches.push_back(patch);
+  }
+}
+
+}  // namespace livegs

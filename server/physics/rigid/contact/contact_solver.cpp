@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Catto 2024, Solver2D (soft step): substeps of warm start, one biased solve, move, one solve without bias.
+#include "physics/rigid/contact/contact_solver.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "physics/rigid/rigid_body.h"
+
+namespace livegs {
+namespace {
+
+constexpr double kContactCycles = 0.25;   // of the contact spring in a step; more and overlaps bounce
+constexpr double kContactDamping = 10.0;  // ratio; lower parts overlaps faster and bounces
+
+using Eigen::Vector3d;
+
+inline ContactRow row_of(const RigidBody& a, const RigidBody* b, const Vector3d& direction, const Vector3d& arm_a,
+                  const Vector3d& arm_b) {
+  ContactRow row;
+  row.direction = direction;
+  row.lever_a = arm_a.cross(direction);
+  row.turn_a.noalias() = a.inverse_inertia * row.lever_a;
+  double response = a.inverse_mass + row.lever_a.dot(row.turn_a);
+  if (b) {
+    row.lever_b = arm_b.cross(direction);
+    row.turn_b.noalias() = b->inverse_inertia * row.lever_b;
+    response += b->inverse_mass + row.lever_b.dot(row.turn_b);
+  }
+  row.mass_kg = response > 0.0 ? 1.0 / response : 0.0;
+  return row;
+}
+
+// Speed of a away from b along the row.
+inline double speed_along(const RigidBody& a, const RigidBody* b, const ContactRow& row) {
+  double speed = row.direction.dot(a.velocity_m_s) + row.lever_a.dot(a.angular_velocity_rad_s);
+  if (b) speed -= row.direction.dot(b->velocity_m_s) + row.lever_b.dot(b->angular_velocity_rad_s);
+  return speed;
+}
+
+inline void push(RigidBody& body, double impulse, const Vector3d& direction, const Vector3d& lever, const Vector3d& turn) {
+  if (body.asleep) return;
+  body.velocity_m_s += (impulse * body.inverse_mass) * direction;
+  body.angular_momentum += impulse * lever;
+  body.angular_velocity_rad_s += impulse * turn;
+}
+
+inline void apply(RigidBody& a, RigidBody* b, const ContactRow& row, double impulse) {
+  push(a, impulse, row.direction, row.lever_a, row.turn_a);
+  if (b) push(*b, -impulse, row.direction, row.lever_b, row.turn_b);
+}
+
+inline void twist(RigidBody& body, double impulse, const Vector3d& axis, const Vector3d& turn) {
+  if (body.asleep) return;
+  body.angular_momentum += impulse * axis;
+  body.angular_velocity_rad_s += impulse * turn;
+}
+
+inline void apply_twist(RigidBody& a, ContactPatch& patch, double impulse) {
+  twist(a, impulse, patch.normal, patch.twist_turn_a);
+  if (patch.other) twist(*patch.other, -impulse, patch.normal, patch.twist_turn_b);
+}
+
+// How far a turning point strays in `step_s`, along its normal, from the straight line its velocity points along. Without
+// it the next facets of a rolling body are stopped before they would land, and a body that pivots on a corner rises.
+inline double way_off_line_m(const RigidBody& body, const ContactPoint& point, double step_s) {
+  if (!point.turns) return 0.0;
+  const Vector3d& spin = body.angular_velocity_rad_s;
+  return 0.5 * step_s * step_s * point.normal.dot(spin.cross(spin.cross(point.arm_a_m)));
+}
+
+}  // namespace
+
+ContactSoftness contact_softness(double step_s) {
+  const double omega = 2.0 * std::numbers::pi * kContactCycles / step_s;
+  const double a1 = 2.0 * kContactDamping + step_s * omega;
+  const double a2 = step_s * omega * a1;
+  return {omega / a1, a2 / (1.0 + a2), 1.0 / (1.0 + a2)};
+}
+
+void prepare_patch(RigidBody& a, ContactPatch& patch) {
+  RigidBody* b = patch.other;
+  // Both bodies are pushed at the same place, so that angular momentum is kept.
+  const Vector3d between =
+      b ? Vector3d(a.world_from_body.position_m - b->world_from_body.position_m) : Vector3d::Zero();
+  const Eigen::Matrix3d rotation = a.world_from_body.orientation.toRotationMatrix();
+  for (int i = 0; i < patch.point_count; ++i) {
+    ContactPoint& point = patch.points[i];
+    if (point.turns) point.arm_a_m = rotation * point.arm_body_m;
+    point.arm_b_m = point.arm_a_m + between;
+    point.row = row_of(a, b, point.normal, point.arm_a_m, point.arm_b_m);
+  }
+  if (patch.turns) patch.arm_a_m = rotation * patch.arm_body_m;
+  patch.arm_b_m = patch.arm_a_m + between;
+  const Vector3d tangent = patch.normal.unitOrthogonal();
+  patch.tangent = row_of(a, b, tangent, patch.arm_a_m, patch.arm_b_m);
+  patch.bitangent = row_of(a, b, patch.normal.cross(tangent), patch.arm_a_m, patch.arm_b_m);
+  Eigen::Matrix2d k;
+  k(0, 0) = patch.tangent.mass_kg > 0.0 ? 1.0 / patch.tangent.mass_kg : 0.0;
+  k(1, 1) = patch.bitangent.mass_kg > 0.0 ? 1.0 / patch.bitangent.mass_kg : 0.0;
+  k(0, 1) = k(1, 0) = patch.tangent.lever_a.dot(patch.bitangent.turn_a) +
+                      (b ? patch.tangent.lever_b.dot(patch.bitangent.turn_b) : 0.0);
+  patch.tangent_mass = k.determinant() > 0.0 ? k.inverse().eval() : Eigen::Matrix2d::Zero().eval();
+  patch.twist_turn_a = a.inverse_inertia * patch.normal;
+  double response = patch.normal.dot(patch.twist_turn_a);
+  if (b) {
+    patch.twist_turn_b = b->inverse_inertia * patch.normal;
+    response += patch.normal.dot(patch.twist_turn_b);
+  }
+  patch.twist_mass = response > 0.0 ? 1.0 / response : 0.0;
+}
+
+void warm_start_patch(RigidBody& a, ContactPatch& patch) {
+  for (int i = 0; i < patch.point_count; ++i) apply(a, patch.other, patch.points[i].row, patch.points[i].impulse_n_s);
+  const double along = patch.tangent.direction.dot(patch.friction_impulse_n_s);
+  const double across = patch.bitangent.direction.dot(patch.friction_impulse_n_s);
+  patch.friction_impulse_n_s = along * patch.tangent.direction + across * patch.bitangent.direction;
+  apply(a, patch.other, patch.tangent, along);
+  apply(a, patch.other, patch.bitangent, across);
+  apply_twist(a, patch, patch.twist_impulse);
+}
+
+double total_impulse(const ContactPatch& patch) {
+  double total = 0.0;
+  for (int i = 0; i < patch.point_count; ++i) total += patch.points[i].impulse_n_s;
+  return total;
+}
+
+void rub_patch(RigidBody& a, ContactPatch& patch) {
+  const double limit = patch.friction * total_impulse(patch);
+
+  double spin = patch.normal.dot(a.angular_velocity_rad_s);
+  if (patch.other) spin -= patch.normal.dot(patch.other->angular_velocity_rad_s);
+  const double twist_limit = limit * patch.twist_radius_m;
+  const double wanted_twist = std::clamp(patch.twist_impulse - patch.twist_mass * spin, -twist_limit, twist_limit);
+  apply_twist(a, patch, wanted_twist - patch.twist_impulse);
+  patch.twist_impulse = wanted_twist;
+
+  const Eigen::Vector2d before(patch.tangent.direction.dot(patch.friction_impulse_n_s),
+                               patch.bitangent.direction.dot(patch.friction_impulse_n_s));
+  const Eigen::Vector2d slip(speed_along(a, patch.other, patch.tangent), speed_along(a, patch.other, patch.bitangent));
+  Eigen::Vector2d wanted = before - patch.tangent_mass * slip;
+  const double length = wanted.norm();
+  if (length > limit) wanted *= limit / length;
+  apply(a, patch.other, patch.tangent, wanted.x() - before.x());
+  apply(a, patch.other, patch.bitangent, wanted.y() - before.y());
+  patch.friction_impulse_n_s = wanted.x() * patch.tangent.direction + wanted.y() * patch.bitangent.direction;
+}
+
+void solve_patch(RigidBody& a, ContactPatch& patch, ContactPhase phase, double step_s) {
+  rub_patch(a, patch);
+  const ContactSoftness soft = contact_softness(step_s);
+  for (int i = 0; i < patch.point_count; ++i) {
+    ContactPoint& point = patch.points[i];
+    double bias = 0.0, mass_scale = 1.0, impulse_scale = 0.0;
+    const double separation = point.separation_m + way_off_line_m(a, point, step_s);
+    if (separation > 0.0) {
+      bias = separation / step_s;  // may close the gap, no more
+    } else if (phase == ContactPhase::Push) {
+      bias = std::max(soft.bias_rate * separation, -patch.push_speed_m_s);
+      mass_scale = soft.mass_scale;
+      impulse_scale = soft.impulse_scale;
+    }
+    const double change = -point.row.mass_kg * mass_scale * (speed_along(a, patch.other, point.row) + bias) -
+                          impulse_scale * point.impulse_n_s;
+    const double impulse = std::max(0.0, point.impulse_n_s + change);
+    apply(a, patch.other, point.row, impulse - point.impulse_n_s);
+    point.impulse_n_s = impulse;
+    point.largest_impulse_n_s = std::max(point.largest_impulse_n_s, impulse);
+  }
+}
+
+void follow_patch(RigidBody& a, ContactPatch& patch, double step_s) {
+  for (int i = 0; i < patch.point_count; ++i) {
+    ContactPoint& point = patch.points[i];
+    point.separation_m += way_off_line_m(a, point, step_s) + step_s * speed_along(a, patch.other, point.row);
+  }
+}
+
+bool restitute_patch(RigidBody& a, ContactPatch& patch) {
+  if (patch.restitution <= 0.0) return false;
+  bool bounced = false;
+  for (int i = 0; i < patch.point_count; ++i) {
+    ContactPoint& point = patch.points[i];
+    if (point.impact_speed_m_s < patch.restitution_speed_m_s || point.largest_impulse_n_s <= 0.0) continue;
+    const double leaving = speed_along(a, patch.other, point.row);
+    const double change = -point.row.mass_kg * (leaving - patch.restitution * point.impact_speed_m_s);
+    const double impulse = std::max(0.0, point.impulse_n_s + change);
+    apply(a, patch.other, point.row, impulse - point.impulse_n_s);
+    point.impulse_n_s = impulse;
+    bounced = true;
+  }
+  return bounced;
+}
+
+}  // namespace livegs

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "physics/rigid/contact/find_contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "physics/rigid/contact/narrow_phase.h"
+#include "physics/collision/collider_features.h"
+#include "physics/rigid/joint/joint_group.h"
+#include "physics/rigid/contact/contact_manifold.h"
+
+namespace livegs {
+namespace {
+
+constexpr double kMaxPushSpeed_m_s = 1.0;  // several in a row add up: ten boxes, three metres a second
+constexpr double kPushSizesPerSecond = 5.0;       // bounding diameters a second
+// Two of one form are in one place when their centres are nearer to each other than this part of their thinnest side and of
+// how thick they are: bowls that stand in each other are not.
+constexpr double kOnePlace = 0.25, kOneWall = 0.75;
+constexpr double kDeepPart = 0.005;  // of the smaller bounding radius; what rests is a tenth of that deep
+constexpr double kOpposite = 0.5;    // less cosine of two normals than minus this
+constexpr double kOneWay = 0.3;      // depths whose sum is a smaller part of their sizes point nowhere
+constexpr double kRestitutionDrop = 0.01;         // a fall of this part of the smaller bounding radius does not bounce
+
+// A field's distance beyond its grid may exceed the true one by up to the square root of 2 (the way to the grid and
+// from there on, in place of the straight line).
+double marching_factor(const Collider& collider) {
+  return std::holds_alternative<FieldShape>(collider.shape) ? 0.7 : 1.0;
+}
+
+double sample_error_m(const Collider& collider) {
+  const auto* shape = std::get_if<FieldShape>(&collider.shape);
+  return shape ? shape->field->cell_m() : 0.0;
+}
+
+double margin_m(const RigidBody& body) { return kContactMargin * body.shape.bounding_radius_m; }
+
+// `size_m`: bounding radius of the smaller one, whose sleep speed is the lower one too.
+ContactPair pair_of(const RigidBody& body, const RigidBody* other, double friction, double restitution,
+                    double gravity_m_s2, double duration_s) {
+  ContactPair pair;
+  pair.friction = mixed_friction(body.friction, friction);
+  pair.restitution = mixed_restitution(body.restitution, restitution);
+  const RigidBody& smaller =
+      other && other->shape.bounding_radius_m < body.shape.bounding_radius_m ? *other : body;
+  pair.size_m = smaller.shape.bounding_radius_m;
+  pair.restitution_speed_m_s = std::max({2.0 * gravity_m_s2 * duration_s,
+                                         std::sqrt(2.0 * gravity_m_s2 * kRestitutionDrop * pair.size_m),
+                                         sleep_speed_m_s(smaller.shape)});
+  pair.push_speed_m_s = std::min(kMaxPushSpeed_m_s, kPushSizesPerSecond * 2.0 * pair.size_m);
+  return pair;
+}
+
+// `motion_m`: no point of the body moves farther in the substep.
+void point_candidates(const RigidBody& body, const Collider& collider, double motion_m, const ContactSearch& search,
+                      std::vector<ContactCandidate>& candidates) {
+  const Eigen::Matrix3d rotation = body.world_from_body.orientation.toRotationMatrix();
+  // Only corners of a convex body can be the lowest over a plane.
+  const bool plane = std::holds_alternative<PlaneShape>(collider.shape);
+  const bool corners = plane && body.shape.convex;
+  const std::vector<Eigen::Vector3d>& points =
+      corners ? body.shape.convex->vertices_m : body.shape.contact_points_m;
+  const auto sample = [&](const Eigen::Vector3d& point) { return sample_surface(collider, point); };
+  std::vector<uint32_t> near;
+  if (corners) {
+    near.resize(points.size());
+    std::iota(near.begin(), near.end(), 0u);
+  } else {
+    const double marching = marching_factor(collider);
+    body.shape.contact_tree.near(
+        [&](const Eigen::Vector3d& point) {
+          const double distance = sample(body.world_from_body.position_m + rotation * point).distance_m;
+          return distance > 0.0 ? marching * distance : distance;
+        },
+        std::max(search.margin_m, motion_m / marching) + 2.0 * sample_error_m(collider), near);
+  }
+  for (const uint32_t i : near) {
+    const Eigen::Vector3d arm = rotation * points[i];
+    const Eigen::Vector3d point = body.world_from_body.position_m + arm;
+    const Eigen::Vector3d way = search.duration_s * body.point_velocity(arm);
+    if (plane) {
+      const SurfaceSample here = sample(point);
+      if (here.distance_m < std::max(search.margin_m, -way.dot(here.normal))) {
+        candidates.push_back({i, point, here.normal, here.distance_m});
+      }
+    } else if (const auto found = point_candidate(i, point, sample, way, marching_factor(collider), search)) {
+      candidates.push_back(*found);
+    }
+  }
+}
+
+void feature_candidates(const RigidBody& body, const Collider& collider, const ContactSearch& search,
+                        std::vector<ContactCandidate>& candidates) {
+  const double reach = body.shape.bounding_radius_m;
+  const Eigen::Quaterniond& orientation = body.world_from_body.orientation;
+  const double motion = search.duration_s * (body.velocity_m_s.norm() + body.angular_velocity_rad_s.norm() * reach);
+  for (const ColliderFeature& feature : collider_features(collider, body.world_from_body.position_m,
+                                                          reach + motion + search.margin_m,
+                                                          body.shape.contact_spacing_m)) {
+    const Eigen::Vector3d arm = feature.point_m - body.world_from_body.position_m;
+    const auto sample = [&](const Eigen::Vector3d& from_centre) {
+      const DistanceField::Sample field = body.shape.sample(orientation.conjugate() * from_centre);
+      return SurfaceSample{field.distance_m - feature.radius_m, orientation * field.gradient};
+    };
+    // Seen from the body, the feature comes towards it.
+    const Eigen::Vector3d way = -search.duration_s * body.point_velocity(arm);
+    auto found = point_candidate(feature.id, arm, sample, way, 1.0, search);
+    if (!found) continue;
+    found->point_m = feature.point_m - feature.radius_m * found->normal;
+    found->normal = -found->normal;
+    candidates.push_back(*found);
+  }
+}
+
+// A body that is not a ball.
+void collider_candidates(const RigidBody& body, const Collider& collider, const ContactSearch& search,
+                         std::vector<ContactCandidate>& candidates) {
+  const double reach = body.shape.bounding_radius_m;
+  const double motion = search.duration_s * (body.velocity_m_s.norm() + body.angular_velocity_rad_s.norm() * reach);
+  const double distance = sample_surface(collider, body.world_from_body.position_m).distance_m;
+  if (marching_factor(collider) * distance > reach + motion + search.margin_m) return;
+  const auto* box = std::get_if<BoxShape>(&collider.shape);
+  if (body.shape.convex && box && box->polyhedron) {
+    MovingPolyhedron wall;
+    wall.placed = {box->polyhedron.get(), collider.world_from_collider.orientation.toRotationMatrix(),
+                   collider.world_from_collider.position_m};
+    polyhedron_candidates(moving_polyhedron(body), wall, search, candidates);
+    return;
+  }
+  point_candidates(body, collider, motion, search, candidates);
+  feature_candidates(body, collider, search, candidates);
+}
+
+void find_collider_contacts(RigidBody& body, std::span<const Collider> colliders, double gravity_m_s2,
+                            double duration_s, std::vector<ContactCandidate>& candidates) {
+  const ContactSearch search{duration_s, margin_m(body)};
+  std::vector<ContactCandidate> cores;
+  for (size_t index = 0; index < colliders.size(); ++index) {
+    const Collider& collider = colliders[index];
+    candidates.clear();
+    if (body.shape.is_ball()) {
+      ball_candidates(
+          body.world_from_body.position_m, body.shape.sphere_radius_m,
+          [&](const Eigen::Vector3d& point) { return sample_surface(collider, point); }, body.velocity_m_s,
+          marching_factor(collider), search, candidates);
+    } else {
+      collider_candidates(body, collider, search, candidates);
+    }
+    cores.clear();
+    core_candidates(
+        body, [&](const Eigen::Vector3d& point) { return sample_surface(collider, point); }, body.velocity_m_s,
+        marching_factor(collider), search, cores);
+    if (candidates.empty() && cores.empty()) continue;
+    ContactPair pair = pair_of(body, nullptr, collider.friction, collider.restitution, gravity_m_s2, duration_s);
+    pair.other_id = kColliderBit + index;
+    append_patches(body, pair, duration_s, candidates);
+    append_patches(body, pair, duration_s, cores);  // of its own: among points nearer to the surface it would be passed over
+  }
+}
+
+// A ball against a ball or a mesh. Of two balls in one place the first is taken to be above.
+void ball_body_candidates(const RigidBody& ball, const RigidBody& other, const ContactSearch& search,
+                          std::vector<ContactCandidate>& candidates) {
+  const Eigen::Vector3d& centre = ball.world_from_body.position_m;
+  const Eigen::Vector3d velocity = ball.velocity_m_s - other.point_velocity(centre - other.world_from_body.position_m);
+  ball_candidates(
+      centre, ball.shape.sphere_radius_m, [&](const Eigen::Vector3d& point) { return sample_body(other, point); }, velocity,
+      1.0, search, candidates);
+}
+
+// Two meshes of one form in one place have all points of each on the other's surface, and where they are less than half
+// their thickness apart the nearest way out is the one back. Along the thinnest side they are parted until points are inside.
+bool part_coincident(const RigidBody& body, const RigidBody& other, std::vector<ContactCandidate>& candidates) {
+  const Eigen::Vector3d size = body.shape.max_m - body.shape.min_m;
+  Eigen::Index thinnest;
+  const double width = size.minCoeff(&thinnest);
+  const Eigen::Vector3d between = body.world_from_body.position_m - other.world_from_body.position_m;
+  if (between.norm() > std::min(kOnePlace * width, kOneWall * body.shape.wall_m) ||
+      (size - other.shape.max_m + other.shape.min_m).norm() > 0.01 * width ||
+      body.world_from_body.orientation.angularDistance(other.world_from_body.orientation) > 0.25) {
+    return false;
+  }
+  Eigen::Vector3d out = other.world_from_body.orientation * Eigen::Vector3d::Unit(thinnest);
+  if (between.dot(out) < 0.0) out = -out;
+  candidates.push_back({kBallFeature, body.world_from_body.position_m, out, between.dot(out) - width});
+  return true;
+}
+
+// Bodies that are deep in each other, as sherds at the moment they come apart, have points on either side that push
+// opposite ways and hold them there for good. They part one way: where most of the depth points, or away from each other's
+// centre; contacts against that are left out as long as they are so deep.
+void part_one_way(const Eigen::Vector3d& between, double size_m, std::vector<ContactCandidate>& candidates) {
+  const auto depth_m = [](const ContactCandidate& candidate) { return std::max(0.0, -candidate.separation_m); };
+  const double deep_m = kDeepPart * size_m;
+  bool stuck = false;
+  Eigen::Vector3d out = Eigen::Vector3d::Zero();
+  double sum_m = 0.0;
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    if (depth_m(candidates[i]) <= deep_m) continue;
+    out += depth_m(candidates[i]) * candidates[i].normal;
+    sum_m += depth_m(candidates[i]);
+    for (size_t k = 0; k < i && !stuck; ++k) {
+      stuck = depth_m(candidates[k]) > deep_m && candidates[i].normal.dot(candidates[k].normal) < -kOpposite;
+    }
+  }
+  if (!stuck) return;
+  if (out.norm() < kOneWay * sum_m) out = between;
+  std::erase_if(candidates, [&](const ContactCandidate& one) { return depth_m(one) > 0.0 && one.normal.dot(out) < 0.0; });
+}
+
+void find_pair_contacts(RigidBody& body, RigidBody& other, double gravity_m_s2, double duration_s,
+                        std::vector<ContactCandidate>& candidates) {
+  if (joined(body, other)) return;
+  const double smaller = std::min(body.shape.bounding_radius_m, other.shape.bounding_radius_m);
+  const ContactSearch search{duration_s, kContactMargin * smaller};
+  const Eigen::Vector3d between = body.world_from_body.position_m - other.world_from_body.position_m;
+  const double motion = duration_s * ((body.velocity_m_s - other.velocity_m_s).norm() +
+                                      body.angular_velocity_rad_s.norm() * body.shape.bounding_radius_m +
+                                      other.angular_velocity_rad_s.norm() * other.shape.bounding_radius_m);
+  const double reach = body.shape.bounding_radius_m + other.shape.bounding_radius_m + motion + search.margin_m;
+  if (between.squaredNorm() > reach * reach) return;
+
+  ContactPair pair = pair_of(body, &other, other.friction, other.restitution, gravity_m_s2, duration_s);
+  pair.other = &other;
+  pair.other_id = other.contact_id();
+  pair.lasts = body.shape.convex && other.shape.convex;
+  if (pair.lasts && motion < search.margin_m && continue_patch(body, pair, duration_s)) return;
+  candidates.clear();
+  if (body.shape.is_ball()) {
+    ball_body_candidates(body, other, search, candidates);
+  } else if (body.shape.convex && other.shape.convex) {
+    polyhedron_candidates(moving_polyhedron(body), moving_polyhedron(other), search, candidates);
+  } else if (!part_coincident(body, other, candidates)) {
+    mesh_candidates(body, other, search, candidates);
+    part_one_way(between, smaller, candidates);
+    std::vector<ContactCandidate> cores = core_candidates_of_pair(body, other, search);
+    if (!cores.empty()) append_patches(body, pair, duration_s, cores);
+  }
+  if (!candidates.empty()) append_patches(body, pair, duration_s, candidates);
+}
+
+}  // namespace
+
+void find_contacts(RigidBody& body, std::span<const Collider> colliders, double gravity_m_s2, double duration_s) {
+  std::swap(body.patches, body.previous_patches);
+  body.patches.clear();
+  std::vector<ContactCandidate> candidates;
+  if (body.asleep) {
+    for (const ContactPatch& patch : body.previous_patches) {
+      if (!patch.other || patch.other->asleep) body.patches.push_back(patch);
+    }
+  } else {
+    find_collider_contacts(body, colliders, gravity_m_s2, duration_s, candidates);
+  }
+  for (RigidBody* other : body.near) {
+    if (!body.asleep || !other->asleep) find_pair_contacts(body, *other, gravity_m_s2, duration_s, candidates);
+  }
+}
+
+}  // namespace livegs

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "physics/rigid/contact/narrow_phase.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "physics/motion/free_rotation.h"
+
+namespace livegs {
+namespace {
+
+using Eigen::Vector3d;
+
+// A face is preferred to an edge that is deeper by no more than this part of the margin: points of a face last.
+constexpr double kFacePreference = 0.1;
+// A pair that moves farther than this part of the smaller one's inner radius in a substep is advanced.
+constexpr double kFastWay = 0.5;
+constexpr int kMaxAdvances = 32;
+constexpr double kRounding = 1e-9;
+
+// How far points of two bodies may come nearer to each other in the search.
+double reach_m(const RigidBody& a, const RigidBody& b, const ContactSearch& search) {
+  const double motion = search.duration_s * ((a.velocity_m_s - b.velocity_m_s).norm() +
+                                             a.angular_velocity_rad_s.norm() * a.shape.bounding_radius_m +
+                                             b.angular_velocity_rad_s.norm() * b.shape.bounding_radius_m);
+  return motion + search.margin_m;
+}
+
+// Whether the box of `a`, in the axes of `b`, lies farther than `reach_m` from that of `b`. So do most pairs of a heap whose
+// balls, and boxes in world axes, are near.
+bool boxes_apart(const RigidBody& a, const RigidBody& b, double reach_m) {
+  const Eigen::Quaterniond b_axes = b.world_from_body.orientation.conjugate();
+  const Eigen::Matrix3d into = (b_axes * a.world_from_body.orientation).toRotationMatrix();
+  const Vector3d middle = into * (0.5 * (a.shape.min_m + a.shape.max_m)) +
+                          b_axes * (a.world_from_body.position_m - b.world_from_body.position_m);
+  const Vector3d half = into.cwiseAbs() * (0.5 * (a.shape.max_m - a.shape.min_m));
+  const double room = (1.0 + kRounding) * reach_m + kRounding * (a.shape.bounding_radius_m + b.shape.bounding_radius_m);
+  return ((middle - half).array() > b.shape.max_m.array() + room).any() ||
+         ((middle + half).array() < b.shape.min_m.array() - room).any();
+}
+
+// Points of `from` that are or come near `to`'s surface.
+template <class Take>
+void points_near(const RigidBody& from, const RigidBody& to, const ContactSearch& search, const Take& take) {
+  const Eigen::Quaterniond to_axes = to.world_from_body.orientation.conjugate();
+  const Eigen::Matrix3d into = (to_axes * from.world_from_body.orientation).toRotationMatrix();
+  const Vector3d shift = to_axes * (from.world_from_body.position_m - to.world_from_body.position_m);
+  const Eigen::Matrix3d out = to.world_from_body.orientation.toRotationMatrix();
+  const double reach = reach_m(from, to, search);
+  const Vector3d low = to.shape.min_m.array() - reach, high = to.shape.max_m.array() + reach;
+  const auto sample = [&](const Vector3d& local) {
+    const DistanceField::Sample field = to.shape.sample(local);
+    return SurfaceSample{field.distance_m, field.gradient};
+  };
+  std::vector<uint32_t> near;
+  from.shape.contact_tree.near(
+      [&](const Vector3d& point) { return to.shape.sample(into * point + shift).distance_m; },
+      reach + 2.0 * to.shape.sample_error_m(), near);
+  for (const uint32_t i : near) {
+    const Vector3d local = into * from.shape.contact_points_m[i] + shift;
+    if ((local.array() < low.array()).any() || (local.array() > high.array()).any()) continue;
+    const Vector3d arm = out * local;  // from `to`
+    const Vector3d point = to.world_from_body.position_m + arm;
+    const Vector3d velocity =
+        from.point_velocity(point - from.world_from_body.position_m) - to.point_velocity(arm);
+    auto found = point_candidate(i, local, sample, to_axes * (search.duration_s * velocity), 1.0, search);
+    if (!found) continue;
+    found->point_m = point;
+    found->normal = out * found->normal;
+    take(*found);
+  }
+}
+
+// The ball within `from` against `to`'s surface; normals point to `from`.
+void core_against(const RigidBody& from, const RigidBody& to, const ContactSearch& search,
+                  std::vector<ContactCandidate>& candidates) {
+  const Vector3d between = from.world_from_body.position_m - to.world_from_body.position_m;
+  core_candidates(
+      from, [&](const Vector3d& point) { return sample_body(to, point); }, from.velocity_m_s - to.point_velocity(between), 1.0,
+      search, candidates);
+}
+
+PlacedPolyhedron advanced(const MovingPolyhedron& body, double time_s) {
+  PlacedPolyhedron placed = body.placed;
+  placed.position_m += time_s * body.velocity_m_s;
+  placed.rotation = rotation_exp(time_s * body.angular_velocity_rad_s).toRotationMatrix() * placed.rotation;
+  return placed;
+}
+
+// The first moment within the substep when the two are closer than the margin. Distances shrink no faster than `speed`.
+std::optional<double> time_of_touch(const MovingPolyhedron& a, const MovingPolyhedron& b, double speed_m_s,
+                                    const ContactSearch& search) {
+  double time = 0.0;
+  for (int i = 0; i < kMaxAdvances; ++i) {
+    const double left = speed_m_s * (search.duration_s - time);
+    const double gap = polyhedron_gap_m(advanced(a, time), advanced(b, time), left + search.margin_m);
+    if (gap < search.margin_m) return time;
+    time += (gap - 0.5 * search.margin_m) / speed_m_s;
+    if (time > search.duration_s) return std::nullopt;
+  }
+  return time;
+}
+
+}  // namespace
+
+SurfaceSample sample_body(const RigidBody& body, const Vector3d& point_m) {
+  const Pose& pose = body.world_from_body;
+  const DistanceField::Sample field = body.shape.sample(pose.orientation.conjugate() * (point_m - pose.position_m));
+  return {field.distance_m, pose.orientation * field.gradient};
+}
+
+void mesh_candidates(const RigidBody& a, const RigidBody& b, const ContactSearch& search,
+                     std::vector<ContactCandidate>& candidates) {
+  const double reach = reach_m(a, b, search);
+  if (boxes_apart(a, b, reach) || boxes_apart(b, a, reach)) return;
+  points_near(a, b, search, [&](const ContactCandidate& found) { candidates.push_back(found); });
+  points_near(b, a, search, [&](ContactCandidate found) {
+    found.feature_id += kOtherPoint;
+    found.normal = -found.normal;
+    candidates.push_back(found);
+  });
+}
+
+std::vector<ContactCandidate> core_candidates_of_pair(const RigidBody& a, const RigidBody& b, const ContactSearch& search) {
+  std::vector<ContactCandidate> candidates, seen_from_other;
+  core_against(a, b, search, candidates);
+  core_against(b, a, search, seen_from_other);
+  for (ContactCandidate& candidate : seen_from_other) {
+    candidate.feature_id += kOtherPoint - kForeignFeature;
+    candidate.normal = -candidate.normal;
+    candidates.push_back(candidate);
+  }
+  return candidates;
+}
+
+MovingPolyhedron moving_polyhedron(const RigidBody& body) {
+  return {{body.shape.convex.get(), body.world_from_body.orientation.toRotationMatrix(), body.world_from_body.position_m},
+          body.velocity_m_s,
+          body.angular_velocity_rad_s,
+          body.shape.bounding_radius_m};
+}
+
+void polyhedron_candidates(const MovingPolyhedron& a, const MovingPolyhedron& b, const ContactSearch& search,
+                           std::vector<ContactCandidate>& candidates) {
+  const double speed = (a.velocity_m_s - b.velocity_m_s).norm() + a.angular_velocity_rad_s.norm() * a.reach_m +
+                       b.angular_velocity_rad_s.norm() * b.reach_m;
+  const double way = search.duration_s * speed;
+  const double tolerance = kFacePreference * search.margin_m;
+  const double inner = std::min(a.placed.shape->inner_radius_m, b.placed.shape->inner_radius_m);
+  if (way <= kFastWay * inner) {
+    polyhedron_contacts(a.placed, b.placed, search.margin_m + way, tolerance, candidates);
+    return;
+  }
+  const auto time = time_of_touch(a, b, speed, search);
+  if (!time) return;
+  const PlacedPolyhedron a_then = advanced(a, *time);
+  // What else of the two may arrive in what is left of the substep is held back too: the far end of a turning rod.
+  const double left = std::max(kFastWay * inner, speed * (search.duration_s - *time));
+  polyhedron_contacts(a_then, advanced(b, *time), search.margin_m + left, tolerance, candidates);
+  // The same material points of the first body now, and how far apart they are along the normals.
+  for (ContactCandidate& candidate : candidates) {
+    const Vector3d arm_then = candidate.point_m - a_then.position_m;
+    const Vector3d other_arm = candidate.point_m - b.placed.position_m - *time * b.velocity_m_s;
+    const Vector3d velocity = a.velocity_m_s + a.angular_velocity_rad_s.cross(arm_then) - b.velocity_m_s -
+                              b.angular_velocity_rad_s.cross(other_arm);
+    candidate.separation_m -= *time * velocity.dot(candidate.normal);
+    candidate.point_m = a.placed.position_m + a.placed.rotation * (a_then.rotation.transpose() * arm_then);
+  }
+}
+
+}  // namespace livegs

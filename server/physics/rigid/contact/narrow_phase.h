@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "physics/collider.h"
+#include "physics/collision/polyhedron_manifold.h"
+#include "physics/rigid/rigid_body.h"
+#include "physics/rigid/contact/contact_solver.h"
+#include "physics/collision/conservative_advancement.h"
+
+// Where two surfaces touch or will within one substep, as candidates for contact points. Each kind of surface has its own
+// way; normals point from the other towards the first body.
+
+namespace livegs {
+
+// Which of a pair's surfaces are met, when and how closely.
+struct ContactSearch {
+  double duration_s = 0;  // of the substep
+  double margin_m = 0;    // closer than this is a contact whatever the speed
+};
+
+inline constexpr uint64_t kBallFeature = kForeignFeature;
+inline constexpr uint64_t kAheadFeature = kBallFeature + 1;
+inline constexpr uint64_t kCoreFeature = uint64_t{1} << 30;  // added to a ball's
+inline constexpr uint64_t kOtherPoint = kForeignFeature + (uint64_t{1} << 31);  // + index of the other's contact point
+
+// A ball of `radius_m` against any surface: where it touches now, and what lies ahead if it is fast. `sample` gives the
+// signed distance at a world point, `marching` times it is never more than the true one.
+template <class Sample>
+void ball_candidates(const Eigen::Vector3d& centre_m, double radius_m, const Sample& sample,
+                     const Eigen::Vector3d& relative_velocity_m_s, double marching, const ContactSearch& search,
+                     std::vector<ContactCandidate>& candidates) {
+  const Eigen::Vector3d way = search.duration_s * relative_velocity_m_s;
+  const SurfaceSample here = sample(centre_m);
+  const double gap = here.distance_m - radius_m;
+  if (marching * here.distance_m - radius_m > way.norm() + search.margin_m) return;
+  if (gap < search.margin_m) {
+    candidates.push_back({kBallFeature, centre_m - radius_m * here.normal, here.normal, gap});
+  }
+  const double slack = way.norm() + std::min(0.0, way.dot(here.normal));
+  if (gap < search.margin_m && slack < 0.5 * radius_m) return;
+  const auto bounded = [&](const Eigen::Vector3d& point) {
+    SurfaceSample surface = sample(point);
+    if (surface.distance_m > 0.0) surface.distance_m = radius_m + marching * (surface.distance_m - radius_m);
+    return surface;
+  };
+  const auto hit = sweep_sphere(bounded, centre_m, way, radius_m, 0.1 * search.margin_m);
+  if (!hit) return;
+  if (!candidates.empty() && hit->normal.dot(candidates.front().normal) > 0.866) return;
+  candidates.push_back({kAheadFeature, centre_m - radius_m * hit->normal, hit->normal, hit->separation_m});
+}
+
+// The surface of a body as it is in the world, at a point of the world.
+SurfaceSample sample_body(const RigidBody& body, const Eigen::Vector3d& point_m);
+
+// The ball within a body that is not one, if it goes or turns so far in a substep that its points, found at the start,
+// say nothing of the end: nothing thin gets past its centre. Appends.
+template <class Sample>
+void core_candidates(const RigidBody& body, const Sample& sample, const Eigen::Vector3d& relative_velocity_m_s,
+                     double marching, const ContactSearch& search, std::vector<ContactCandidate>& candidates) {
+  const double radius = body.shape.inner_radius_m;
+  const double way = search.duration_s * relative_velocity_m_s.norm();
+  const double turn = search.duration_s * body.angular_velocity_rad_s.norm();
+  if (body.shape.is_ball() || !(radius > 0.0) || (way < 0.5 * radius && turn < 0.5)) return;
+  std::vector<ContactCandidate> found;
+  ball_candidates(body.world_from_body.position_m, radius, sample, relative_velocity_m_s, marching, search, found);
+  for (ContactCandidate& candidate : found) {
+    candidate.feature_id += kCoreFeature;
+    candidates.push_back(candidate);
+  }
+}
+
+// One point that moves by `way_m` relative to a surface in the substep. The normal is the surface's.
+template <class Sample>
+std::optional<ContactCandidate> point_candidate(uint64_t id, const Eigen::Vector3d& point_m, const Sample& sample,
+                                                const Eigen::Vector3d& way_m, double marching,
+                                                const ContactSearch& search) {
+  const SurfaceSample here = sample(point_m);
+  if (here.distance_m < search.margin_m) return ContactCandidate{id, point_m, here.normal, here.distance_m};
+  if (marching * here.distance_m > way_m.norm()) return std::nullopt;
+  const auto bounded = [&](const Eigen::Vector3d& at) {
+    SurfaceSample surface = sample(at);
+    if (surface.distance_m > 0.0) surface.distance_m *= marching;
+    return surface;
+  };
+  const auto hit = sweep_sphere(bounded, point_m, way_m, 0.0, 0.1 * search.margin_m);
+  if (!hit) return std::nullopt;
+  return ContactCandidate{id, point_m, hit->normal, hit->separation_m};
+}
+
+// Contact points of each mesh against the other's surface.
+void mesh_candidates(const RigidBody& a, const RigidBody& b, const ContactSearch& search,
+                     std::vector<ContactCandidate>& candidates);
+
+// The balls within two meshes, each against the other's surface.
+std::vector<ContactCandidate> core_candidates_of_pair(const RigidBody& a, const RigidBody& b, const ContactSearch& search);
+
+// A convex body and another, or a box collider at rest; b's velocities are zero for a collider. A fast pair is advanced
+// to where it meets first.
+struct MovingPolyhedron {
+  PlacedPolyhedron placed;
+  Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angular_velocity_rad_s = Eigen::Vector3d::Zero();
+  double reach_m = 0;  // bounding radius about the origin
+};
+MovingPolyhedron moving_polyhedron(const RigidBody& body);
+void polyhedron_candidates(const MovingPolyhedron& a, const MovingPolyhedron& b, const ContactSearch& search,
+                           std::vector<ContactCandidate>& candidates);
+
+}  // namespace livegs

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Joints do no work: what a group may gain is what others gave it.
+#include <algorithm>
+#include <cmath>
+
+#include "physics/rigid/joint/joint_group.h"
+#include "physics/motion/free_rotation.h"
+
+namespace livegs {
+namespace {
+
+// Joints may seem to have done this part of the largest kinetic energy of late, since the steps are of second order.
+constexpr double kWorkTolerance = 1e-3;
+constexpr double kForgotten_s = 2.0;
+constexpr double kRounding = 1e-18;  // of the energy that what joints hold up would have had, were it free
+
+}  // namespace
+
+JointGroup::Motion JointGroup::motion_of(const RigidBody& body) {
+  return {body.velocity_m_s, body.angular_momentum, body.angular_velocity_rad_s, body.world_from_body.position_m};
+}
+
+void JointGroup::begin() {
+  for (size_t i = 0; i < bodies_.size(); ++i) {
+    starts_[i] = motion_of(*bodies_[i]);
+    starts_[i].velocity_m_s = bodies_[i]->substep_velocity_m_s;
+    before_[i] = starts_[i];
+    given_[i] = others_[i] = {};
+  }
+}
+
+// Adds what other than joints changed the motion of its bodies since `before_`, and begins anew.
+void JointGroup::note_others() {
+  for (size_t i = 0; i < bodies_.size(); ++i) {
+    const RigidBody& body = *bodies_[i];
+    others_[i].push_n_s += body.mass_kg * (body.velocity_m_s - before_[i].velocity_m_s) - given_[i].push_n_s;
+    others_[i].turn += body.angular_momentum - before_[i].angular_momentum - given_[i].turn;
+    before_[i] = motion_of(body);
+    given_[i] = {};
+  }
+}
+
+double JointGroup::kinetic_j(const Motion& motion, const RigidBody& body) {
+  return 0.5 * (body.mass_kg * motion.velocity_m_s.squaredNorm() + motion.spin_rad_s.dot(motion.angular_momentum));
+}
+
+// Joints do no work: what `others` gave with the mean of the motion before and after is all that a group may gain. Where
+// it has more than that and `allowance_j`, its motion, about its own centre if it is free, is slowed until that is so. A
+// free group's angular momentum about its centre shrinks with that motion, which is wrong by as much; its linear momentum
+// is kept. Returns by which factor.
+double JointGroup::slow_down(const std::vector<Motion>& starts, const std::vector<Impulses>& others, double allowance_j) {
+  Eigen::Vector3d common = Eigen::Vector3d::Zero();
+  double common_j = 0.0;
+  if (std::none_of(joints_.begin(), joints_.end(), [](const RigidJoint& joint) { return joint.b == nullptr; })) {
+    double mass_kg = 0.0;
+    for (const RigidBody* body : bodies_) {
+      mass_kg += body->mass_kg;
+      common += body->mass_kg * body->velocity_m_s;
+    }
+    common /= mass_kg;
+    common_j = 0.5 * mass_kg * common.squaredNorm();
+  }
+  // With the own motion times f: own_j f² = gained_j f + start_j.
+  double own_j = -common_j, gained_j = 0.0, start_j = allowance_j - common_j, rounding_j = 0.0;
+  for (size_t i = 0; i < bodies_.size(); ++i) {
+    const RigidBody& body = *bodies_[i];
+    own_j += body.kinetic_j();
+    start_j += kinetic_j(starts[i], body);
+    start_j += 0.5 * (others[i].push_n_s.dot(starts[i].velocity_m_s + common) + others[i].turn.dot(starts[i].spin_rad_s));
+    gained_j += 0.5 * (others[i].push_n_s.dot(body.velocity_m_s - common) + others[i].turn.dot(body.angular_velocity_rad_s));
+    rounding_j += kRounding * others[i].push_n_s.squaredNorm() / body.mass_kg;
+  }
+  if (!(own_j > gained_j + start_j + rounding_j)) return 1.0;  // what hangs still bears what it bears
+  const double root = std::sqrt(std::max(0.0, gained_j * gained_j + 4.0 * own_j * start_j));
+  const double factor = own_j > 0.0 ? std::clamp(0.5 * (gained_j + root) / own_j, 0.0, 1.0) : 1.0;
+  for (RigidBody* body : bodies_) {
+    body->velocity_m_s = common + factor * (body->velocity_m_s - common);
+    body->angular_momentum *= factor;
+    body->angular_velocity_rad_s *= factor;
+  }
+  return factor;
+}
+
+// Close to a straight line a joint is closed by going far across it: no faster than with twice the energy there is.
+void JointGroup::limit_push() {
+  note_others();
+  double fastest_m_s = 0.0, mass_kg = 0.0, start_j = 0.0;
+  for (const Rows& rows : rows_) fastest_m_s = std::max(fastest_m_s, rows.back_m_s);
+  for (size_t i = 0; i < bodies_.size(); ++i) {
+    mass_kg += bodies_[i]->mass_kg;
+    start_j += kinetic_j(starts_[i], *bodies_[i]);
+  }
+  const double factor = slow_down(starts_, others_, start_j + 0.5 * mass_kg * fastest_m_s * fastest_m_s);
+  if (factor == 1.0) return;
+  for (RigidJoint& joint : joints_) {
+    joint.push.point_n_s *= factor;
+    joint.push.turn *= factor;
+  }
+  for (size_t i = 0; i < bodies_.size(); ++i) before_[i] = motion_of(*bodies_[i]);
+}
+
+void JointGroup::end(double substep_s) {
+  note_others();
+  double work_j = 0.0, lifted_j = 0.0, kinetic = 0.0;
+  for (size_t i = 0; i < bodies_.size(); ++i) {
+    const RigidBody& body = *bodies_[i];
+    const Eigen::Vector3d mean = 0.5 * (starts_[i].velocity_m_s + body.velocity_m_s);
+    kinetic += body.kinetic_j();
+    work_j += body.kinetic_j() - kinetic_j(starts_[i], body) - others_[i].push_n_s.dot(mean);
+    work_j -= 0.5 * others_[i].turn.dot(starts_[i].spin_rad_s + body.angular_velocity_rad_s);
+    const Eigen::Vector3d moved_m = body.world_from_body.position_m - starts_[i].position_m;
+    lifted_j -= body.mass_kg * body.substep_acceleration_m_s2.dot(moved_m - substep_s * mean);
+  }
+  liveliest_j_ = std::max(kinetic, (1.0 - substep_s / kForgotten_s) * liveliest_j_);
+  const double tolerance_j = kWorkTolerance * liveliest_j_;
+  work_j_ = std::max(work_j_ + work_j + lifted_j, -tolerance_j);
+  if (!(work_j_ > tolerance_j)) return;
+  slow_down(starts_, others_, work_j - (work_j_ - tolerance_j));
+  work_j_ = tolerance_j;
+}
+
+}  // namespace livegs

@@ -1,0 +1,566 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Andersen 1983, RATTLE; Catto 2024, Solver2D (soft step); Cuthill and McKee 1969, reducing the bandwidth of sparse
+// symmetric matrices.
+#include "physics/rigid/joint/joint_group.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include "physics/motion/free_rotation.h"
+
+namespace livegs {
+namespace {
+
+// Of an error that is there at the start of a substep, this part is taken back within it, and no faster than:
+constexpr double kTakenBack = 0.2;
+constexpr double kMaxReturn_m_s = 3.0;
+constexpr double kMaxReturn_rad_s = 10.0;
+// The bend of a way is reckoned with up to this part of its length.
+constexpr double kMaxBend = 0.5;
+// A new measure of it is used if it differs from the last by no more than this part of the last difference; the first
+// one, of the bend or of the way itself. Within small steps measures must agree sooner.
+struct BendLimits {
+  double settles, of_way;
+};
+constexpr double kFineBend = 1e-9;  // differences below this part of the way are not looked into
+constexpr BendLimits kBendInSubstep{0.7, 0.1}, kBendInSmallStep{0.3, 0.02};
+// Small steps of a group within a substep: so many that its links neither swing under their tension nor turn by more
+// than this, in radians, within one. Above 2 the swing would grow.
+constexpr double kMaxSwing = 1.0;
+constexpr double kMaxTurn = 0.25;
+constexpr int kMaxSmallSteps = 4;
+constexpr int kBendSweeps = 3;
+// A row whose pivot is below this part of its own diagonal says what others say already (two hinges on one door).
+constexpr double kDependent = 1e-11;
+// Rows of a group with a closed loop may say the same, or nearly: of a bridge of planks that lie in a line the way between its
+// ends is fixed twice. They give by this part of their own response (constraint force mixing, Smith 2006), a spring of
+// 1 / (kLoopSoftness h²) of the mass it holds, h of a short step: too stiff to be seen. A chain or a tree has none.
+constexpr double kLoopSoftness = 1e-4;
+constexpr double kSameNode_m = 1e-3;  // joints closer than this are in one node
+
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+// The rotation, across the axes, that takes b to a; its size is the sine of the angle up to a right angle.
+Eigen::Vector3d tilt_of(const Eigen::Vector3d& axis_a, const Eigen::Vector3d& axis_b) {
+  const Eigen::Vector3d tilt = axis_b.cross(axis_a);
+  if (axis_a.dot(axis_b) >= 0.0) return tilt;
+  return tilt.squaredNorm() > 1e-20 ? tilt.normalized() : axis_b.unitOrthogonal();
+}
+
+// What is taken back of an error within a substep.
+template <class Vector>
+Vector returned(const Vector& error, double substep_s, double fastest) {
+  const double size = error.norm();
+  return size > 0.0 ? Vector(std::min(kTakenBack, fastest * substep_s / size) * error) : error;
+}
+
+std::pair<const RigidBody*, const RigidBody*> ordered(const RigidBody* one, const RigidBody* two) {
+  return std::less<>()(one, two) ? std::pair(one, two) : std::pair(two, one);
+}
+
+}  // namespace
+
+JointGroup::JointGroup(std::vector<RigidJoint> joints) : joints_(std::move(joints)) {
+  order_joints();
+  for (const RigidJoint& joint : joints_) {
+    for (RigidBody* body : {joint.a, joint.b}) {
+      if (body) bodies_.push_back(body);
+    }
+  }
+  std::sort(bodies_.begin(), bodies_.end(),
+            [](const RigidBody* one, const RigidBody* two) { return one->contact_id() < two->contact_id(); });
+  bodies_.erase(std::unique(bodies_.begin(), bodies_.end()), bodies_.end());
+  ends_.resize(bodies_.size());
+  starts_.resize(bodies_.size());
+  others_.resize(bodies_.size());
+  given_.resize(bodies_.size());
+  before_.resize(bodies_.size());
+  swing_.resize(bodies_.size());
+  const auto index_of = [&](const RigidBody* body) {
+    return static_cast<size_t>(std::find(bodies_.begin(), bodies_.end(), body) - bodies_.begin());
+  };
+
+  note_nodes();
+  const bool to_world = std::any_of(joints_.begin(), joints_.end(), [](const RigidJoint& joint) { return !joint.b; });
+  softness_ = joints_.size() + 1 > bodies_.size() + (to_world ? 1 : 0) ? kLoopSoftness : 0.0;
+
+  int row_count = 0;
+  for (const RigidJoint& joint : joints_) {
+    Rows rows;
+    rows.a = index_of(joint.a);
+    rows.b = joint.b ? index_of(joint.b) : kWorld;
+    rows.first = row_count;
+    row_count += joint.row_count();
+    // Rows reach back to those of the first joint that shares a body.
+    int first = rows.first;
+    for (const Rows& earlier : rows_) {
+      const auto has = [&](size_t body) { return body != kWorld && (body == earlier.a || body == earlier.b); };
+      if (has(rows.a) || has(rows.b)) {
+        first = earlier.first;
+        break;
+      }
+    }
+    rows_.push_back(rows);
+    begin_.insert(begin_.end(), static_cast<size_t>(joint.row_count()), first);
+  }
+  envelope_.push_back(0);
+  for (int row = 0; row < row_count; ++row) {
+    envelope_.push_back(envelope_.back() + static_cast<size_t>(row - begin_[static_cast<size_t>(row)] + 1));
+  }
+  factor_.resize(envelope_.back());
+  inverse_pivot_.resize(static_cast<size_t>(row_count));
+  residual_.resize(row_count);
+  compliance_.resize(row_count);
+}
+
+// Cuthill-McKee: breadth first from a joint with few neighbours, so that a chain has a narrow band.
+void JointGroup::order_joints() {
+  std::sort(joints_.begin(), joints_.end(),
+            [](const RigidJoint& one, const RigidJoint& two) { return one.id < two.id; });
+  const size_t count = joints_.size();
+  const auto neighbours = [&](size_t i, size_t j) {
+    const auto touches = [&](const RigidBody* body) {
+      return body && (body == joints_[j].a || body == joints_[j].b);
+    };
+    return i != j && (touches(joints_[i].a) || touches(joints_[i].b));
+  };
+  std::vector<size_t> degree(count, 0);
+  for (size_t i = 0; i < count; ++i) {
+    for (size_t j = 0; j < count; ++j) degree[i] += neighbours(i, j) ? 1 : 0;
+  }
+  std::vector<size_t> order;
+  std::vector<bool> taken(count, false);
+  while (order.size() < count) {
+    size_t start = count;
+    for (size_t i = 0; i < count; ++i) {
+      if (!taken[i] && (start == count || degree[i] < degree[start])) start = i;
+    }
+    taken[start] = true;
+    order.push_back(start);
+    for (size_t at = order.size() - 1; at < order.size(); ++at) {
+      for (size_t j = 0; j < count; ++j) {
+        if (taken[j] || !neighbours(order[at], j)) continue;
+        taken[j] = true;
+        order.push_back(j);
+      }
+    }
+  }
+  std::vector<RigidJoint> ordered;
+  for (size_t i : order) ordered.push_back(std::move(joints_[i]));
+  joints_ = std::move(ordered);
+}
+
+// Bars that meet in a node overlap there, though each is joined to one other only.
+void JointGroup::note_nodes() {
+  const auto note = [&](const RigidBody* one, const RigidBody* two) {
+    if (one && two && one != two) meeting_.push_back(ordered(one, two));
+  };
+  for (size_t i = 0; i < joints_.size(); ++i) {
+    const RigidJoint& joint = joints_[i];
+    note(joint.a, joint.b);
+    for (size_t j = 0; j < i; ++j) {
+      if ((joints_[j].world_anchor_a() - joint.world_anchor_a()).norm() > kSameNode_m) continue;
+      for (const RigidBody* one : {joint.a, joint.b}) {
+        for (const RigidBody* two : {joints_[j].a, joints_[j].b}) note(one, two);
+      }
+    }
+  }
+  std::sort(meeting_.begin(), meeting_.end());
+  meeting_.erase(std::unique(meeting_.begin(), meeting_.end()), meeting_.end());
+}
+
+bool JointGroup::meet_in_a_joint(const RigidBody& a, const RigidBody& b) const {
+  return std::binary_search(meeting_.begin(), meeting_.end(), ordered(&a, &b));
+}
+
+bool JointGroup::asleep() const {
+  return std::all_of(bodies_.begin(), bodies_.end(), [](const RigidBody* body) { return body->asleep; });
+}
+
+void JointGroup::wake_together() {
+  if (asleep()) return;
+  for (RigidBody* body : bodies_) {
+    if (body->asleep) body->wake();
+  }
+}
+
+void JointGroup::prepare(ContactPhase phase) {
+  for (size_t i = 0; i < joints_.size(); ++i) {
+    const RigidJoint& joint = joints_[i];
+    Rows& rows = rows_[i];
+    const Eigen::Vector3d anchor_a = joint.world_anchor_a(), anchor_b = joint.world_anchor_b();
+    // Both bodies are pushed at the same place, so that angular momentum is kept.
+    const Eigen::Vector3d point = joint.b ? Eigen::Vector3d(0.5 * (anchor_a + anchor_b)) : anchor_a;
+    rows.arm_a_m = point - joint.a->world_from_body.position_m;
+    rows.turn_a.topRows<3>() = -cross_matrix(rows.arm_a_m);
+    if (joint.b) {
+      rows.arm_b_m = point - joint.b->world_from_body.position_m;
+      rows.turn_b.topRows<3>() = -cross_matrix(rows.arm_b_m);
+    }
+    if (joint.hinge) {
+      const Eigen::Vector3d axis_a = joint.world_axis_a(), axis_b = joint.world_axis_b();
+      rows.across.col(0) = axis_b.unitOrthogonal();
+      rows.across.col(1) = axis_b.cross(rows.across.col(0));
+      rows.turn_a.bottomRows<2>() = rows.across.transpose();
+      if (joint.b) rows.turn_b.bottomRows<2>() = rows.across.transpose();
+      if (phase == ContactPhase::Push) rows.start_tilt = rows.across.transpose() * tilt_of(axis_a, axis_b);
+    }
+    if (phase == ContactPhase::Push) rows.start_gap_m = anchor_a - anchor_b;
+  }
+  factorise();
+  warm_start(phase);
+}
+
+// J M^-1 J^T, then L D L^T in its place.
+void JointGroup::factorise() {
+  std::fill(factor_.begin(), factor_.end(), 0.0);
+  const auto entry = [&](int row, int column) -> double& {
+    const auto r = static_cast<size_t>(row);
+    return factor_[envelope_[r] + static_cast<size_t>(column - begin_[r])];
+  };
+  const auto couple = [&](size_t i, size_t j, size_t body_index, double sign, const Eigen::Matrix<double, 5, 3>& turn_i,
+                          const Eigen::Matrix<double, 5, 3>& turn_j) {
+    const RigidBody& body = *bodies_[body_index];
+    const Eigen::Matrix<double, 5, 5> block = turn_i * body.inverse_inertia * turn_j.transpose();
+    const int count_i = joints_[i].row_count(), count_j = joints_[j].row_count();
+    for (int r = 0; r < count_i; ++r) {
+      const int last = i == j ? r + 1 : count_j;
+      for (int c = 0; c < last; ++c) {
+        const double direct = r == c && r < 3 ? body.inverse_mass : 0.0;
+        entry(rows_[i].first + r, rows_[j].first + c) += sign * (block(r, c) + direct);
+      }
+    }
+  };
+  for (size_t i = 0; i < rows_.size(); ++i) {
+    const Rows& one = rows_[i];
+    for (size_t j = 0; j <= i; ++j) {
+      const Rows& two = rows_[j];
+      if (two.first < begin_[static_cast<size_t>(one.first)]) continue;
+      if (one.a == two.a) couple(i, j, one.a, 1.0, one.turn_a, two.turn_a);
+      if (one.b != kWorld && one.b == two.b) couple(i, j, one.b, 1.0, one.turn_b, two.turn_b);
+      if (one.a == two.b) couple(i, j, one.a, -1.0, one.turn_a, two.turn_b);
+      if (one.b != kWorld && one.b == two.a) couple(i, j, one.b, -1.0, one.turn_b, two.turn_a);
+    }
+  }
+  const auto row_count = static_cast<int>(inverse_pivot_.size());
+  for (int r = 0; r < row_count; ++r) {
+    const int begin = begin_[static_cast<size_t>(r)];
+    double* const row = &factor_[envelope_[static_cast<size_t>(r)]];
+    const double diagonal = row[r - begin];
+    compliance_[r] = softness_ * diagonal;
+    double pivot = diagonal + compliance_[r];
+    for (int c = begin; c < r; ++c) {
+      const int begin_c = begin_[static_cast<size_t>(c)];
+      const double* const other = &factor_[envelope_[static_cast<size_t>(c)]];
+      double sum = row[c - begin];
+      for (int k = std::max(begin, begin_c); k < c; ++k) sum -= row[k - begin] * other[k - begin_c];
+      row[c - begin] = sum;  // L D, until the pivot is known
+    }
+    for (int c = begin; c < r; ++c) {
+      const double scaled = row[c - begin];
+      row[c - begin] = scaled * inverse_pivot_[static_cast<size_t>(c)];
+      pivot -= scaled * row[c - begin];
+    }
+    inverse_pivot_[static_cast<size_t>(r)] = pivot > kDependent * diagonal ? 1.0 / pivot : 0.0;
+  }
+}
+
+// Solves L D L^T x = rows in place; rows that depend on others get nothing.
+void JointGroup::substitute(Eigen::VectorXd& rows) const {
+  const auto row_count = static_cast<int>(inverse_pivot_.size());
+  const auto for_columns = [&](int r, const auto& visit) {
+    const int begin = begin_[static_cast<size_t>(r)];
+    const double* const row = &factor_[envelope_[static_cast<size_t>(r)]];
+    for (int c = begin; c < r; ++c) visit(c, row[c - begin]);
+  };
+  for (int r = 0; r < row_count; ++r) {
+    for_columns(r, [&](int c, double entry) { rows[r] -= entry * rows[c]; });
+  }
+  for (int r = 0; r < row_count; ++r) rows[r] *= inverse_pivot_[static_cast<size_t>(r)];
+  for (int r = row_count - 1; r >= 0; --r) {
+    for_columns(r, [&](int c, double entry) { rows[c] -= entry * rows[r]; });
+  }
+}
+
+void JointGroup::apply(const RigidJoint& joint, const Rows& rows, const RigidJoint::Impulse& impulse) {
+  const auto give = [&](size_t index, double sign, const Eigen::Vector3d& arm_m) {
+    const Eigen::Vector3d push = sign * impulse.point_n_s;
+    const Eigen::Vector3d turn = arm_m.cross(push) + sign * impulse.turn;
+    RigidBody& body = *bodies_[index];
+    if (body.asleep) return;
+    body.velocity_m_s += body.inverse_mass * push;
+    body.apply_angular_impulse(turn);
+    given_[index].push_n_s += push;
+    given_[index].turn += turn;
+  };
+  give(rows.a, 1.0, rows.arm_a_m);
+  if (joint.b) give(rows.b, -1.0, rows.arm_b_m);
+}
+
+void JointGroup::warm_start(ContactPhase phase) {
+  for (size_t i = 0; i < joints_.size(); ++i) {
+    RigidJoint::Impulse& impulse = phase == ContactPhase::Push ? joints_[i].push : joints_[i].relax;
+    if (joints_[i].hinge) {
+      impulse.turn = rows_[i].across * (rows_[i].across.transpose() * impulse.turn).eval();
+    }
+    apply(joints_[i], rows_[i], impulse);
+  }
+  if (phase == ContactPhase::Relax) return;
+  bend_settles_ = true;
+  bend_change_.fill(kNotMeasured);
+  for (Rows& rows : rows_) rows.bend = rows.next_bend;
+}
+
+// Where the joints would be at the end of the substep is not where their present velocities point: arms turn. That
+// difference, which grows with the substep, is taken over from the substep before, then measured after each sweep and
+// used for as long as measures come closer: for light bodies between heavy ones they need not.
+bool JointGroup::measure_bend(double substep_s) {
+  for (size_t i = 0; i < bodies_.size(); ++i) ends_[i] = bodies_[i]->orientation_after(substep_s);
+  // Of gaps and of tilts: the largest bend, its largest change, the fastest way.
+  std::array<double, 2> largest{}, change{}, speed{};
+  const auto limited = [&](const auto& way, const auto& present, double present_speed) {
+    const auto bend = (way / substep_s - present).eval();
+    const double most = kMaxBend * present_speed, size = bend.norm();
+    return (std::min(1.0, most / std::max(size, 1e-300)) / substep_s * bend).eval();
+  };
+  const auto note = [&](size_t kind, const auto& bend, const auto& last) {
+    largest[kind] = std::max(largest[kind], bend.norm());
+    change[kind] = std::max(change[kind], (bend - last).norm());
+  };
+  const auto arm_bend = [&](size_t index, const Eigen::Vector3d& anchor_m) {
+    const RigidBody& body = *bodies_[index];
+    const Eigen::Vector3d arm = body.world_from_body.orientation * anchor_m;
+    const Eigen::Vector3d present = body.angular_velocity_rad_s.cross(arm);
+    speed[0] = std::max(speed[0], present.norm());
+    return limited(Eigen::Vector3d(ends_[index] * anchor_m - arm), present, present.norm());
+  };
+  for (size_t i = 0; i < joints_.size(); ++i) {
+    const RigidJoint& joint = joints_[i];
+    Rows& rows = rows_[i];
+    rows.next_bend.gap_m_s2 = arm_bend(rows.a, joint.anchor_a_m);
+    if (joint.b) rows.next_bend.gap_m_s2 -= arm_bend(rows.b, joint.anchor_b_m);
+    note(0, rows.next_bend.gap_m_s2, rows.bend.gap_m_s2);
+    if (!joint.hinge) continue;
+    Eigen::Vector3d turning = joint.a->angular_velocity_rad_s;
+    double fastest = turning.norm();
+    if (joint.b) {
+      turning -= joint.b->angular_velocity_rad_s;
+      fastest += joint.b->angular_velocity_rad_s.norm();
+    }
+    const Eigen::Vector3d axis_b = joint.b ? Eigen::Vector3d(ends_[rows.b] * joint.axis_b) : joint.axis_b;
+    const Eigen::Vector2d tilt = rows.across.transpose() * tilt_of(ends_[rows.a] * joint.axis_a, axis_b);
+    rows.next_bend.tilt_rad_s2 =
+        limited(Eigen::Vector2d(tilt - rows.start_tilt), (rows.across.transpose() * turning).eval(), fastest);
+    speed[1] = std::max(speed[1], fastest);
+    note(1, rows.next_bend.tilt_rad_s2, rows.bend.tilt_rad_s2);
+  }
+  if (!bend_settles_) return false;
+  const BendLimits& limits = in_small_steps_ ? kBendInSmallStep : kBendInSubstep;
+  for (size_t kind : {0, 1}) {
+    const double allowed = bend_change_[kind] == kNotMeasured
+                               ? std::max(limits.settles * largest[kind], limits.of_way * speed[kind] / substep_s)
+                               : limits.settles * bend_change_[kind];
+    if (change[kind] > std::max(allowed, kFineBend * speed[kind] / substep_s)) bend_settles_ = false;
+  }
+  if (!bend_settles_) return false;
+  bend_change_ = change;
+  for (Rows& rows : rows_) rows.bend = rows.next_bend;
+  return change[0] > kFineBend * speed[0] / substep_s || change[1] > kFineBend * speed[1] / substep_s;
+}
+
+// How fast the joints would open on average over the substep, beyond what is wanted.
+void JointGroup::push_residual(double substep_s) {
+  for (size_t i = 0; i < joints_.size(); ++i) {
+    const RigidJoint& joint = joints_[i];
+    Rows& rows = rows_[i];
+    Eigen::Vector3d opening = joint.a->mean_velocity(substep_s) + joint.a->angular_velocity_rad_s.cross(rows.arm_a_m);
+    Eigen::Vector3d turning = joint.a->angular_velocity_rad_s;
+    if (joint.b) {
+      opening -= joint.b->mean_velocity(substep_s) + joint.b->angular_velocity_rad_s.cross(rows.arm_b_m);
+      turning -= joint.b->angular_velocity_rad_s;
+    }
+    const Eigen::Vector3d back_m_s = returned(rows.start_gap_m, substep_s, kMaxReturn_m_s) / substep_s;
+    rows.back_m_s = back_m_s.norm();
+    residual_.segment<3>(rows.first) = -(opening + substep_s * rows.bend.gap_m_s2 + back_m_s);
+    if (!joint.hinge) continue;
+    const Eigen::Vector2d tilt_back = returned(rows.start_tilt, substep_s, kMaxReturn_rad_s);
+    residual_.segment<2>(rows.first + 3) = -(rows.across.transpose() * turning + substep_s * rows.bend.tilt_rad_s2 + tilt_back / substep_s);
+  }
+}
+
+void JointGroup::relax_residual() {
+  for (size_t i = 0; i < joints_.size(); ++i) {
+    const RigidJoint& joint = joints_[i];
+    const Rows& rows = rows_[i];
+    Eigen::Vector3d opening = joint.a->point_velocity(rows.arm_a_m);
+    Eigen::Vector3d turning = joint.a->angular_velocity_rad_s;
+    if (joint.b) {
+      opening -= joint.b->point_velocity(rows.arm_b_m);
+      turning -= joint.b->angular_velocity_rad_s;
+    }
+    residual_.segment<3>(rows.first) = -opening;
+    if (joint.hinge) residual_.segment<2>(rows.first + 3) = -(rows.across.transpose() * turning);
+  }
+}
+
+void JointGroup::solve(ContactPhase phase, double substep_s) {
+  if (phase == ContactPhase::Relax) {
+    relax_residual();
+    solve_residual(phase);
+    for (RigidJoint& joint : joints_) joint.force_n = (joint.borne_n_s + joint.relax.point_n_s) / substep_s;
+    return;
+  }
+  for (int sweep = 0; sweep < kBendSweeps; ++sweep) {
+    push_residual(substep_s);
+    solve_residual(phase);
+    if (!measure_bend(substep_s)) break;
+  }
+  if (!in_small_steps_) limit_push();
+}
+
+void JointGroup::solve_residual(ContactPhase phase) {
+  for (size_t i = 0; i < joints_.size(); ++i) {
+    const Rows& rows = rows_[i];
+    const RigidJoint::Impulse& total = phase == ContactPhase::Push ? joints_[i].push : joints_[i].relax;
+    residual_.segment<3>(rows.first) -= compliance_.segment<3>(rows.first).cwiseProduct(total.point_n_s);
+    if (!joints_[i].hinge) continue;
+    residual_.segment<2>(rows.first + 3) -=
+        compliance_.segment<2>(rows.first + 3).cwiseProduct(rows.across.transpose() * total.turn);
+  }
+  substitute(residual_);
+  for (size_t i = 0; i < joints_.size(); ++i) {
+    const Rows& rows = rows_[i];
+    RigidJoint::Impulse change;
+    change.point_n_s = residual_.segment<3>(rows.first);
+    if (joints_[i].hinge) change.turn = rows.across * residual_.segment<2>(rows.first + 3);
+    RigidJoint::Impulse& total = phase == ContactPhase::Push ? joints_[i].push : joints_[i].relax;
+    total.point_n_s += change.point_n_s;
+    total.turn += change.turn;
+    apply(joints_[i], rows, change);
+  }
+}
+
+// Tension turns a link back like a spring: -[f][r] for each force at its arm. The fastest swing sets the step.
+int JointGroup::small_steps(double substep_s) {
+  std::vector<Eigen::Matrix3d> stiffness(bodies_.size(), Eigen::Matrix3d::Zero());
+  double turn = 0.0;
+  const auto add = [&](size_t body, const Eigen::Vector3d& impulse, const Eigen::Vector3d& arm) {
+    stiffness[body] -= cross_matrix(impulse) * cross_matrix(arm);
+    const double length = arm.norm();
+    if (length > 0.0) turn = std::max(turn, bodies_[body]->angular_velocity_rad_s.cross(arm).norm() / length);
+  };
+  for (size_t i = 0; i < joints_.size(); ++i) {
+    const Eigen::Vector3d impulse = joints_[i].push.point_n_s + joints_[i].relax.point_n_s;
+    add(rows_[i].a, impulse, rows_[i].arm_a_m);
+    if (joints_[i].b) add(rows_[i].b, -impulse, rows_[i].arm_b_m);
+  }
+  double fastest = 0.0;  // (h omega)^2
+  for (size_t i = 0; i < bodies_.size(); ++i) {
+    swing_[i] = substep_s * (bodies_[i]->inverse_inertia * stiffness[i]).norm() / (kMaxSwing * kMaxSwing);
+    fastest = std::max(fastest, swing_[i]);
+  }
+  const double wanted = std::max(std::sqrt(fastest), turn * substep_s / kMaxTurn);
+  const double steps = std::clamp(std::ceil(wanted), 1.0, static_cast<double>(kMaxSmallSteps));
+  for (double& swing : swing_) swing = std::max(1.0, swing / (steps * steps));
+  return static_cast<int>(steps);
+}
+
+void JointGroup::weigh(RigidBody& body, double factor) {
+  body.mass_kg *= factor;
+  body.angular_momentum *= factor;
+  body.substep_acceleration_m_s2 /= factor;
+  body.update_turning();
+}
+
+void JointGroup::forget() {
+  work_j_ = liveliest_j_ = 0.0;
+  for (RigidJoint& joint : joints_) joint.push = joint.relax = {};
+  for (RigidJoint& joint : joints_) joint.force_n.setZero();
+  for (Rows& rows : rows_) rows.next_bend = {};
+}
+
+// Links that would swing too fast even so are heavier meanwhile, the forces on them the same: of a chain that bears
+// many times its weight the links count for little, and the small steps keep what they gain small beside its end.
+//
+// What else acted in the substep is spread over the small steps; each is a push, a move and a relax pass of its own.
+void JointGroup::move(double substep_s) {
+  note_others();
+  const int steps = small_steps(substep_s);
+  for (RigidJoint& joint : joints_) joint.borne_n_s = joint.push.point_n_s;
+  if (steps == 1) {
+    for (RigidBody* body : bodies_) body->move(substep_s);
+  } else {
+    move_in_small_steps(substep_s, steps);
+  }
+  for (size_t i = 0; i < bodies_.size(); ++i) {
+    before_[i] = motion_of(*bodies_[i]);
+    given_[i] = {};
+  }
+}
+
+void JointGroup::move_in_small_steps(double substep_s, int steps) {
+  const double part = 1.0 / steps;
+  std::vector<Impulses> others = others_;
+  for (size_t i = 0; i < bodies_.size(); ++i) {
+    RigidBody& body = *bodies_[i];
+    others[i].push_n_s *= part;
+    others[i].turn *= part;
+    body.velocity_m_s = starts_[i].velocity_m_s;
+    body.apply_angular_impulse(starts_[i].angular_momentum - body.angular_momentum);
+    if (swing_[i] > 1.0) weigh(body, swing_[i]);
+  }
+  std::vector<RigidJoint::Impulse> pushes;
+  for (RigidJoint& joint : joints_) {
+    pushes.push_back(joint.push);
+    joint.borne_n_s.setZero();
+    joint.push.point_n_s *= part;
+    joint.push.turn *= part;
+    joint.relax.point_n_s *= part;
+    joint.relax.turn *= part;
+  }
+  in_small_steps_ = true;
+  const double step_s = part * substep_s;
+  std::vector<Motion> starts(bodies_.size());
+  for (int step = 0; step < steps; ++step) {
+    for (size_t i = 0; i < bodies_.size(); ++i) {
+      starts[i] = motion_of(*bodies_[i]);
+      bodies_[i]->velocity_m_s += others[i].push_n_s / bodies_[i]->mass_kg;
+      bodies_[i]->apply_angular_impulse(others[i].turn);
+    }
+    prepare(ContactPhase::Push);
+    solve(ContactPhase::Push, step_s);
+    for (RigidBody* body : bodies_) body->move(step_s);
+    prepare(ContactPhase::Relax);
+    solve(ContactPhase::Relax, step_s);
+    slow_down(starts, others, 0.0);
+    for (RigidJoint& joint : joints_) joint.borne_n_s += joint.push.point_n_s + joint.relax.point_n_s;
+  }
+  in_small_steps_ = false;
+  for (size_t i = 0; i < bodies_.size(); ++i) {
+    if (swing_[i] > 1.0) weigh(*bodies_[i], 1.0 / swing_[i]);
+  }
+  for (size_t i = 0; i < joints_.size(); ++i) {
+    joints_[i].push = pushes[i];
+    joints_[i].relax = {};
+  }
+}
+
+std::vector<JointGroup*> joint_groups(std::span<RigidBody* const> bodies) {
+  std::vector<JointGroup*> groups;
+  for (RigidBody* body : bodies) {
+    if (body->joints && body->joints->bodies().front() == body) groups.push_back(body->joints);
+  }
+  return groups;
+}
+
+bool joined(const RigidBody& a, const RigidBody& b) {
+  return a.joints && a.joints == b.joints && a.joints->meet_in_a_joint(a, b);
+}
+
+}  // namespace livegs

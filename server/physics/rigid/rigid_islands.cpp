@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "physics/rigid/rigid_islands.h"
+
+#include <algorithm>
+#include <cstdint>
+
+#include "physics/disjoint_sets.h"
+#include "physics/rigid/joint/joint_group.h"
+
+namespace livegs {
+
+namespace {
+// What a body would fall in a substep of a 240th of a second: a sleeper nearer than that below one that is awake is woken, since
+// nobody knows yet that something else holds it. Such two have to fall asleep together, or they take turns for good.
+constexpr double kNearlyTouching_m = 2.5e-4;
+}  // namespace
+
+bool is_touching(const ContactPatch& patch) {
+  for (int i = 0; i < patch.point_count; ++i) {
+    if (patch.points[i].impulse_n_s > 0.0 || patch.points[i].separation_m <= kNearlyTouching_m) return true;
+  }
+  return false;
+}
+
+std::vector<RigidIsland> rigid_islands(std::span<RigidBody* const> bodies, IslandLink link,
+                                       const Eigen::Vector3d& gravity_m_s2) {
+  for (size_t i = 0; i < bodies.size(); ++i) bodies[i]->slot = static_cast<uint32_t>(i);
+  DisjointSets sets(bodies.size());
+  for (RigidBody* body : bodies) {
+    if (body->asleep) continue;
+    if (body->joints) sets.join(body->slot, body->joints->bodies().front()->slot);
+    for (const ContactPatch& patch : body->patches) {
+      if (!patch.other || patch.other->asleep) continue;
+      if (link == IslandLink::AnyPatch || is_touching(patch)) sets.join(body->slot, patch.other->slot);
+    }
+  }
+  // Roots are the lowest of their sets, so islands come in ascending id.
+  std::vector<RigidIsland> islands;
+  std::vector<uint32_t> island_of(bodies.size(), 0);
+  for (RigidBody* body : bodies) {
+    if (body->asleep) continue;
+    const uint32_t root = sets.root(body->slot);
+    if (root == body->slot) {
+      island_of[root] = static_cast<uint32_t>(islands.size());
+      islands.emplace_back();
+    }
+    islands[island_of[root]].bodies.push_back(body);
+  }
+  if (link == IslandLink::TouchingPatch) return islands;
+
+  for (RigidBody* body : bodies) {
+    if (!body->asleep) continue;
+    for (ContactPatch& patch : body->patches) {
+      if (!patch.other || patch.other->asleep) continue;
+      islands[island_of[sets.root(patch.other->slot)]].contacts.push_back({body, &patch});
+    }
+  }
+  for (RigidIsland& island : islands) {
+    std::stable_sort(island.bodies.begin(), island.bodies.end(), [&](const RigidBody* a, const RigidBody* b) {
+      return gravity_m_s2.dot(a->world_from_body.position_m) > gravity_m_s2.dot(b->world_from_body.position_m);
+    });
+    for (RigidBody* body : island.bodies) {
+      for (ContactPatch& patch : body->patches) island.contacts.push_back({body, &patch});
+    }
+  }
+  return islands;
+}
+
+}  // namespace livegs

@@ -1,0 +1,399 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "physics/rigid/rigid_step.h"
+
+#include <algorithm>
+#include <atomic>
+#include <vector>
+
+#include "core/log.h"
+#include "core/parallel_for.h"
+#include "physics/rigid/contact/restitution.h"
+#include "physics/rigid/contact/contact_solver.h"
+#include "physics/rigid/contact/find_contacts.h"
+#include "physics/rigid/ccd_substeps.h"
+#include "physics/rigid/mass_ratio_substeps.h"
+#include "physics/rigid/rigid_islands.h"
+#include "physics/rigid/joint/joint_group.h"
+#include "physics/rigid/rigid_spring.h"
+
+namespace livegs {
+namespace {
+
+// A substep's contacts, found once, are solved in this many short steps of one sweep each: against heavy things on light
+// ones and tall stacks that does more than as many sweeps of one step (Macklin et al. 2019, Small steps in physics
+// simulation), since the contacts may be that much stiffer. The corners of a body that strikes share the blow only after
+// some sweeps of one step.
+constexpr int kSolverSteps = 4;
+constexpr int kPushSweeps = 1;
+constexpr int kRelaxSweeps = 2;  // with one, a pyramid never comes to rest
+constexpr int kImpactSweeps = 4;
+
+// What moves faster or is farther than this has no motion any more, whatever the numbers say.
+constexpr double kMost_m_s = 1e6;
+constexpr double kFarthest_m = 1e9;
+constexpr int kMostTold = 10;  // in a process
+
+// What fell asleep together wakes together, and so does what is joined. Returns whether anything woke.
+bool wake_groups(std::span<RigidBody* const> bodies) {
+  for (RigidBody* body : bodies) {
+    if (!body->asleep && body->joints) body->joints->wake_together();
+  }
+  std::vector<uint64_t> woken;
+  for (RigidBody* body : bodies) {
+    if (body->asleep || body->sleep_group == 0) continue;
+    woken.push_back(body->sleep_group);
+    body->sleep_group = 0;
+  }
+  if (woken.empty()) return false;
+  for (RigidBody* body : bodies) {
+    if (!body->asleep || std::find(woken.begin(), woken.end(), body->sleep_group) == woken.end()) continue;
+    body->wake();
+    body->sleep_group = 0;
+  }
+  return true;
+}
+
+// Whether the patch will press within the substep; the last relaxing sweep looks a step farther.
+bool will_press(const RigidBody& owner, const ContactPatch& patch, double duration_s) {
+  for (int i = 0; i < patch.point_count; ++i) {
+    const ContactPoint& point = patch.points[i];
+    Eigen::Vector3d velocity = owner.point_velocity(point.arm_a_m);
+    if (patch.other) {
+      const Eigen::Vector3d between = owner.world_from_body.position_m - patch.other->world_from_body.position_m;
+      velocity -= patch.other->point_velocity(point.arm_a_m + between);
+    }
+    const double ahead_s = duration_s + duration_s / kSolverSteps;
+    if (point.separation_m + ahead_s * point.normal.dot(velocity) < 0.0) return true;
+  }
+  return false;
+}
+
+// Sleepers that will be touched wake before the contact is solved.
+bool wake_touched(std::span<RigidBody* const> bodies, double duration_s) {
+  bool any = false;
+  for (RigidBody* body : bodies) {
+    for (const ContactPatch& patch : body->patches) {
+      if (!patch.other || body->asleep == patch.other->asleep || !will_press(*body, patch, duration_s)) continue;
+      (body->asleep ? *body : *patch.other).wake();
+      any = true;
+    }
+  }
+  return any;
+}
+
+// Contacts are looked for with the velocity that the body would have after the substep without them.
+void accelerate(RigidBody& body, const RigidLoad& load, const Eigen::Vector3d& gravity, double duration_s) {
+  body.velocity_m_s += load.implicit_impulse_n_s / body.mass_kg;
+  body.apply_angular_impulse(load.angular_impulse);
+  body.substep_velocity_m_s = body.velocity_m_s;
+  body.substep_acceleration_m_s2 = gravity + load.impulse_n_s / (body.mass_kg * duration_s);
+  body.velocity_m_s += duration_s * body.substep_acceleration_m_s2;
+}
+
+void tally_point(RigidBody& body, const ContactPatch& patch, const RigidBody* from, const ContactPoint& point,
+                 const Eigen::Vector3d& normal, const Eigen::Vector3d& where) {
+  body.contact_impulse_n_s += point.impulse_n_s;
+  if (!from || from->object_id != body.object_id) {
+    body.outer_impulse_n_s += point.impulse_n_s;
+    body.outer_moment += point.impulse_n_s * where;
+  }
+  body.blows.note_contact(body, patch, point, normal, where - body.world_from_body.position_m);
+}
+
+void tally(RigidBody& body, ContactPatch& patch) {
+  bool struck = false;
+  for (int i = 0; i < patch.point_count; ++i) {
+    ContactPoint& point = patch.points[i];
+    const Eigen::Vector3d where = body.world_from_body.position_m + point.arm_a_m;
+    if (!body.asleep) tally_point(body, patch, patch.other, point, point.normal, where);
+    if (patch.other && !patch.other->asleep) tally_point(*patch.other, patch, &body, point, -point.normal, where);
+    // The impulse of an impact is no forecast of the next substep's.
+    if (point.impact_speed_m_s >= patch.restitution_speed_m_s) {
+      point.impulse_n_s = 0.0;
+      struck = true;
+    }
+  }
+  const Eigen::Vector3d &rubbed = patch.friction_impulse_n_s, twist = patch.twist_impulse * patch.normal;
+  body.blows.note_friction(body, rubbed, twist, patch.arm_a_m);
+  if (patch.other) patch.other->blows.note_friction(*patch.other, -rubbed, -twist, patch.arm_b_m);
+  if (struck) {
+    patch.friction_impulse_n_s.setZero();
+    patch.twist_impulse = 0.0;
+  }
+}
+
+void remember_impulses(ContactPatch& patch) {
+  for (int i = 0; i < patch.point_count; ++i) patch.points[i].resting_impulse_n_s = patch.points[i].impulse_n_s;
+}
+
+void cut_bounce(ContactPatch& patch, double part) {
+  for (int i = 0; i < patch.point_count; ++i) {
+    ContactPoint& point = patch.points[i];
+    point.impulse_n_s = point.resting_impulse_n_s + part * (point.impulse_n_s - point.resting_impulse_n_s);
+  }
+}
+
+// What hands and joints gave in the step loads a body as contacts do.
+void note_held(const RigidIsland& island, std::span<JointGroup* const> joints, double step_s) {
+  for (RigidBody* body : island.bodies) {
+    if (!body->can_break) continue;
+    for (const RigidSpring* spring : body->springs) body->blows.note_force(*body, step_s * spring->force_n, spring->arm_m);
+  }
+  const auto note = [&](RigidBody* body, const Eigen::Vector3d& force_n, const Eigen::Vector3d& anchor_m) {
+    if (!body || !body->can_break || body->asleep) return;
+    body->blows.note_joint(*body, step_s * force_n, anchor_m - body->world_from_body.position_m);
+  };
+  for (const JointGroup* group : joints) {
+    for (const RigidJoint& joint : group->joints()) {
+      note(joint.a, joint.force_n, joint.world_anchor_a());
+      note(joint.b, -joint.force_n, joint.world_anchor_b());
+    }
+  }
+}
+
+bool is_impact(const ContactPatch& patch) {
+  for (int i = 0; i < patch.point_count; ++i) {
+    if (patch.points[i].impact_speed_m_s >= patch.restitution_speed_m_s) return true;
+  }
+  return false;
+}
+
+// Decides how the bodies will move, which their joints reckon with.
+void note_meeting(RigidBody& body, ContactPatch& patch) {
+  if (!patch.other || total_impulse(patch) <= 0.0) return;
+  if (!body.asleep) body.met_body = true;
+  if (!patch.other->asleep) patch.other->met_body = patch.other->pushed_by_owner = true;
+}
+
+bool moves_finitely(const RigidBody& body) {
+  const Pose& pose = body.world_from_body;
+  return body.velocity_m_s.squaredNorm() < kMost_m_s * kMost_m_s && pose.position_m.allFinite() &&
+         pose.position_m.cwiseAbs().maxCoeff() < kFarthest_m &&
+         pose.orientation.coeffs().allFinite() && body.angular_momentum.allFinite() && body.angular_velocity_rad_s.allFinite();
+}
+
+// What no longer moves finitely would take all that it touches along: the island stands still where it was.
+void put_back(RigidIsland& island, std::span<const Pose> poses, std::span<JointGroup* const> joints) {
+  static std::atomic<int> told{0};
+  const auto lost = std::find_if(island.bodies.begin(), island.bodies.end(),
+                                 [](const RigidBody* body) { return !moves_finitely(*body); });
+  if (told.fetch_add(1) < kMostTold) {
+    log_warn("object %u: its motion ran out of bounds; it and what it touches are stopped where they were. Look for parts "
+             "that overlap, or of very different mass, or raise substeps", (*lost)->object_id);
+  }
+  for (size_t i = 0; i < island.bodies.size(); ++i) {
+    RigidBody& body = *island.bodies[i];
+    body.world_from_body = poses[i];
+    body.velocity_m_s.setZero();
+    body.angular_momentum.setZero();
+    body.substep_velocity_m_s.setZero();
+    body.substep_acceleration_m_s2.setZero();
+    body.patches.clear();
+    body.previous_patches.clear();
+    body.blows = RigidBlows();
+    body.contact_impulse_n_s = body.outer_impulse_n_s = 0.0;
+    body.outer_moment.setZero();
+    body.update_turning();
+  }
+  for (JointGroup* group : joints) group->forget();
+}
+
+// Impulses are those of a step: the next one is `factor` as long.
+void scale_impulses(ContactPatch& patch, double factor) {
+  for (int i = 0; i < patch.point_count; ++i) patch.points[i].impulse_n_s *= factor;
+  patch.friction_impulse_n_s *= factor;
+  patch.twist_impulse *= factor;
+}
+
+// In `times` as many steps as is usual, each so much shorter; contacts keep impulses of the usual ones.
+void solve_island(RigidIsland& island, double duration_s, int times) {
+  const auto each = [&](const auto& visit) {
+    for (const RigidIsland::Contact& contact : island.contacts) visit(*contact.owner, *contact.patch);
+  };
+  const int steps = times * kSolverSteps;
+  const double step_s = duration_s / steps;
+  if (times > 1) each([&](RigidBody&, ContactPatch& patch) { scale_impulses(patch, 1.0 / times); });
+  std::vector<Pose> poses;
+  for (const RigidBody* body : island.bodies) poses.push_back(body->world_from_body);
+  const bool struck = std::any_of(island.contacts.begin(), island.contacts.end(),
+                                  [](const RigidIsland::Contact& contact) { return is_impact(*contact.patch); });
+  const int push_sweeps = struck ? kImpactSweeps : kPushSweeps;
+  const int relax_sweeps = struck ? kImpactSweeps : kRelaxSweeps;
+  const std::vector<JointGroup*> joints = joint_groups(island.bodies);
+  for (RigidBody* body : island.bodies) body->velocity_m_s = body->substep_velocity_m_s;
+  BounceGuard guard(island.bodies);
+  for (int step = 0; step < steps; ++step) {
+    for (RigidBody* body : island.bodies) {
+      body->pushed_by_owner = body->met_body = false;
+      body->substep_velocity_m_s = body->velocity_m_s;
+      body->velocity_m_s += step_s * body->substep_acceleration_m_s2;
+    }
+    each(prepare_patch);
+    for (JointGroup* group : joints) group->begin();
+    each(warm_start_patch);
+    for (RigidBody* body : island.bodies) {
+      for (RigidSpring* spring : body->springs) prepare_spring(*body, *spring, step_s);
+    }
+    for (JointGroup* group : joints) group->prepare(ContactPhase::Push);
+    for (int sweep = 0; sweep < push_sweeps; ++sweep) {
+      each([&](RigidBody& body, ContactPatch& patch) { solve_patch(body, patch, ContactPhase::Push, step_s); });
+      for (RigidBody* body : island.bodies) {
+        for (RigidSpring* spring : body->springs) solve_spring(*body, *spring, step_s);
+      }
+      if (!joints.empty()) each(note_meeting);
+      for (JointGroup* group : joints) group->solve(ContactPhase::Push, step_s);
+    }
+    each([&](RigidBody& body, ContactPatch& patch) { follow_patch(body, patch, step_s); });
+    each(note_meeting);
+    for (RigidBody* body : island.bodies) {
+      if (!body->joints) body->move(step_s);
+    }
+    for (JointGroup* group : joints) group->move(step_s);
+
+    each(prepare_patch);
+    for (JointGroup* group : joints) group->prepare(ContactPhase::Relax);
+    for (int sweep = 0; sweep < relax_sweeps; ++sweep) {
+      each([&](RigidBody& body, ContactPatch& patch) { solve_patch(body, patch, ContactPhase::Relax, step_s); });
+      for (JointGroup* group : joints) group->solve(ContactPhase::Relax, step_s);
+    }
+    if (step + 1 == steps && (struck || !joints.empty())) {
+      guard.begin();
+      each([](RigidBody&, ContactPatch& patch) { remember_impulses(patch); });
+      for (int sweep = 0; sweep < kImpactSweeps; ++sweep) {
+        each([&](RigidBody& body, ContactPatch& patch) {
+          if (restitute_patch(body, patch)) rub_patch(body, patch);
+        });
+        for (JointGroup* group : joints) group->solve(ContactPhase::Relax, step_s);
+      }
+      if (const double part = guard.end(); part < 1.0) each([&](RigidBody&, ContactPatch& patch) { cut_bounce(patch, part); });
+    }
+    for (JointGroup* group : joints) group->end(step_s);
+    each(tally);
+    note_held(island, joints, step_s);
+  }
+  if (times > 1) each([&](RigidBody&, ContactPatch& patch) { scale_impulses(patch, times); });
+  if (!std::all_of(island.bodies.begin(), island.bodies.end(), [](const RigidBody* body) { return moves_finitely(*body); })) {
+    put_back(island, poses, joints);
+  }
+  double struck_share = 0.0;
+  for (const RigidBody* body : island.bodies) struck_share = std::max(struck_share, body->blows.struck_share());
+  for (RigidBody* body : island.bodies) body->blows.end_substep(*body, struck_share, duration_s);
+}
+
+// The substep in `parts`, each with contacts of its own. Its bodies meet nobody but each other, colliders and sleepers: other
+// islands may be on other threads.
+void solve_in_parts(RigidIsland& island, std::span<const Collider> colliders, double gravity_m_s2, double duration_s, int parts) {
+  const double part_s = duration_s / parts;
+  std::vector<const RigidBody*> members(island.bodies.begin(), island.bodies.end());
+  std::sort(members.begin(), members.end());
+  const auto elsewhere = [&](const RigidBody* body) {
+    return !body->asleep && !std::binary_search(members.begin(), members.end(), body);
+  };
+  std::vector<std::vector<RigidBody*>> near;
+  for (RigidBody* body : island.bodies) {
+    near.push_back(body->near);
+    std::erase_if(body->near, elsewhere);
+    for (ContactPatch& patch : body->patches) scale_impulses(patch, 1.0 / parts);
+    body->velocity_m_s = body->substep_velocity_m_s;
+  }
+  std::erase_if(island.contacts, [](const RigidIsland::Contact& contact) { return !contact.owner->asleep; });
+  const size_t of_sleepers = island.contacts.size();
+  for (int part = 0; part < parts; ++part) {
+    for (RigidBody* body : island.bodies) {
+      body->substep_velocity_m_s = body->velocity_m_s;
+      body->velocity_m_s += part_s * body->substep_acceleration_m_s2;
+    }
+    for (RigidBody* body : island.bodies) find_contacts(*body, colliders, gravity_m_s2, part_s);
+    island.contacts.resize(of_sleepers);
+    for (RigidBody* body : island.bodies) {
+      for (ContactPatch& patch : body->patches) island.contacts.push_back({body, &patch});
+    }
+    solve_island(island, part_s, 1);
+  }
+  for (size_t i = 0; i < island.bodies.size(); ++i) {
+    island.bodies[i]->near = std::move(near[i]);
+    for (ContactPatch& patch : island.bodies[i]->patches) scale_impulses(patch, parts);
+  }
+}
+
+}  // namespace
+
+void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const RigidLoad> loads,
+                       std::span<const Collider> colliders, const Eigen::Vector3d& gravity_m_s2, double duration_s,
+                       RigidBroadPhase& broad_phase) {
+  if (std::all_of(bodies.begin(), bodies.end(), [](const RigidBody* body) { return body->asleep; })) return;
+  if (wake_groups(bodies)) broad_phase.forget();
+  std::vector<char> accelerated(bodies.size(), 0);
+  const auto accelerate_awake = [&] {
+    bool any = false;
+    for (size_t i = 0; i < bodies.size(); ++i) {
+      if (bodies[i]->asleep || accelerated[i]) continue;
+      accelerate(*bodies[i], loads[i], gravity_m_s2, duration_s);
+      accelerated[i] = any = true;
+    }
+    return any;
+  };
+  accelerate_awake();
+  broad_phase.update(bodies, gravity_m_s2.norm(), duration_s);
+
+  std::vector<RigidBody*> active;  // awake, or first of a pair with an awake one
+  for (RigidBody* body : bodies) {
+    const auto awake = [](const RigidBody* other) { return !other->asleep; };
+    if (!body->asleep || std::any_of(body->near.begin(), body->near.end(), awake)) active.push_back(body);
+  }
+  parallel_for(active.size(), 8, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) find_contacts(*active[i], colliders, gravity_m_s2.norm(), duration_s);
+  });
+  if (wake_touched(active, duration_s)) {
+    // They start with the contacts that they fell asleep with.
+    wake_groups(bodies);
+    broad_phase.forget();
+    accelerate_awake();
+    active.clear();
+    for (RigidBody* body : bodies) {
+      const auto meets_awake = [](const ContactPatch& patch) { return patch.other && !patch.other->asleep; };
+      if (!body->asleep || std::any_of(body->patches.begin(), body->patches.end(), meets_awake)) active.push_back(body);
+    }
+  }
+
+  std::vector<RigidIsland> islands = rigid_islands(active, IslandLink::AnyPatch, gravity_m_s2);
+  parallel_for(islands.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const int parts = substep_parts(islands[i], duration_s);
+      if (parts == 1) {
+        solve_island(islands[i], duration_s, heavy_steps(islands[i], gravity_m_s2));
+      } else {
+        solve_in_parts(islands[i], colliders, gravity_m_s2.norm(), duration_s, parts);
+      }
+    }
+  });
+}
+
+void update_sleep(std::span<RigidBody* const> bodies, double tick_s, RigidBroadPhase& broad_phase) {
+  std::vector<RigidBody*> awake;
+  for (RigidBody* body : bodies) {
+    if (body->asleep) continue;
+    awake.push_back(body);
+    bool touching = body->pushed_by_owner || body->touches_elastic || body->joints;
+    for (const ContactPatch& patch : body->patches) touching = touching || total_impulse(patch) > 0.0;
+    const bool still = touching && three_point_speed_m_s(*body, body->velocity_m_s) < sleep_speed_m_s(body->shape);
+    body->still_s = still ? body->still_s + tick_s : 0.0;
+  }
+  for (RigidIsland& island : rigid_islands(awake, IslandLink::TouchingPatch, Eigen::Vector3d::Zero())) {
+    const bool still = std::all_of(island.bodies.begin(), island.bodies.end(),
+                                   [](const RigidBody* body) { return body->still_s >= kSleepSeconds && !body->company_restless; });
+    if (!still) continue;
+    for (RigidBody* body : island.bodies) {
+      body->asleep = true;
+      body->sleep_group = island.bodies.front()->contact_id() + 1;
+      body->velocity_m_s.setZero();
+      body->angular_momentum.setZero();
+      body->substep_velocity_m_s.setZero();
+      body->substep_acceleration_m_s2.setZero();
+      body->update_turning();
+    }
+    broad_phase.forget();
+  }
+}
+
+}  // namespace livegs

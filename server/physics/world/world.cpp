@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "physics/world.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/assert.h"
+#include "physics/collision/convex_polyhedron.h"
+#include "physics/world/check_descriptions.h"
+#include "physics/world/world_state.h"
+
+namespace livegs {
+
+bool WorldObject::asleep() const {
+  if (const RigidObject* object = rigid()) {
+    for (size_t i = 0; i < object->body_count(); ++i) {
+      if (!object->body_at(i).asleep) return false;
+    }
+    return true;
+  }
+  if (const ElasticObject* object = elastic()) return object->body->asleep();
+  return true;
+}
+
+void WorldObject::wake() {
+  if (RigidObject* object = rigid()) {
+    for (size_t i = 0; i < object->body_count(); ++i) object->body_at(i).wake();
+  } else if (ElasticObject* soft = elastic()) {
+    soft->body->wake();
+  }
+}
+
+WorldObject* World::State::find(uint32_t object_id) {
+  const auto found = objects.find(object_id);
+  return found == objects.end() ? nullptr : &found->second;
+}
+
+const WorldObject* World::State::find(uint32_t object_id) const {
+  const auto found = objects.find(object_id);
+  return found == objects.end() ? nullptr : &found->second;
+}
+
+void World::State::list_bodies() {
+  rigid_bodies.clear();
+  broad_phase.forget();
+  elastic_objects.clear();
+  for (auto& [id, object] : objects) {
+    if (RigidObject* rigid = object.rigid()) {
+      for (size_t i = 0; i < rigid->body_count(); ++i) rigid_bodies.push_back(&rigid->body_at(i));
+    }
+    if (ElasticObject* elastic = object.elastic()) elastic_objects.push_back(elastic);
+  }
+  for (RigidBody* body : rigid_bodies) body->touches_elastic = body->company_restless = false;
+  loads.resize(rigid_bodies.size());
+  moving_bodies.assign(rigid_bodies.size(), {});
+  rigid_changes.assign(rigid_bodies.size(), {});
+  if (!joints.empty()) link_joints();
+}
+
+void World::State::wake_all() {
+  for (auto& [id, object] : objects) object.wake();
+}
+
+World::World(const WorldSettings& settings) : state_(std::make_unique<State>()) {
+  LIVEGS_ASSERT(check_settings(settings).has_value());
+  state_->settings = settings;
+}
+World::~World() = default;
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+
+const WorldSettings& World::settings() const { return state_->settings; }
+uint64_t World::tick() const { return state_->tick; }
+StepTimes World::last_times() const { return state_->times; }
+
+void World::add_collider(const Collider& collider) {
+  state_->colliders.push_back(collider);
+  if (auto* box = std::get_if<BoxShape>(&state_->colliders.back().shape);
+      box && box->size_m.minCoeff() > 0.0) {
+    box->polyhedron = std::make_shared<ConvexPolyhedron>(box_polyhedron(box->size_m));
+  }
+  state_->wake_all();
+}
+
+namespace {
+
+Result<void> check_new_id(const WorldObject* present, uint32_t object_id) {
+  if (!present) return {};
+  return invalid_argument("object " + std::to_string(object_id) + ": the id is already in use");
+}
+
+Pose normalized(Pose pose) {
+  pose.orientation.normalize();
+  return pose;
+}
+
+}  // namespace
+
+Result<void> World::add_static(uint32_t object_id, const Pose& world_from_object) {
+  if (auto fresh = check_new_id(state_->find(object_id), object_id); !fresh) return fresh;
+  if (auto checked = check_pose(object_id, world_from_object); !checked) return checked;
+  StaticObject object{normalized(world_from_object), {}};
+  object.material.behavior = Behavior::Static;
+  state_->objects[object_id] = {std::move(object), true};
+  return {};
+}
+
+Result<void> World::add_rigid(const RigidBodyDescription& description) {
+  const uint32_t id = description.object_id;
+  if (auto fresh = check_new_id(state_->find(id), id); !fresh) return fresh;
+  if (auto checked = check_rigid(description); !checked) return checked;
+
+  RigidObject object;
+  object.material = description.material;
+  object.material.behavior = Behavior::Rigid;
+  object.body = std::make_unique<RigidBody>();
+  RigidBody& body = *object.body;
+  body.object_id = id;
+  body.rest_centre_m = description.properties.centre_of_mass_m;
+  body.shape = description.sphere_radius_m > 0.0 ? ball_shape(description.sphere_radius_m)
+                                                 : mesh_shape(description.mesh, body.rest_centre_m);
+  body.mass_kg = description.material.mass_kg;
+  body.set_unit_inertia(description.properties.inertia_m2);
+  body.friction = description.material.friction;
+  body.restitution = description.material.restitution;
+  body.world_from_body = normalized(description.world_from_object);
+  body.world_from_body.position_m = body.world_from_body * body.rest_centre_m;
+  body.velocity_m_s = description.velocity_m_s;
+  body.set_angular_velocity(description.angular_velocity_rad_s);
+  state_->objects[id] = {std::move(object), false};
+  state_->list_bodies();
+  return {};
+}
+
+Result<void> World::add_ball(const BallDescription& description) {
+  const uint32_t id = description.object_id;
+  if (auto fresh = check_new_id(state_->find(id), id); !fresh) return fresh;
+  if (auto checked = check_ball(description); !checked) return checked;
+
+  RigidObject object;
+  object.material.behavior = Behavior::Rigid;
+  object.material.mass_kg = description.mass_kg;
+  object.material.friction = description.friction;
+  object.material.restitution = description.restitution;
+  object.body = std::make_unique<RigidBody>();
+  RigidBody& body = *object.body;
+  body.object_id = id;
+  body.shape = ball_shape(description.radius_m);
+  body.mass_kg = description.mass_kg;
+  body.set_unit_inertia(0.4 * description.radius_m * description.radius_m * Eigen::Matrix3d::Identity());
+  body.friction = description.friction;
+  body.restitution = description.restitution;
+  body.world_from_body.position_m = description.position_m;
+  body.velocity_m_s = description.velocity_m_s;
+  body.update_turning();
+  state_->objects[id] = {std::move(object), false};
+  state_->list_bodies();
+  return {};
+}
+
+Result<void> World::add_elastic(const ElasticBodyDescription& description) {
+  const uint32_t id = description.object_id;
+  if (auto fresh = check_new_id(state_->find(id), id); !fresh) return fresh;
+  if (auto checked = check_elastic(description); !checked) return checked;
+  const WorldSettings& settings = state_->settings;
+  auto body = make_elastic_body(description, settings.elastic_solver, settings.rate_hz, settings.substeps,
+                                settings.sleep);
+  if (!body) return body.error();
+  ElasticObject object;
+  object.body = std::move(body).value();
+  object.rest_particles_m = description.particles.positions_m;
+  object.object_id = id;
+  state_->objects[id] = {std::move(object), false};
+  state_->list_bodies();
+  return {};
+}
+
+void World::remove(uint32_t object_id) {
+  const auto found = state_->objects.find(object_id);
+  if (found == state_->objects.end()) return;
+  // Contacts name bodies by pointer: none may outlive its body. What leaned on it must move.
+  if (const RigidObject* rigid = found->second.rigid()) {
+    for (size_t i = 0; i < rigid->body_count(); ++i) {
+      for (const ContactPatch& patch : rigid->body_at(i).patches) {
+        if (patch.other) patch.other->wake();
+      }
+    }
+  }
+  if (const ElasticObject* elastic = found->second.elastic()) {
+    for (const uint64_t id : elastic->met) {
+      if (WorldObject* other = state_->find(object_of(id))) other->wake();
+    }
+  }
+  state_->objects.erase(found);
+  // An id may be used again, by something that nobody holds.
+  const auto on_it = [&](const auto& entry) { return entry.second.object_id == object_id; };
+  std::erase_if(state_->forces, on_it);
+  std::erase_if(state_->springs, on_it);
+  std::erase_if(state_->grabs, on_it);
+  state_->list_bodies();
+  for (ElasticObject* elastic : state_->elastic_objects) {
+    const auto was = [&](uint64_t id) { return object_of(id) == object_id; };
+    if (std::erase_if(elastic->met, was) > 0) elastic->body->wake();
+  }
+  const auto gone = [&](const ContactPatch& patch) {
+    return patch.other_id < kColliderBit && object_of(patch.other_id) == object_id;
+  };
+  for (RigidBody* body : state_->rigid_bodies) {
+    if (std::erase_if(body->patches, gone) > 0) body->wake();
+    std::erase_if(body->previous_patches, gone);
+  }
+}
+
+void World::set_force(uint64_t force_id, uint32_t object_id, const PointForce& force) {
+  WorldObject* object = state_->find(object_id);
+  if (!object) return;
+  object->wake();
+  state_->forces[force_id] = {object_id, force};
+}
+
+void World::clear_force(uint64_t force_id) {
+  const auto found = state_->forces.find(force_id);
+  if (found == state_->forces.end()) return;
+  if (WorldObject* object = state_->find(found->second.object_id)) object->wake();
+  state_->forces.erase(found);
+}
+
+Result<void> World::set_material(uint32_t object_id, const Material& material) {
+  WorldObject* object = state_->find(object_id);
+  if (!object) return not_found("object " + std::to_string(object_id) + ": there is none of this id");
+  const Material* present = this->material(object_id);
+  if (present->behavior != material.behavior) {
+    return invalid_argument("object " + std::to_string(object_id) +
+                            ": behavior cannot change; remove the object and add it anew");
+  }
+  if (StaticObject* fixed = object->fixed()) {
+    fixed->material = material;
+    return {};
+  }
+  if (auto checked = check_material(object_id, material); !checked) return checked;
+  if (RigidObject* rigid = object->rigid()) {
+    if (material.fragile || rigid->pieces) {
+      if (auto checked = check_break_impulse(object_id, material); !checked) return checked;
+    }
+    const double growth = material.mass_kg / rigid->material.mass_kg;
+    rigid->material = material;
+    for (size_t i = 0; i < rigid->body_count(); ++i) {
+      RigidBody& body = rigid->body_at(i);
+      const Eigen::Vector3d spin = body.angular_velocity_rad_s;
+      body.mass_kg = rigid->fragments.empty() ? material.mass_kg : growth * body.mass_kg;
+      body.friction = material.friction;
+      body.restitution = material.restitution;
+      body.set_angular_velocity(spin);
+    }
+    rigid->bonds.break_impulse_n_s = material.break_impulse_n_s;
+    for (BondGraph::Piece& piece : rigid->bonds.pieces) {
+      piece.mass_kg *= growth;
+      piece.inertia *= growth;
+    }
+  } else {
+    ElasticBody& body = *object->elastic()->body;
+    const double budget = state_->settings.elastic_node_substeps;
+    double left = budget;
+    for (const ElasticObject* other : state_->elastic_objects) {
+      if (other->object_id != object_id) left -= other->body->node_substeps();
+    }
+    body.may_take(std::max(left, budget / static_cast<double>(state_->elastic_objects.size())));
+    body.set_material(material);
+  }
+  object->wake();
+  return {};
+}
+
+Result<void> World::release_region(uint32_t object_id, const std::string& region) {
+  WorldObject* object = state_->find(object_id);
+  ElasticObject* elastic = object ? object->elastic() : nullptr;
+  if (!elastic || !elastic->body->release_region(region)) {
+    return not_found("object " + std::to_string(object_id) + ": it holds or moves no region called " + region);
+  }
+  object->wake();
+  return {};
+}
+
+const Material* World::material(uint32_t object_id) const {
+  const WorldObject* object = state_->find(object_id);
+  if (!object) return nullptr;
+  if (const StaticObject* fixed = object->fixed()) return &fixed->material;
+  if (const RigidObject* rigid = object->rigid()) return &rigid->material;
+  return &object->elastic()->body->material();
+}
+
+std::vector<WorldEvent> World::take_events() { return std::exchange(state_->events, {}); }
+
+}  // namespace livegs

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Who may touch whom among elastic and rigid bodies, and how those that lie on each other sleep and wake.
+#include <algorithm>
+#include <cmath>
+
+#include "physics/disjoint_sets.h"
+#include "physics/motion/free_rotation.h"
+#include "physics/world/world_state.h"
+
+namespace livegs {
+namespace {
+
+using Eigen::Vector3d;
+
+// What a rigid body is expected to gain in a substep is believed up to twice what gravity gives: it is right for what
+// rests, and wrong right after an impact.
+constexpr double kExpectedGravities = 2.0;
+// Bodies within this part of an elastic one's reach are met, beyond what they move in a substep.
+constexpr double kNearby = 0.1;
+
+Vector3d bounded(const Vector3d& v, double limit) {
+  const double length = v.norm();
+  return length > limit ? Vector3d(limit / length * v) : v;
+}
+
+Eigen::AlignedBox3d box_of(const RigidShape& shape, const Pose& at) {
+  if (shape.is_ball()) {
+    const Vector3d around = Vector3d::Constant(shape.sphere_radius_m);
+    return {at.position_m - around, at.position_m + around};
+  }
+  const Eigen::Matrix3d turn = at.orientation.toRotationMatrix();
+  const Vector3d middle = at.position_m + turn * (0.5 * (shape.min_m + shape.max_m));
+  const Vector3d half = turn.cwiseAbs() * (0.5 * (shape.max_m - shape.min_m));
+  return {middle - half, middle + half};
+}
+
+Eigen::AlignedBox3d wider(const Eigen::AlignedBox3d& box, double by_m) {
+  return {box.min().array() - by_m, box.max().array() + by_m};
+}
+
+// Whether surfaces come within `room_m` of each other, as far as the boxes of their parts say.
+bool may_meet(const ElasticBody& a, const ElasticBody& b, const Eigen::AlignedBox3d& bounds_of_b, double room_m) {
+  const Eigen::AlignedBox3d of_a = a.surface_bounds_m(wider(bounds_of_b, room_m));
+  if (of_a.isEmpty()) return false;
+  const Eigen::AlignedBox3d of_b = b.surface_bounds_m(wider(of_a, room_m));
+  return !of_b.isEmpty() && !a.surface_bounds_m(wider(of_b, room_m)).isEmpty();
+}
+
+double distance_m(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
+  return (a.min() - b.max()).cwiseMax(b.min() - a.max()).cwiseMax(0.0).norm();
+}
+
+}  // namespace
+
+// The copies of rigid bodies for this substep; every elastic body's neighbours; and the groups that share any.
+std::vector<std::vector<World::State::SteppedTogether>> World::State::meet(double duration_s) {
+  if (elastic_objects.empty()) return {};
+  const double gain_m_s = duration_s * settings.gravity_m_s2.norm();
+  for (size_t i = 0; i < rigid_bodies.size(); ++i) {
+    const RigidBody& body = *rigid_bodies[i];
+    MovingBody& copy = moving_bodies[i];
+    copy = MovingBody{};
+    copy.contact_id = body.contact_id();
+    copy.shape = &body.shape;
+    copy.start = copy.before = body.world_from_body;
+    copy.velocity_m_s = body.velocity_m_s;
+    copy.spin_rad_s = body.angular_velocity_rad_s;
+    copy.inverse_mass = 1.0 / body.mass_kg;
+    const Eigen::Matrix3d turn = body.world_from_body.orientation.toRotationMatrix();
+    copy.inverse_inertia = turn * body.inverse_inertia_body() * turn.transpose();
+    copy.friction = body.friction;
+    copy.asleep = body.asleep;
+    if (body.asleep) continue;
+    const double limit = kExpectedGravities * gain_m_s;
+    copy.expected_m_s = bounded(rigid_changes[i].velocity_m_s, limit);
+    copy.expected_rad_s = bounded(rigid_changes[i].spin_rad_s, limit / body.shape.bounding_radius_m);
+  }
+
+  const size_t count = elastic_objects.size();
+  std::vector<Eigen::AlignedBox3d> elastic_boxes, rigid_boxes;
+  for (const ElasticObject* elastic : elastic_objects) elastic_boxes.push_back(elastic->body->bounds_m());
+  for (const MovingBody& body : moving_bodies) rigid_boxes.push_back(box_of(*body.shape, body.start));
+  DisjointSets sets(count + rigid_bodies.size()), together(count);
+  for (size_t i = 0; i < count; ++i) {
+    elastic_objects[i]->near_bodies.clear();
+    elastic_objects[i]->near_elastic.clear();
+  }
+  for (size_t i = 0; i < count; ++i) {
+    ElasticObject& elastic = *elastic_objects[i];
+    const ElasticBody& body = *elastic.body;
+    const Vector3d centre = body.centre_m();
+    const bool asleep = body.asleep();
+    const double own_reach = (1.0 + kNearby) * body.reach_m() + body.element_reach_m() +
+                             duration_s * (body.velocity_m_s().norm() + gain_m_s);
+    if (!(body.reach_m() > 0.0)) continue;
+    for (size_t k = 0; k < rigid_bodies.size(); ++k) {
+      MovingBody& other = moving_bodies[k];
+      if (asleep && other.asleep) continue;
+      const double reach = own_reach + duration_s * other.fastest_m_s();
+      const double apart = reach + other.shape->bounding_radius_m;
+      const Vector3d between = centre - other.start.position_m;
+      if (between.squaredNorm() > apart * apart) continue;
+      const double room = reach - body.reach_m();
+      if (distance_m(elastic_boxes[i], rigid_boxes[k]) > room) continue;
+      if (body.surface_bounds_m(wider(rigid_boxes[k], room)).isEmpty()) continue;
+      if (other.shape->sample(other.start.orientation.conjugate() * between).distance_m > reach) continue;
+      elastic.near_bodies.push_back(&other);
+      sets.join(static_cast<uint32_t>(i), static_cast<uint32_t>(count + k));
+    }
+    for (size_t k = i + 1; k < count; ++k) {
+      ElasticObject& other = *elastic_objects[k];
+      const bool other_asleep = other.body->asleep();
+      if ((asleep && other_asleep) || !(other.body->reach_m() > 0.0)) continue;
+      const double reach = own_reach + (1.0 + kNearby) * other.body->reach_m() + other.body->element_reach_m() +
+                           duration_s * (other.body->velocity_m_s().norm() + gain_m_s);
+      if ((other.body->centre_m() - centre).squaredNorm() > reach * reach) continue;
+      const double room = reach - body.reach_m() - other.body->reach_m();
+      if (distance_m(elastic_boxes[i], elastic_boxes[k]) > room) continue;
+      if (!may_meet(body, *other.body, elastic_boxes[k], room)) continue;
+      elastic.body->expect_contact();
+      other.body->expect_contact();
+      elastic.near_elastic.push_back({other.body.get(), contact_id_of(other.object_id)});
+      other.near_elastic.push_back({elastic.body.get(), contact_id_of(elastic.object_id)});
+      together.join(static_cast<uint32_t>(i), static_cast<uint32_t>(k));
+      sets.join(static_cast<uint32_t>(i), static_cast<uint32_t>(k));
+    }
+  }
+  std::vector<SteppedTogether> stepped(count);
+  for (uint32_t i = 0; i < count; ++i) stepped[together.root(i)].push_back(elastic_objects[i]);
+  std::vector<std::vector<SteppedTogether>> groups(count);
+  for (uint32_t i = 0; i < count; ++i) {
+    if (!stepped[i].empty()) groups[sets.root(i)].push_back(std::move(stepped[i]));
+  }
+  std::erase_if(groups, [](const auto& group) { return group.empty(); });
+  return groups;
+}
+
+// What elastic bodies gave to rigid ones in this substep. What only balances the change that is expected of gravity and
+// rigid contacts acts over the substep like these; the rest acts at its start.
+void World::State::take_impulses(double duration_s) {
+  if (elastic_objects.empty()) return;
+  for (size_t i = 0; i < rigid_bodies.size(); ++i) {
+    const MovingBody& copy = moving_bodies[i];
+    const double size = copy.contact_impulse_n_s;
+    if (size == 0.0) continue;
+    RigidBody& body = *rigid_bodies[i];
+    if (body.asleep) body.wake();
+    body.touches_elastic = true;
+    const Vector3d balance = -body.mass_kg * copy.expected_m_s;
+    const double whole = balance.squaredNorm();
+    const double part = whole > 0.0 ? std::clamp(balance.dot(copy.impulse_n_s) / whole, 0.0, 1.0) : 0.0;
+    const Vector3d blow = copy.impulse_n_s - part * balance;
+    loads[i].impulse_n_s += part * balance;
+    loads[i].implicit_impulse_n_s += blow;
+    loads[i].angular_impulse += copy.angular_impulse;
+    body.contact_impulse_n_s += size;
+    body.outer_impulse_n_s += size;
+    body.outer_moment += copy.contact_moment;
+    const double struck = blow.norm();
+    // Where the copy was: impulses that came later in the substep moved it less. Those that balance come evenly.
+    const double steps = copy.steps_n_s / size, even = 0.5 * (steps - 1.0) / steps * duration_s;
+    body.world_from_body.position_m += even * part / body.mass_kg * balance - copy.late_m;
+    const double turned = struck / std::max(copy.impulse_n_s.norm(), struck);
+    body.world_from_body.orientation = (rotation_exp(-turned * copy.late_rad) * body.world_from_body.orientation).normalized();
+    body.update_turning();
+    // What is soft takes its time: its push is a force, however it came.
+    if (body.can_break) body.blows.note_force(body, copy.impulse_n_s, copy.contact_moment / size - body.world_from_body.position_m);
+  }
+}
+
+// Wakes a body if it sleeps, when `awake` says that one of its company is awake. Returns whether it is awake now; what is
+// no body never is.
+bool World::State::wake_body(uint64_t contact_id, bool awake) {
+  const auto found = std::lower_bound(rigid_bodies.begin(), rigid_bodies.end(), contact_id,
+                                      [](const RigidBody* body, uint64_t id) { return body->contact_id() < id; });
+  if (found != rigid_bodies.end() && (*found)->contact_id() == contact_id) {
+    if (awake && (*found)->asleep) (*found)->wake();
+    return !(*found)->asleep;
+  }
+  WorldObject* object = find(object_of(contact_id));
+  if (!object || !object->elastic()) return false;
+  if (awake && object->asleep()) object->wake();
+  return !object->asleep();
+}
+
+// Whoever lay on one that is awake now wakes too.
+void World::State::wake_company() {
+  if (elastic_objects.empty()) return;
+  bool again = true;
+  while (again) {
+    again = false;
+    for (ElasticObject* elastic : elastic_objects) {
+      for (const uint64_t id : elastic->met) {
+        const bool awake = !elastic->body->asleep(), other_awake = wake_body(id, false);
+        if (!awake && other_awake) elastic->body->wake();
+        if (awake && !other_awake) again = wake_body(id, true) || again;
+        again = again || (!awake && other_awake);
+      }
+    }
+  }
+  for (RigidBody* body : rigid_bodies) body->touches_elastic = false;
+}
+
+// Bodies that pushed each other in this tick fall asleep together: rigid ones first, when every elastic one is rested;
+// then those.
+void World::State::rest_company(double tick_s) {
+  if (!settings.sleep) {
+    for (ElasticObject* elastic : elastic_objects) elastic->met_now.clear();
+    return;
+  }
+  if (elastic_objects.empty()) {
+    update_sleep(rigid_bodies, tick_s, broad_phase);
+    return;
+  }
+  std::vector<uint64_t> ids;
+  for (const RigidBody* body : rigid_bodies) ids.push_back(body->contact_id());
+  for (const ElasticObject* elastic : elastic_objects) ids.push_back(contact_id_of(elastic->object_id));
+  std::sort(ids.begin(), ids.end());
+  const auto place_of = [&](uint64_t id) { return std::lower_bound(ids.begin(), ids.end(), id) - ids.begin(); };
+  DisjointSets sets(ids.size());
+  for (ElasticObject* elastic : elastic_objects) {
+    if (!elastic->body->asleep()) {
+      std::sort(elastic->met_now.begin(), elastic->met_now.end());
+      elastic->met_now.erase(std::unique(elastic->met_now.begin(), elastic->met_now.end()), elastic->met_now.end());
+      elastic->met.swap(elastic->met_now);
+    }
+    elastic->met_now.clear();
+    const auto own = place_of(contact_id_of(elastic->object_id));
+    for (const uint64_t id : elastic->met) {
+      const auto other = place_of(id);
+      if (other < std::ssize(ids) && ids[other] == id) sets.join(static_cast<uint32_t>(own), static_cast<uint32_t>(other));
+    }
+  }
+  const auto root_of = [&](uint64_t id) { return sets.root(static_cast<uint32_t>(place_of(id))); };
+  std::vector<char> restless(ids.size(), 0), company(ids.size(), 0);
+  for (const ElasticObject* elastic : elastic_objects) {
+    if (!elastic->body->rested()) restless[root_of(contact_id_of(elastic->object_id))] = 1;
+  }
+  for (uint32_t i = 0; i < ids.size(); ++i) {
+    if (sets.root(i) != i) company[sets.root(i)] = 1;
+  }
+  for (RigidBody* body : rigid_bodies) body->company_restless = restless[root_of(body->contact_id())] != 0;
+  update_sleep(rigid_bodies, tick_s, broad_phase);
+  for (const RigidBody* body : rigid_bodies) {
+    if (!body->asleep) restless[root_of(body->contact_id())] = 1;
+  }
+  for (ElasticObject* elastic : elastic_objects) {
+    const uint32_t root = root_of(contact_id_of(elastic->object_id));
+    elastic->body->wait_for_company(company[root] != 0);
+    if (company[root] && !restless[root] && !elastic->body->asleep()) elastic->body->sleep();
+  }
+}
+
+}  // namespace livegs

@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How a rigid object becomes several. A body that breaks hands each fragment the velocity its material has at that
+// place, v + w x r, and its own share of mass and inertia: mass, linear and angular momentum are those of the whole to
+// rounding. Kinetic energy is that and what the strain of the blow gives back: see fracture_recoil.h.
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "physics/fracture/fracture_recoil.h"
+#include "physics/world/world_state.h"
+
+namespace livegs {
+namespace {
+
+// Blows below this part of the break impulse of the whole break nothing, of a fragment either.
+constexpr double kFaintBlow = 0.01;
+// Impulses whose sum is at least this part of the sum of their sizes point one way.
+constexpr double kOneWay = 0.99;
+
+// Contacts of the body that was are void: their features are gone. What leaned on it wakes.
+void forget_contacts(std::span<RigidBody* const> bodies, RigidBody& broken) {
+  for (ContactPatch& patch : broken.patches) {
+    if (patch.other && patch.other->asleep) patch.other->wake();
+  }
+  broken.patches.clear();
+  broken.previous_patches.clear();
+  const auto gone = [&](const ContactPatch& patch) { return patch.other == &broken; };
+  for (RigidBody* body : bodies) {
+    if (std::erase_if(body->patches, gone) > 0 && body->asleep) body->wake();
+    std::erase_if(body->previous_patches, gone);
+  }
+}
+
+void take_mass(RigidBody& body, const MassProperties& properties, double mass_kg) {
+  body.mass_kg = mass_kg;
+  body.set_unit_inertia(properties.inertia_m2);
+  body.rest_centre_m = properties.centre_of_mass_m;
+}
+
+// Makes `body` the part `members` of what `whole` was. Both may be the same.
+void become_fragment(RigidBody& body, const RigidBody& whole, const RigidObject& object,
+                     std::span<const uint32_t> members) {
+  const MassProperties properties = joined_mass(*object.pieces, members);
+  const Eigen::Vector3d spin = whole.angular_velocity_rad_s;
+  const Eigen::Vector3d arm = whole.arm_of(properties.centre_of_mass_m);
+  const double mass_kg = object.material.mass_kg * joined_share(*object.pieces, members);
+  body.tick_energy_j = whole.tick_energy_j * mass_kg / whole.mass_kg;
+  body.velocity_m_s = whole.velocity_m_s + spin.cross(arm);
+  body.world_from_body = {whole.world_from_body.position_m + arm, whole.world_from_body.orientation};
+  take_mass(body, properties, mass_kg);
+  body.shape = joined_shape(*object.pieces, members, properties.centre_of_mass_m);
+  body.friction = object.material.friction;
+  body.restitution = object.material.restitution;
+  body.asleep = false;
+  body.still_s = 0.0;
+  body.blows = {};
+  body.can_break = true;
+  body.set_angular_velocity(spin);
+}
+
+BondGraph bond_graph_of(const RigidObject& object) {
+  BondGraph graph =
+      make_bond_graph(object.pieces->cut, object.material.mass_kg, object.material.break_impulse_n_s);
+  for (size_t i = 0; i < graph.pieces.size(); ++i) {
+    const BreakablePiece& piece = object.pieces->pieces[i];
+    const double mass_kg = object.material.mass_kg * piece.mass_share;
+    graph.pieces[i] = {mass_kg, piece.mass.centre_of_mass_m, mass_kg * piece.mass.inertia_m2,
+                       graph.pieces[i].volume_m3};
+  }
+  return graph;
+}
+
+// The piece of this body that was struck at a point which may lie a little off its surface.
+uint32_t nearest_piece(const RigidObject& object, uint32_t body_index, const Eigen::Vector3d& point_m) {
+  uint32_t nearest = 0;
+  double least = INFINITY;
+  for (uint32_t i = 0; i < object.pieces->pieces.size(); ++i) {
+    if (object.body_of(i) != body_index) continue;
+    const BreakablePiece& piece = object.pieces->pieces[i];
+    const double distance = piece.shape->sample(point_m - piece.mass.centre_of_mass_m).distance_m;
+    if (distance < least) {
+      least = distance;
+      nearest = i;
+    }
+  }
+  return nearest;
+}
+
+Blow blow_of(const RigidObject& object, uint32_t body_index, const ImpulseSum& sum) {
+  Blow blow;
+  blow.point_m = object.body_at(body_index).rest_centre_m + sum.moment / sum.impulse_n_s;
+  blow.impulse_n_s = sum.impulse_n_s * direction_of(sum);
+  blow.piece = nearest_piece(object, body_index, blow.point_m);
+  return blow;
+}
+
+// Takes back what contacts gave (axes of the body), as far as the motion has no more than `most_j` then: it was given over
+// some substeps, in which the body turned.
+void give_back(RigidBody& body, const ImpulseSum& given, double part, double most_j) {
+  const Eigen::Vector3d impulse = -part * (body.world_from_body.orientation * given.given_n_s);
+  const Eigen::Vector3d moment = -part * (body.world_from_body.orientation * given.given_moment);
+  // kinetic + s linear + s² square <= most
+  const double linear = impulse.dot(body.velocity_m_s) + moment.dot(body.angular_velocity_rad_s);
+  const double square = 0.5 * (body.inverse_mass * impulse.squaredNorm() + moment.dot(body.inverse_inertia * moment));
+  const double room = std::max(0.0, most_j - body.kinetic_j());
+  double share = 1.0;
+  if (linear + square > room) {
+    share = square > 0.0 ? (std::sqrt(linear * linear + 4.0 * square * room) - linear) / (2.0 * square) : 0.0;
+  }
+  body.apply_impulse(share * impulse, Eigen::Vector3d::Zero());
+  body.apply_angular_impulse(share * moment);
+}
+
+// Faces of the bonds that broke, where they part bodies.
+void spring_back(RigidObject& object, std::span<const uint32_t> broken, double energy_j) {
+  std::vector<RigidBody*> bodies;
+  std::vector<OpenedFace> faces;
+  const auto number = [&](RigidBody& body) {
+    const auto at = static_cast<size_t>(std::find(bodies.begin(), bodies.end(), &body) - bodies.begin());
+    if (at == bodies.size()) bodies.push_back(&body);
+    return at;
+  };
+  for (const uint32_t bond : broken) {
+    if (bond >= object.pieces->cut.bonds.size()) continue;  // of parts that touch nothing
+    const VoronoiBond& face = object.pieces->cut.bonds[bond];
+    RigidBody& first = object.body_at(object.body_of(face.first));
+    RigidBody& second = object.body_at(object.body_of(face.second));
+    if (&first == &second) continue;
+    faces.push_back({number(first), number(second), face.area_m2,
+                     first.world_from_body.position_m + first.arm_of(face.centroid_m),
+                     first.world_from_body.orientation * face.normal});
+  }
+  recoil(bodies, faces, energy_j);
+}
+
+}  // namespace
+
+void World::State::split_body(uint32_t object_id, RigidObject& object, uint32_t body_index,
+                              const std::vector<std::vector<uint32_t>>& groups) {
+  RigidBody& broken = object.body_at(body_index);
+  forget_contacts(rigid_bodies, broken);
+  const auto share = [&](const std::vector<uint32_t>& group) { return joined_share(*object.pieces, group); };
+  const auto largest = std::max_element(groups.begin(), groups.end(),
+                                        [&](const auto& a, const auto& b) { return share(a) < share(b); });
+  for (const std::vector<uint32_t>& group : groups) {
+    if (&group == &*largest) continue;
+    auto fragment = std::make_unique<RigidBody>();
+    fragment->object_id = object_id;
+    fragment->body_index = static_cast<uint32_t>(object.body_count());
+    become_fragment(*fragment, broken, object, group);
+    for (const uint32_t piece : group) object.piece_bodies[piece] = fragment->body_index;
+    object.fragments.push_back(std::move(fragment));
+  }
+  become_fragment(broken, broken, object, *largest);
+}
+
+bool World::State::strike(uint32_t object_id, RigidObject& object, uint32_t body_index, const Blow& blow,
+                          const ImpulseSum& given, double given_back, double recoil_j) {
+  const std::vector<uint32_t> broken = broken_bonds(object.bonds, blow);
+  for (const uint32_t bond : broken) object.bonds.bonds[bond].health = 0.0;
+  const std::vector<uint32_t> group_of = connected_groups(object.bonds);
+  std::map<uint32_t, std::vector<uint32_t>> members;
+  for (uint32_t piece = 0; piece < group_of.size(); ++piece) {
+    if (object.body_of(piece) == body_index) members[group_of[piece]].push_back(piece);
+  }
+  if (members.size() < 2) return false;
+  std::vector<std::vector<uint32_t>> groups;
+  for (auto& [first, group] : members) groups.push_back(std::move(group));
+  RigidBody& body = object.body_at(body_index);
+  // Never more than it had when the tick began.
+  give_back(body, given, given_back, body.tick_energy_j - (energy_j(body) - body.kinetic_j()));
+  if (object.piece_bodies.empty()) {
+    object.piece_bodies.assign(group_of.size(), 0);
+    hold_pieces(object_id, object);
+  }
+  // In a jam impulses are far larger than the approach they ended: they cannot have taken more than was lost.
+  const double most_j = kRecoilPart * std::max(0.0, lost_near_j(body));
+  split_body(object_id, object, body_index, groups);
+  spring_back(object, broken, std::min(recoil_j, most_j));
+  ++object.revision;
+  return true;
+}
+
+double World::State::energy_j(const RigidBody& body) const {
+  return body.kinetic_j() - body.mass_kg * settings.gravity_m_s2.dot(body.world_from_body.position_m);
+}
+
+double World::State::lost_near_j(const RigidBody& body) const {
+  const double tick_s = 1.0 / settings.rate_hz;
+  const auto reach_m = [&](const RigidBody& one) {
+    return one.shape.bounding_radius_m + tick_s * (one.velocity_m_s.norm() + tick_s * settings.gravity_m_s2.norm());
+  };
+  double lost = 0.0;
+  for (const auto& [id, thing] : objects) {
+    const RigidObject* object = thing.rigid();
+    for (size_t i = 0; object && i < object->body_count(); ++i) {
+      const RigidBody& one = object->body_at(i);
+      const double apart = (one.world_from_body.position_m - body.world_from_body.position_m).norm();
+      if (apart < reach_m(one) + reach_m(body)) lost += one.tick_energy_j - energy_j(one);
+    }
+  }
+  return lost;
+}
+
+void World::State::break_struck() {
+  bool broke = false;
+  for (auto& [id, thing] : objects) {
+    RigidObject* object = thing.rigid();
+    if (!object) continue;
+    const size_t count = object->body_count();
+    for (uint32_t index = 0; index < count; ++index) {
+      RigidBody& body = object->body_at(index);
+      if (!body.can_break) continue;
+      const ImpulseSum sum = body.blows.take(1.0 / settings.rate_hz), spell = body.blows.take_spell();
+      if (!object->material.fragile) continue;
+      const double faint_n_s = kFaintBlow * object->bonds.break_impulse_n_s;
+      // Only once a spell of blows is over: while it lasts it is one blow, and has to break what is as it was before.
+      if (spell.impulse_n_s >= faint_n_s) wear_bonds(object->bonds, blow_of(*object, index, spell));
+      if (sum.impulse_n_s < faint_n_s) continue;
+      const Blow blow = blow_of(*object, index, sum);
+      const Eigen::Vector3d where = body.world_from_body * Eigen::Vector3d(blow.point_m - body.rest_centre_m);
+      // What the bonds did not bear was never passed on: of a blow from the floor, fragments keep the velocity they had
+      // before it, less the part that broke them, and go on until they hit the floor themselves. Blows from other bodies are
+      // kept whole, because those have had theirs.
+      double given_back = 0.0;
+      const bool one_way = sum.push_n_s.norm() > kOneWay * sum.impulse_n_s;
+      double borne = 1.0;
+      if (sum.from_colliders && one_way) {
+        borne = std::min(1.0, break_threshold_n_s(object->bonds, blow) / sum.impulse_n_s);
+        given_back = 1.0 - borne;
+      }
+      const Eigen::Vector3d arm = blow.point_m - body.rest_centre_m;
+      const double restitution = body.touches_elastic ? 1.0 : sum.restitution;  // what is soft takes no energy at once
+      const double recoil_j = kRecoilPart * blow_loss_j(body, sum.push_n_s, arm, borne, restitution);
+      if (!strike(id, *object, index, blow, sum, given_back, recoil_j)) continue;
+      broke = true;
+      events.push_back({tick, WorldEventKind::Fracture, id, sum.impulse_n_s, where});
+    }
+  }
+  if (broke) list_bodies();
+}
+
+Result<void> World::set_pieces(uint32_t object_id, std::shared_ptr<const BreakablePieces> pieces) {
+  const std::string name = "object " + std::to_string(object_id);
+  WorldObject* thing = state_->find(object_id);
+  RigidObject* object = thing ? thing->rigid() : nullptr;
+  if (!object) return not_found(name + ": there is no rigid object of this id to break");
+  if (object->revision > 0) return invalid_argument(name + ": it is broken already");
+  if (!(object->material.break_impulse_n_s > 0.0)) {
+    return invalid_argument(name + ": break_impulse_n_s is not positive; give one to a fragile object");
+  }
+  std::vector<uint32_t> all(pieces->pieces.size());
+  std::iota(all.begin(), all.end(), 0u);
+  const MassProperties whole = joined_mass(*pieces, all);
+  RigidBody& body = *object->body;
+  const double apart = (whole.centre_of_mass_m - body.rest_centre_m).norm();
+  if (apart > 1e-6 * body.shape.bounding_radius_m) {
+    return invalid_argument(name + ": its pieces are of another body: their centre of mass is " +
+                            std::to_string(apart) + " m away");
+  }
+  const Eigen::Vector3d spin = body.angular_velocity_rad_s;
+  body.set_unit_inertia(whole.inertia_m2);
+  body.set_angular_velocity(spin);
+  object->pieces = std::move(pieces);
+  object->bonds = bond_graph_of(*object);
+  body.can_break = true;
+  return {};
+}
+
+Result<void> World::break_object(uint32_t object_id, const Eigen::Vector3d& rest_point_m) {
+  const std::string name = "object " + std::to_string(object_id);
+  WorldObject* thing = state_->find(object_id);
+  RigidObject* object = thing ? thing->rigid() : nullptr;
+  if (!object) return not_found(name + ": there is no rigid object of this id to break");
+  if (!object->pieces) return invalid_argument(name + ": it has no pieces to break into; make it fragile, or wait until it is cut");
+  Blow blow;
+  blow.piece = object->pieces->cut.locate(rest_point_m);
+  blow.point_m = rest_point_m;
+  const uint32_t index = object->body_of(blow.piece);
+  const RigidBody& body = object->body_at(index);
+  const Eigen::Vector3d inwards = body.rest_centre_m - rest_point_m;
+  const Eigen::Vector3d direction =
+      inwards.norm() > 0.01 * body.shape.bounding_radius_m ? inwards.normalized() : -Eigen::Vector3d::UnitY();
+  blow.impulse_n_s = direction;
+  const double threshold = break_threshold_n_s(object->bonds, blow);
+  if (!std::isfinite(threshold)) return invalid_argument(name + ": the piece at this point breaks no further");
+  blow.impulse_n_s = kBreakAtWill * threshold * direction;
+  const Eigen::Vector3d where = body.world_from_body.position_m + body.arm_of(rest_point_m);
+  thing->wake();
+  if (!state_->strike(object_id, *object, index, blow, {}, 0.0, 0.0)) {
+    return invalid_argument(name + ": nothing breaks at this point");
+  }
+  state_->events.push_back({state_->tick, WorldEventKind::Fracture, object_id, 0.0, where});
+  state_->list_bodies();
+  return {};
+}
+
+std::span<const uint32_t> World::piece_bodies(uint32_t object_id) const {
+  const WorldObject* object = state_->find(object_id);
+  return object && object->rigid() ? std::span<const uint32_t>(object->rigid()->piece_bodies)
+                                   : std::span<const uint32_t>();
+}
+
+uint32_t World::revision(uint32_t object_id) const {
+  const WorldObject* object = state_->find(object_id);
+  return object && object->rigid() ? object->rigid()->revision : 0;
+}
+
+}  // namespace livegs

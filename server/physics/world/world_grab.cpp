@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What hands do to objects: the ray's spring and the grab.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "geometry/triangle_distance.h"
+#include "physics/world/spring.h"
+#include "physics/world/check_descriptions.h"
+#include "physics/world/world_state.h"
+
+namespace livegs {
+namespace {
+
+// A palm: an elastic object is held by points within this distance of the hand.
+constexpr double kPalm_m = 0.05;
+constexpr size_t kMaxHeldPlaces = 6;
+constexpr double kSilentTicks = 3.0;  // later than that a hand is at rest
+
+double squared(double value) { return value * value; }
+
+// The nearest particle to the hand, then always the one farthest from those taken, within the palm.
+std::vector<HeldPlace> places_in_palm(const ElasticObject& elastic, const Pose& world_from_hand) {
+  const std::vector<Eigen::Vector3d>& rest = elastic.rest_particles_m;
+  const Pose hand_from_world = world_from_hand.inverse();
+  std::vector<Eigen::Vector3d> seen;  // in the hand's frame
+  for (const Eigen::Vector3d& point : rest) seen.push_back(hand_from_world * elastic.body->world_point(point));
+  std::vector<double> apart(seen.size());  // from the nearest that is taken; before the first, minus that from the hand
+  for (size_t i = 0; i < seen.size(); ++i) apart[i] = -seen[i].norm();
+  std::vector<HeldPlace> places;
+  while (places.size() < kMaxHeldPlaces) {
+    const size_t next = static_cast<size_t>(std::max_element(apart.begin(), apart.end()) - apart.begin());
+    if (!places.empty() && apart[next] <= 0.0) break;
+    places.push_back({rest[next], seen[next]});
+    for (size_t i = 0; i < seen.size(); ++i) {
+      const double distance = (seen[i] - seen[next]).norm();
+      if (places.size() == 1) {
+        apart[i] = seen[i].norm() <= kPalm_m ? distance : 0.0;
+      } else {
+        apart[i] = std::min(apart[i], distance);
+      }
+    }
+  }
+  return places;
+}
+
+// From the surface to a point in the shape's frame, negative within. A field knows it near the surface only: farther off it
+// tells the way to the box about a bent sherd, and takes it for nearer than what is.
+double surface_distance_m(const RigidShape& shape, const Eigen::Vector3d& local_m) {
+  const double told = shape.sample(local_m).distance_m;
+  if (told <= 0.0 || shape.is_ball() || shape.convex) return told;
+  double least = INFINITY;
+  for (const auto& [a, b, c] : shape.mesh.triangles) {
+    const Eigen::Vector3d on = closest_point_on_triangle(local_m, shape.mesh.vertices_m[a], shape.mesh.vertices_m[b],
+                                                         shape.mesh.vertices_m[c]);
+    least = std::min(least, (on - local_m).squaredNorm());
+  }
+  return std::sqrt(least);
+}
+
+// The body of an object whose surface is nearest to a point, if one is no farther than `reach_m`.
+struct NearestBody {
+  std::optional<size_t> index;
+  double distance_m = INFINITY;  // negative within
+  Eigen::Vector3d rest_point_m = Eigen::Vector3d::Zero();
+};
+NearestBody nearest_body(const RigidObject& object, const Eigen::Vector3d& point_m, double reach_m) {
+  NearestBody nearest;
+  for (size_t i = 0; i < object.body_count(); ++i) {
+    const RigidBody& body = object.body_at(i);
+    const Eigen::Vector3d local = body.world_from_body.inverse() * point_m;
+    if (local.norm() > body.shape.bounding_radius_m + std::min(reach_m, nearest.distance_m)) continue;
+    const double distance = surface_distance_m(body.shape, local);
+    if (!(distance <= reach_m) || (nearest.index && distance >= nearest.distance_m)) continue;
+    nearest = {i, distance, local + body.rest_centre_m};
+  }
+  return nearest;
+}
+
+RayHit hit_of(uint32_t object_id, const RigidObject& object, const NearestBody& nearest) {
+  return {object_id, std::max(0.0, nearest.distance_m), nearest.rest_point_m,
+          object.piece_beside(*nearest.index, nearest.rest_point_m)};
+}
+
+RayHit nearest_particle(uint32_t object_id, const ElasticObject& elastic, const Eigen::Vector3d& point_m) {
+  RayHit nearest{object_id, INFINITY, Eigen::Vector3d::Zero(), {}};
+  for (const Eigen::Vector3d& rest : elastic.rest_particles_m) {
+    const double distance = (elastic.body->world_point(rest) - point_m).norm();
+    if (distance < nearest.distance_m) nearest = {object_id, distance, rest, {}};
+  }
+  return nearest;
+}
+
+}  // namespace
+
+std::optional<uint32_t> RigidObject::piece_beside(size_t body_index, const Eigen::Vector3d& rest_point_m) const {
+  std::optional<uint32_t> nearest;
+  double least = INFINITY;
+  for (uint32_t i = 0; i < piece_bodies.size(); ++i) {
+    if (piece_bodies[i] != body_index) continue;
+    const BreakablePiece& piece = pieces->pieces[i];
+    const double distance = surface_distance_m(*piece.shape, rest_point_m - piece.mass.centre_of_mass_m);
+    if (nearest && distance >= least) continue;
+    least = distance;
+    nearest = i;
+  }
+  return nearest;
+}
+
+void World::State::hold_pieces(uint32_t object_id, const RigidObject& object) {
+  for (auto& [id, held] : grabs) {
+    if (held.object_id == object_id) held.piece = object.piece_beside(0, held.rest_point_m);
+  }
+}
+
+void World::State::gather_springs(double duration_s) {
+  for (RigidBody* body : rigid_bodies) body->springs.clear();
+  const auto hold = [](RigidBody& body, RigidSpring& row) {
+    body.wake();
+    body.springs.push_back(&row);
+  };
+  // Critically damped for `mass_kg`. Gives the force, of a body that takes springs that of the last step.
+  const auto draw = [&](ElasticObject& elastic, const World::Spring& spring, const Eigen::Vector3d& velocity,
+                        double mass_kg, PointSpring& point) {
+    if (!elastic.body->takes_springs()) {
+      point.force_n = spring_force(spring, velocity, *elastic.body, mass_kg, duration_s);
+      elastic.forces.push_back({spring.rest_point_m, point.force_n});
+      return point.force_n;
+    }
+    point.target_m = spring.target_m;
+    point.target_velocity_m_s = velocity;
+    point.stiffness_n_m = spring.stiffness_n_m;
+    point.damping_n_s_m = 2.0 * std::sqrt(spring.stiffness_n_m * mass_kg);
+    point.max_force_n = spring.max_force_n;
+    elastic.forces.push_back({spring.rest_point_m, Eigen::Vector3d::Zero(), &point});
+    return point.force_n;
+  };
+  for (auto& [id, held] : springs) {
+    held.force_n.setZero();
+    WorldObject* object = find(held.object_id);
+    if (!object || object->fixed()) continue;
+    if (RigidObject* rigid = object->rigid()) {
+      held.row.rest_point_m = held.spring.rest_point_m;
+      held.row.target_m = held.spring.target_m;
+      held.row.stiffness_n_m = held.spring.stiffness_n_m;
+      held.row.max_force_n = held.spring.max_force_n;
+      hold(rigid->body_with(held.spring.rest_point_m, held.spring.piece), held.row);
+    } else {
+      ElasticObject& elastic = *object->elastic();
+      held.force_n = draw(elastic, held.spring, Eigen::Vector3d::Zero(), elastic.body->mass_kg(), held.point);
+    }
+  }
+  for (auto& [id, held] : grabs) {
+    held.force_n.setZero();
+    WorldObject* object = find(held.object_id);
+    if (!object || object->fixed()) continue;
+    // Hands go on moving until they are heard of again; one that should have been stands, and soon at rest.
+    const double tick_s = 1.0 / settings.rate_hz;
+    const double goes_on_s = std::max(held.goes_on_s, tick_s);
+    Pose hand = held.world_from_hand;
+    hand.position_m += std::min(held.moving_s, goes_on_s) * held.velocity_m_s;
+    const Eigen::Vector3d turned = std::min(held.moving_s, goes_on_s) * held.spin_rad_s;
+    const bool silent = held.moving_s > goes_on_s + kSilentTicks * tick_s;
+    const Eigen::Vector3d velocity = silent ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : held.velocity_m_s;
+    const Eigen::Vector3d spin = silent ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : held.spin_rad_s;
+    if (turned.norm() > 0.0) {
+      hand.orientation = Eigen::AngleAxisd(turned.norm(), turned.normalized()) * hand.orientation;
+    }
+    held.moving_s += duration_s;
+    const double rate = 2.0 * std::numbers::pi * held.grip.frequency_hz;
+    if (RigidObject* rigid = object->rigid()) {
+      RigidBody& body = rigid->body_with(held.rest_point_m, held.piece);
+      RigidSpring& row = held.row;
+      row.rest_point_m = held.rest_point_m;
+      row.target_m = hand.position_m;
+      row.target_velocity_m_s = velocity;
+      row.target_orientation = (hand.orientation * held.hand_from_object).normalized();
+      row.target_spin_rad_s = spin;
+      row.stiffness_n_m = body.mass_kg * squared(rate);
+      row.turn_rad_s = rate;
+      row.max_force_n = held.grip.max_force_n;
+      row.max_torque_n_m = held.grip.max_torque_n_m;
+      hold(body, row);
+    } else {
+      ElasticObject& elastic = *object->elastic();
+      const double share = 1.0 / static_cast<double>(held.places.size());
+      const double mass_kg = share * elastic.body->mass_kg();
+      for (HeldPlace& place : held.places) {
+        const Eigen::Vector3d arm = hand.orientation * place.hand_point_m;
+        const World::Spring spring{place.rest_point_m, hand.position_m + arm, mass_kg * squared(rate),
+                                   share * held.grip.max_force_n};
+        held.force_n += draw(elastic, spring, velocity + spin.cross(arm), mass_kg, place.point);
+      }
+    }
+  }
+}
+
+void World::set_spring(uint64_t spring_id, uint32_t object_id, const Spring& spring) {
+  if (!state_->find(object_id) || !spring.target_m.allFinite()) return;
+  HeldSpring& held = state_->springs[spring_id];
+  if (held.object_id != object_id) held = {};
+  held.object_id = object_id;
+  held.spring = spring;
+}
+
+void World::clear_spring(uint64_t spring_id) { state_->springs.erase(spring_id); }
+
+Eigen::Vector3d World::spring_force_n(uint64_t spring_id) const {
+  const auto found = state_->springs.find(spring_id);
+  if (found == state_->springs.end()) return Eigen::Vector3d::Zero();
+  const WorldObject* object = state_->find(found->second.object_id);
+  return object && object->rigid() ? found->second.row.force_n : found->second.force_n;
+}
+
+Result<void> World::grab(uint64_t grab_id, uint32_t object_id, const Pose& world_from_hand, const Grip& grip) {
+  release_grab(grab_id);
+  const std::string name = "object " + std::to_string(object_id);
+  const WorldObject* object = state_->find(object_id);
+  if (!object) return not_found("grab: there is no " + name);
+  if (object->fixed()) return invalid_argument("grab: " + name + " never moves");
+  if (auto checked = check_pose(object_id, world_from_hand); !checked) return checked;
+  if (!(grip.frequency_hz > 0.0 && grip.frequency_hz <= 100.0) || !(grip.max_force_n >= 0.0) ||
+      !(grip.max_torque_n_m >= 0.0)) {
+    return invalid_argument("grab of " + name + ": frequency_hz is not within 0 to 100, or a bound is negative");
+  }
+  HeldGrab held;
+  held.object_id = object_id;
+  held.grip = grip;
+  held.world_from_hand = {world_from_hand.position_m, world_from_hand.orientation.normalized()};
+  if (const RigidObject* rigid = object->rigid()) {
+    const NearestBody nearest = nearest_body(*rigid, world_from_hand.position_m, INFINITY);
+    if (!nearest.index) return invalid_argument("grab of " + name + ": the hand is out of this world");
+    held.rest_point_m = nearest.rest_point_m;
+    held.piece = rigid->piece_beside(*nearest.index, nearest.rest_point_m);
+    held.hand_from_object =
+        held.world_from_hand.orientation.conjugate() * rigid->body_at(*nearest.index).world_from_body.orientation;
+  } else {
+    held.places = places_in_palm(*object->elastic(), held.world_from_hand);
+    held.rest_point_m = held.places.front().rest_point_m;
+  }
+  state_->grabs[grab_id] = std::move(held);
+  return {};
+}
+
+void World::move_grab(uint64_t grab_id, const Pose& world_from_hand, const Eigen::Vector3d& velocity_m_s,
+                      const Eigen::Vector3d& spin_rad_s, double goes_on_s) {
+  const auto found = state_->grabs.find(grab_id);
+  if (found == state_->grabs.end() || !velocity_m_s.allFinite() || !spin_rad_s.allFinite()) return;
+  if (!(goes_on_s >= 0.0 && std::isfinite(goes_on_s))) return;
+  if (!check_pose(0, world_from_hand)) return;
+  HeldGrab& held = found->second;
+  held.world_from_hand = {world_from_hand.position_m, world_from_hand.orientation.normalized()};
+  held.velocity_m_s = velocity_m_s;
+  held.spin_rad_s = spin_rad_s;
+  held.goes_on_s = goes_on_s;
+  held.moving_s = 0.0;
+}
+
+void World::release_grab(uint64_t grab_id) { state_->grabs.erase(grab_id); }
+
+std::optional<World::GrabState> World::grab_state(uint64_t grab_id) const {
+  const auto found = state_->grabs.find(grab_id);
+  if (found == state_->grabs.end()) return std::nullopt;
+  const HeldGrab& held = found->second;
+  const WorldObject* object = state_->find(held.object_id);
+  if (!object) return std::nullopt;
+  GrabState state{world_point(held.object_id, held.rest_point_m, held.piece), held.force_n, Eigen::Vector3d::Zero(),
+                  held.piece};
+  if (object->rigid()) {
+    state.force_n = held.row.force_n;
+    state.torque_n_m = held.row.torque_n_m;
+  }
+  return state;
+}
+
+double World::contact_impulse_n_s(uint32_t object_id, const Eigen::Vector3d& rest_point_m,
+                                  std::optional<uint32_t> piece) const {
+  const WorldObject* object = state_->find(object_id);
+  if (!object) return 0.0;
+  if (const RigidObject* rigid = object->rigid()) return rigid->body_with(rest_point_m, piece).felt_impulse_n_s;
+  return object->elastic() ? object->elastic()->felt_impulse_n_s : 0.0;
+}
+
+double World::mass_at_kg(uint32_t object_id, const Eigen::Vector3d& rest_point_m, std::optional<uint32_t> piece) const {
+  const WorldObject* object = state_->find(object_id);
+  if (!object) return 0.0;
+  if (const RigidObject* rigid = object->rigid()) return rigid->body_with(rest_point_m, piece).mass_kg;
+  return object->elastic() ? object->elastic()->body->mass_kg() : 0.0;
+}
+
+std::optional<RayHit> World::nearest(const Eigen::Vector3d& point_m, double reach_m) const {
+  std::optional<RayHit> nearest;
+  for (const auto& [id, object] : state_->objects) {
+    const double within_m = nearest ? nearest->distance_m : reach_m;
+    std::optional<RayHit> met;
+    if (const RigidObject* rigid = object.rigid()) {
+      const NearestBody body = nearest_body(*rigid, point_m, within_m);
+      if (body.index) met = hit_of(id, *rigid, body);
+    } else if (const ElasticObject* elastic = object.elastic()) {
+      if ((elastic->body->centre_m() - point_m).norm() > 2.0 * elastic->body->reach_m() + within_m) continue;
+      met = nearest_particle(id, *elastic, point_m);
+    }
+    if (met && met->distance_m <= reach_m && (!nearest || met->distance_m < nearest->distance_m)) nearest = met;
+  }
+  return nearest;
+}
+
+std::optional<RayHit> World::nearest_of(uint32_t object_id, const Eigen::Vector3d& point_m) const {
+  const WorldObject* object = state_->find(object_id);
+  if (!object || object->fixed()) return std::nullopt;
+  if (const RigidObject* rigid = object->rigid()) {
+    const NearestBody nearest = nearest_body(*rigid, point_m, INFINITY);
+    return nearest.index ? std::optional(hit_of(object_id, *rigid, nearest)) : std::nullopt;
+  }
+  return nearest_particle(object_id, *object->elastic(), point_m);
+}
+
+}  // namespace livegs

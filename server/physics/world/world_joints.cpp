@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+
+#include "physics/disjoint_sets.h"
+#include "physics/world/world_state.h"
+
+namespace livegs {
+namespace {
+
+std::string named(uint32_t object_id) { return "object " + std::to_string(object_id); }
+
+// The object of a joint, or why it cannot be one.
+Result<RigidObject*> rigid_part(WorldObject* object, uint32_t object_id) {
+  if (!object) return not_found("joint: there is no " + named(object_id));
+  if (object->elastic()) {
+    return invalid_argument("joint: " + named(object_id) + " is elastic; joints hold rigid objects only");
+  }
+  if (object->fixed()) {
+    return invalid_argument("joint: " + named(object_id) + " never moves; name the object that does first");
+  }
+  return object->rigid();
+}
+
+}  // namespace
+
+Result<void> World::State::add_joint(const HingeJointDescription& description, bool hinge) {
+  auto part = rigid_part(find(description.object_id), description.object_id);
+  if (!part) return part.error();
+  if (!description.point_m.allFinite()) {
+    return invalid_argument("joint of " + named(description.object_id) + ": point_m is not finite");
+  }
+  if (!(description.axis.norm() > 1e-9) || !description.axis.allFinite()) {
+    return invalid_argument("joint of " + named(description.object_id) + ": axis is zero or not finite");
+  }
+  HeldJoint held;
+  held.object_id = description.object_id;
+  held.named_id = description.other_id;
+  held.point_m = description.point_m;
+  held.axis = description.axis.normalized();
+  held.joint.id = joints.empty() ? 1 : joints.back().joint.id + 1;
+  held.joint.hinge = hinge;
+  RigidBody& body = (*part)->body_with(held.point_m);
+  held.other_point_m = body.world_from_body.position_m + body.arm_of(held.point_m);
+  held.other_axis = body.world_from_body.orientation * held.axis;
+  if (description.other_id) {
+    if (*description.other_id == description.object_id) {
+      return invalid_argument("joint: " + named(description.object_id) + " cannot be joined to itself");
+    }
+    WorldObject* other = find(*description.other_id);
+    if (!other || !other->fixed()) {
+      auto other_part = rigid_part(other, *description.other_id);
+      if (!other_part) return other_part.error();
+      held.other_id = description.other_id;
+      RigidObject& object = **other_part;
+      // Fragments have the axes of their object, so the body that holds the point follows from where it is at rest.
+      const Pose from_world = object.body->world_from_body.inverse();
+      held.other_point_m = from_world * held.other_point_m + object.body->rest_centre_m;
+      held.other_axis = from_world.orientation * held.other_axis;
+      other->wake();
+    }
+  }
+  joints.push_back(std::move(held));
+  find(description.object_id)->wake();
+  link_joints();
+  return {};
+}
+
+const RigidJoint& World::State::running(const HeldJoint& held) const {
+  if (held.group) {
+    for (const RigidJoint& joint : held.group->joints()) {
+      if (joint.id == held.joint.id) return joint;
+    }
+  }
+  return held.joint;
+}
+
+void World::State::link_joints() {
+  std::erase_if(joints, [&](const HeldJoint& held) {
+    WorldObject* const object = find(held.object_id);
+    WorldObject* const other = held.other_id ? find(*held.other_id) : nullptr;
+    if (object && (other || !held.other_id)) return false;
+    for (WorldObject* left : {object, other}) {
+      if (left) left->wake();
+    }
+    return true;
+  });
+  for (HeldJoint& held : joints) {
+    RigidJoint& joint = held.joint;
+    joint = running(held);  // with its impulses
+    RigidBody& a = find(held.object_id)->rigid()->body_with(held.point_m);
+    joint.a = &a;
+    joint.anchor_a_m = held.point_m - a.rest_centre_m;
+    joint.axis_a = held.axis;
+    joint.b = nullptr;
+    joint.anchor_b_m = held.other_point_m;
+    joint.axis_b = held.other_axis;
+    if (held.other_id) {
+      joint.b = &find(*held.other_id)->rigid()->body_with(held.other_point_m);
+      joint.anchor_b_m -= joint.b->rest_centre_m;
+    }
+    held.group = nullptr;
+  }
+  for (RigidBody* body : rigid_bodies) body->joints = nullptr;
+  joint_groups.clear();
+
+  const auto index_of = [&](const RigidBody* body) {
+    return static_cast<uint32_t>(std::find(rigid_bodies.begin(), rigid_bodies.end(), body) - rigid_bodies.begin());
+  };
+  DisjointSets sets(rigid_bodies.size());
+  for (const HeldJoint& held : joints) {
+    if (held.joint.b) sets.join(index_of(held.joint.a), index_of(held.joint.b));
+  }
+  std::map<uint32_t, std::vector<HeldJoint*>> members;
+  for (HeldJoint& held : joints) members[sets.root(index_of(held.joint.a))].push_back(&held);
+  for (const auto& [root, held] : members) {
+    std::vector<RigidJoint> rows;
+    for (const HeldJoint* one : held) rows.push_back(one->joint);
+    joint_groups.push_back(std::make_unique<JointGroup>(std::move(rows)));
+    for (HeldJoint* one : held) one->group = joint_groups.back().get();
+    for (RigidBody* body : joint_groups.back()->bodies()) body->joints = joint_groups.back().get();
+  }
+}
+
+Result<void> World::add_ball_joint(const BallJointDescription& description) {
+  return state_->add_joint({description.object_id, description.other_id, description.point_m}, false);
+}
+
+Result<void> World::add_hinge_joint(const HingeJointDescription& description) {
+  return state_->add_joint(description, true);
+}
+
+std::vector<JointState> World::joints() const {
+  std::vector<JointState> states;
+  for (const HeldJoint& held : state_->joints) {
+    const RigidJoint& joint = state_->running(held);
+    JointState state;
+    state.object_id = held.object_id;
+    state.other_id = held.named_id;
+    state.hinge = joint.hinge;
+    state.point_m = joint.world_anchor_a();
+    state.axis = joint.hinge ? joint.world_axis_a() : Eigen::Vector3d::Zero().eval();
+    state.error_m = (joint.world_anchor_a() - joint.world_anchor_b()).norm();
+    if (joint.hinge) {
+      const Eigen::Vector3d a = joint.world_axis_a(), b = joint.world_axis_b();
+      state.error_rad = std::atan2(a.cross(b).norm(), a.dot(b));
+    }
+    if (!joint.a->asleep) state.force_n = joint.force_n.norm();
+    states.push_back(state);
+  }
+  return states;
+}
+
+}  // namespace livegs

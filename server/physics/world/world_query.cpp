@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+
+#include "core/assert.h"
+#include "physics/rigid/rigid_ray_cast.h"
+#include "physics/world/world_state.h"
+
+namespace livegs {
+namespace {
+
+constexpr double kWithinFragment = 1e-5;  // in bounding radii
+// What lies on a collider or stands against it, and gives a little, is met all the same.
+constexpr double kSunkIn_m = 0.005;
+constexpr double kLeastMarch_m = 0.001;
+constexpr int kMostMarches = 4096;
+constexpr double kMarching = 0.7;  // a field's distance beyond its grid may be the square root of 2 too large
+
+// The way to a collider, or `most_m` where it is not met before. One that holds the ray's start does not stop it: a camera
+// stands behind a wall to look into a room.
+double way_to(const Collider& collider, const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction, double most_m) {
+  const ColliderProbe probe(collider);
+  const SurfaceSample start = probe.sample(origin_m);
+  if (!(start.distance_m > 0.0)) return most_m;
+  if (std::holds_alternative<PlaneShape>(collider.shape)) {
+    const double nearing = -start.normal.dot(direction);
+    return nearing > 0.0 ? std::min(most_m, start.distance_m / nearing) : most_m;
+  }
+  double way = 0.0;
+  for (int march = 0; march < kMostMarches && way < most_m; ++march) {
+    const double free = probe.sample(origin_m + way * direction).distance_m;
+    if (!(free > 0.0)) return way;
+    way += std::max(kMarching * free, kLeastMarch_m);
+  }
+  return most_m;
+}
+
+}  // namespace
+
+std::optional<RayHit> World::ray_cast(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
+                                      double max_distance_m) const {
+  std::optional<RayHit> nearest;
+  const RigidObject* met = nullptr;  // if it is a rigid one, and which body of it
+  size_t met_index = 0;
+  const auto offer = [&](uint32_t id, double distance, const Eigen::Vector3d& rest_point, const RigidObject* rigid = nullptr,
+                         size_t index = 0) {
+    if (distance > max_distance_m || (nearest && nearest->distance_m <= distance)) return;
+    nearest = RayHit{id, distance, rest_point, {}};
+    met = rigid;
+    met_index = index;
+  };
+  for (const auto& [id, object] : state_->objects) {
+    if (const RigidObject* rigid = object.rigid()) {
+      for (size_t i = 0; i < rigid->body_count(); ++i) {
+        const RigidBody& body = rigid->body_at(i);
+        const auto distance = livegs::ray_cast(body, origin_m, direction);
+        if (!distance) continue;
+        // Of a fragment, a point just within, so that it is told from the pieces beyond its cut faces.
+        const double depth = rigid->fragments.empty() ? 0.0 : kWithinFragment * body.shape.bounding_radius_m;
+        const Eigen::Vector3d point = origin_m + (*distance + depth) * direction;
+        offer(id, *distance, body.world_from_body.inverse() * point + body.rest_centre_m, rigid, i);
+      }
+    } else if (const ElasticObject* elastic = object.elastic()) {
+      if (const auto hit = elastic->body->ray_cast(origin_m, direction)) {
+        offer(id, hit->distance_m, hit->rest_point_m);
+      }
+    }
+  }
+  if (!nearest) return nearest;
+  const double before_m = nearest->distance_m - kSunkIn_m;
+  for (const Collider& collider : state_->colliders) {
+    if (way_to(collider, origin_m, direction, before_m) < before_m) return std::nullopt;
+  }
+  if (met) nearest->piece = met->piece_beside(met_index, nearest->rest_point_m);
+  return nearest;
+}
+
+Eigen::Vector3d World::world_point(uint32_t object_id, const Eigen::Vector3d& rest_point_m,
+                                   std::optional<uint32_t> piece) const {
+  const WorldObject* object = state_->find(object_id);
+  if (!object) return rest_point_m;
+  if (const StaticObject* fixed = object->fixed()) return fixed->world_from_object * rest_point_m;
+  if (const RigidObject* rigid = object->rigid()) {
+    const RigidBody& body = rigid->body_with(rest_point_m, piece);
+    return body.world_from_body * Eigen::Vector3d(rest_point_m - body.rest_centre_m);
+  }
+  return object->elastic()->body->world_point(rest_point_m);
+}
+
+RestBody World::rest_body(uint32_t object_id) const {
+  const WorldObject* object = state_->find(object_id);
+  LIVEGS_ASSERT(object != nullptr);
+  if (const ElasticObject* elastic = object->elastic()) return elastic->body->rest_body();
+  RestBody rest;
+  rest.kind = DriverKind::Rigid;
+  const RigidObject* rigid = object->rigid();
+  rest.bodies.resize(rigid ? rigid->body_count() : 1);
+  if (!rigid) return rest;
+  rest.revision = rigid->revision;
+  for (size_t i = 0; i < rest.bodies.size(); ++i) rest.bodies[i].position_m = rigid->body_at(i).rest_centre_m;
+  return rest;
+}
+
+DriverFrame World::drivers() const {
+  DriverFrame frame;
+  frame.tick = state_->tick;
+  frame.simulated_ns = std::llround(static_cast<double>(state_->tick) * 1e9 / state_->settings.rate_hz);
+  for (const auto& [id, object] : state_->objects) {
+    ObjectDrivers drivers;
+    if (const ElasticObject* elastic = object.elastic()) elastic->body->write_drivers(drivers);
+    if (const RigidObject* rigid = object.rigid()) {
+      drivers.revision = rigid->revision;
+      for (size_t i = 0; i < rigid->body_count(); ++i) drivers.poses.push_back(rigid->body_at(i).world_from_body);
+    }
+    if (const StaticObject* fixed = object.fixed()) drivers.poses.push_back(fixed->world_from_object);
+    drivers.object_id = id;
+    drivers.asleep = object.asleep();
+    frame.objects.push_back(std::move(drivers));
+  }
+  return frame;
+}
+
+std::vector<BodyState> World::bodies() const {
+  std::vector<BodyState> bodies;
+  for (const auto& [id, object] : state_->objects) {
+    BodyState state;
+    state.object_id = id;
+    state.asleep = object.asleep();
+    state.velocity_m_s.setZero();
+    state.angular_velocity_rad_s.setZero();
+    if (const StaticObject* fixed = object.fixed()) {
+      state.world_from_body = fixed->world_from_object;
+    } else if (const RigidObject* rigid = object.rigid()) {
+      for (size_t i = 0; i < rigid->body_count(); ++i) {
+        const RigidBody& body = rigid->body_at(i);
+        state.body_index = body.body_index;
+        state.asleep = body.asleep;
+        state.world_from_body = body.world_from_body;
+        state.velocity_m_s = body.velocity_m_s;
+        state.angular_velocity_rad_s = body.angular_velocity_rad_s;
+        state.mass_kg = body.mass_kg;
+        bodies.push_back(state);
+      }
+      continue;
+    } else {
+      const ElasticBody& body = *object.elastic()->body;
+      state.world_from_body = body.centre_pose();
+      state.velocity_m_s = body.velocity_m_s();
+      state.angular_velocity_rad_s = body.angular_velocity_rad_s();
+      state.mass_kg = body.mass_kg();
+    }
+    bodies.push_back(state);
+  }
+  return bodies;
+}
+
+const ElasticBody* World::elastic_body(uint32_t object_id) const {
+  const WorldObject* object = state_->find(object_id);
+  return object && object->elastic() ? object->elastic()->body.get() : nullptr;
+}
+
+BodyEnergy World::energy() const {
+  BodyEnergy total;
+  for (const auto& [id, object] : state_->objects) {
+    if (const RigidObject* rigid = object.rigid()) {
+      for (size_t i = 0; i < rigid->body_count(); ++i) {
+        const RigidBody& body = rigid->body_at(i);
+        const Eigen::Vector3d momentum = body.mass_kg * body.velocity_m_s;
+        total.kinetic_j += body.kinetic_j();
+        total.gravity_j -= body.mass_kg * state_->settings.gravity_m_s2.dot(body.world_from_body.position_m);
+        total.linear_momentum += momentum;
+        total.angular_momentum += body.world_from_body.position_m.cross(momentum) + body.angular_momentum;
+      }
+    } else if (const ElasticObject* elastic = object.elastic()) {
+      const BodyEnergy energy = elastic->body->energy(state_->settings.gravity_m_s2);
+      total.kinetic_j += energy.kinetic_j;
+      total.elastic_j += energy.elastic_j;
+      total.gravity_j += energy.gravity_j;
+      total.linear_momentum += energy.linear_momentum;
+      total.angular_momentum += energy.angular_momentum;
+    }
+  }
+  return total;
+}
+
+}  // namespace livegs

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <utility>
+
+#include "core/clock.h"
+#include "core/parallel_for.h"
+#include "physics/elastic/step_elastic_bodies.h"
+#include "physics/world/world_state.h"
+
+namespace livegs {
+namespace {
+
+size_t index_of(const std::vector<RigidBody*>& bodies, const RigidBody& body) {
+  const auto at = std::lower_bound(bodies.begin(), bodies.end(), body.contact_id(),
+                                   [](const RigidBody* other, uint64_t id) { return other->contact_id() < id; });
+  return static_cast<size_t>(at - bodies.begin());
+}
+
+}  // namespace
+
+// Forces and springs, as they are at the start of the substep.
+void World::State::gather_loads(double duration_s) {
+  std::fill(loads.begin(), loads.end(), RigidLoad{});
+  for (ElasticObject* elastic : elastic_objects) elastic->forces.clear();
+
+  const auto push = [&](WorldObject& object, const Eigen::Vector3d& rest_point, const Eigen::Vector3d& force) {
+    if (ElasticObject* elastic = object.elastic()) elastic->forces.push_back({rest_point, force});
+    if (RigidObject* rigid = object.rigid()) {
+      RigidBody& body = rigid->body_with(rest_point);
+      RigidLoad& load = loads[index_of(rigid_bodies, body)];
+      load.impulse_n_s += duration_s * force;
+      // A sleeper bears it as it did when it fell asleep, and nobody takes the sum of its substeps.
+      if (body.can_break && !body.asleep) body.blows.note_force(body, duration_s * force, body.arm_of(rest_point));
+      load.angular_impulse += duration_s * body.arm_of(rest_point).cross(force);
+    }
+  };
+  for (const auto& [id, held] : forces) {
+    if (WorldObject* object = find(held.object_id)) push(*object, held.force.point_m, held.force.force_n);
+  }
+  gather_springs(duration_s);
+}
+
+// What shares a rigid body is stepped on one thread, ascending; groups that share none on different threads.
+void World::State::step_elastic(double start_s, double duration_s) {
+  const auto groups = meet(duration_s);
+  parallel_for(groups.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      for (const SteppedTogether& together : groups[i]) {
+        std::vector<SteppedBody> stepped;
+        for (ElasticObject* elastic : together) {
+          SubstepContext context;
+          context.start_s = start_s;
+          context.duration_s = duration_s;
+          context.gravity_m_s2 = settings.gravity_m_s2;
+          context.colliders = colliders;
+          context.bodies = elastic->near_bodies;
+          context.others = elastic->near_elastic;
+          context.forces = elastic->forces;
+          context.met = &elastic->met_now;
+          stepped.push_back({elastic->body.get(), context});
+        }
+        step_elastic_bodies(stepped);  // a sleeper that is pushed or touched wakes by itself
+      }
+    }
+  });
+  take_impulses(duration_s);
+}
+
+void World::State::step_rigid(double duration_s) {
+  if (elastic_objects.empty()) {
+    step_rigid_bodies(rigid_bodies, loads, colliders, settings.gravity_m_s2, duration_s, broad_phase);
+    return;
+  }
+  for (size_t i = 0; i < rigid_bodies.size(); ++i) {
+    // Without what elastic bodies gave.
+    const RigidBody& body = *rigid_bodies[i];
+    rigid_changes[i].velocity_m_s = body.velocity_m_s + moving_bodies[i].impulse_n_s / body.mass_kg;
+    rigid_changes[i].spin_rad_s = body.angular_velocity_rad_s + body.inverse_inertia * moving_bodies[i].angular_impulse;
+  }
+  step_rigid_bodies(rigid_bodies, loads, colliders, settings.gravity_m_s2, duration_s, broad_phase);
+  for (size_t i = 0; i < rigid_bodies.size(); ++i) {
+    rigid_changes[i].velocity_m_s = rigid_bodies[i]->velocity_m_s - rigid_changes[i].velocity_m_s;
+    rigid_changes[i].spin_rad_s = rigid_bodies[i]->angular_velocity_rad_s - rigid_changes[i].spin_rad_s;
+  }
+}
+
+void World::State::report_contacts() {
+  const auto report = [&](uint32_t id, double impulse, const Eigen::Vector3d& moment) {
+    if (impulse > kReportedImpulse_n_s) {
+      events.push_back({tick, WorldEventKind::Contact, id, impulse, moment / impulse});
+    }
+  };
+  for (auto& [id, object] : objects) {
+    if (RigidObject* rigid = object.rigid()) {
+      double impulse = 0.0;
+      Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+      for (size_t i = 0; i < rigid->body_count(); ++i) {
+        RigidBody& body = rigid->body_at(i);
+        body.felt_impulse_n_s = std::exchange(body.contact_impulse_n_s, 0.0);
+        impulse += std::exchange(body.outer_impulse_n_s, 0.0);
+        moment += std::exchange(body.outer_moment, Eigen::Vector3d::Zero());
+      }
+      report(id, impulse, moment);
+    } else if (ElasticObject* elastic = object.elastic()) {
+      const ContactTally tally = elastic->body->take_contacts();
+      elastic->contact_impulse_n_s += tally.impulse_n_s;
+      elastic->contact_moment += tally.moment;
+      elastic->felt_impulse_n_s = std::exchange(elastic->contact_impulse_n_s, 0.0);
+      report(id, elastic->felt_impulse_n_s, std::exchange(elastic->contact_moment, Eigen::Vector3d::Zero()));
+    }
+  }
+}
+
+void World::State::report_sleep() {
+  for (auto& [id, object] : objects) {
+    const bool asleep = object.asleep();
+    if (asleep == object.reported_asleep) continue;
+    object.reported_asleep = asleep;
+    WorldEvent event;
+    event.tick = tick;
+    event.kind = asleep ? WorldEventKind::Sleep : WorldEventKind::Wake;
+    event.object_id = id;
+    if (const RigidObject* rigid = object.rigid()) event.point_m = rigid->body->world_from_body.position_m;
+    if (const ElasticObject* elastic = object.elastic()) event.point_m = elastic->body->centre_m();
+    events.push_back(event);
+  }
+}
+
+void World::step() {
+  State& state = *state_;
+  const int64_t begin_ns = now_ns();
+  const double tick_s = 1.0 / state.settings.rate_hz;
+  const double duration_s = tick_s / state.settings.substeps;
+  state.times = {};
+  ++state.tick;
+  state.wake_company();
+  for (RigidBody* body : state.rigid_bodies) body->tick_energy_j = state.energy_j(*body);
+  for (int substep = 0; substep < state.settings.substeps; ++substep) {
+    state.gather_loads(duration_s);
+    const int64_t elastic_ns = now_ns();
+    state.step_elastic((state.tick - 1) * tick_s + substep * duration_s, duration_s);
+    const int64_t rigid_ns = now_ns();
+    state.step_rigid(duration_s);
+    state.times.elastic_ms += milliseconds_from_ns(rigid_ns - elastic_ns);
+    state.times.rigid_ms += milliseconds_from_ns(now_ns() - rigid_ns);
+  }
+  const int64_t end_ns = now_ns();
+  parallel_for(state.elastic_objects.size(), 1, [&](size_t first, size_t last) {
+    for (size_t i = first; i < last; ++i) state.elastic_objects[i]->body->end_frame(tick_s);
+  });
+  state.times.elastic_ms += milliseconds_from_ns(now_ns() - end_ns);
+  state.break_struck();
+  state.rest_company(tick_s);
+  state.report_contacts();
+  state.report_sleep();
+  if (state.events.size() > kMaxKeptEvents) {
+    state.events.erase(state.events.begin(), state.events.end() - static_cast<ptrdiff_t>(kMaxKeptEvents));
+  }
+  state.times.total_ms = milliseconds_from_ns(now_ns() - begin_ns);
+}
+
+}  // namespace livegs

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "scenes/elastic_bodies.h"
+#include "scenes/rigid_fixtures.h"
+
+// Elastic bodies in a world, for tests of contact with rigid ones and with each other.
+
+namespace livegs::soft_fixtures {
+
+using namespace rigid_fixtures;
+using Eigen::Vector3d;
+
+// A block of full edges `size_m` about its centre.
+inline ElasticBodyDescription soft_block(uint32_t id, const Vector3d& size_m, double mass_kg, double youngs_modulus_pa,
+                                         double spacing_m, double poisson_ratio = 0.3, double cell_width_m = 0.0) {
+  ElasticBodyDescription description =
+      test::describe(test::particle_grid(size_m, spacing_m), youngs_modulus_pa, poisson_ratio, cell_width_m);
+  description.object_id = id;
+  description.material.mass_kg = mass_kg;
+  description.material.loss_factor = 0.3;
+  description.material.friction = 0.6;
+  description.material.restitution = 0.0;
+  return description;
+}
+
+inline World world_with(ElasticSolver solver, double rate_hz, const Vector3d& gravity = {0, -kGravity, 0}, int substeps = 4) {
+  WorldSettings settings;
+  settings.substeps = substeps;
+  settings.rate_hz = rate_hz;
+  settings.gravity_m_s2 = gravity;
+  settings.elastic_solver = solver;
+  return World(settings);
+}
+
+// The lowest particle.
+inline double lowest_m(const World& world, uint32_t id) {
+  double low = 1e300;
+  for (const ParticleState& p : world.elastic_body(id)->particles()) low = std::min(low, p.position_m.y());
+  return low;
+}
+
+// Linear momentum over that of the start, angular likewise.
+struct Drift {
+  double linear, angular;
+};
+inline Drift momentum_drift(const BodyEnergy& before, const BodyEnergy& after) {
+  return {(after.linear_momentum - before.linear_momentum).norm() / before.linear_momentum.norm(),
+          (after.angular_momentum - before.angular_momentum).norm() / before.angular_momentum.norm()};
+}
+
+}  // namespace livegs::soft_fixtures

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "physics/collision/point_surface.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace livegs {
+namespace {
+
+using Eigen::Vector3d;
+
+// The faces of a cube of edge 2 about the origin, by points `spacing` apart; those on edges and corners once a face.
+std::vector<SurfaceElement> cube_elements(double spacing) {
+  std::vector<SurfaceElement> elements;
+  const int n = static_cast<int>(std::round(2.0 / spacing));
+  for (int d = 0; d < 3; ++d) {
+    for (const double side : {-1.0, 1.0}) {
+      for (int i = 0; i <= n; ++i) {
+        for (int j = 0; j <= n; ++j) {
+          Vector3d point = side * Vector3d::Unit(d);
+          point[(d + 1) % 3] = -1.0 + i * spacing;
+          point[(d + 2) % 3] = -1.0 + j * spacing;
+          elements.push_back({point, side * Vector3d::Unit(d), 0.0, static_cast<uint32_t>(elements.size())});
+        }
+      }
+    }
+  }
+  return elements;
+}
+
+// Inside a cube the distance is the least to its faces.
+TEST(SurfaceElements, DistanceIsExactUpToTheEdgesOfACube) {
+  const auto elements = cube_elements(0.25);
+  const ElementGrid grid(elements, 0.375);
+  for (const Vector3d& point : {Vector3d(0.98, 0.1, 0.2), {0.93, 0.96, 0.1}, {0.9, -0.95, 0.97}, {0.99, 0.99, 0.2}}) {
+    const auto found = grid.depth(point);
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(found->distance_m, point.cwiseAbs().maxCoeff() - 1.0, 1e-12);
+    EXPECT_NEAR(found->normal.cwiseAbs().maxCoeff(), 1.0, 1e-12);
+  }
+}
+
+// A point of a face that comes from above, a little beyond the edge's diagonal.
+TEST(SurfaceElements, PointMeetsTheFaceItLooksAt) {
+  const auto elements = cube_elements(0.25);
+  const ElementGrid grid(elements, 0.375);
+  const SurfaceElement down{{0.95, 0.9, 0.1}, {0, -1, 0}, 0.0, 0};
+  const auto found = grid.depth(down.position_m, {&down, 1});
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->distance_m, -0.1, 1e-12);
+  EXPECT_NEAR((found->normal - Vector3d::UnitY()).norm(), 0.0, 1e-12);
+  const SurfaceElement up{{0.0, 0.9, 0.1}, {0, 1, 0}, 0.0, 0};
+  EXPECT_FALSE(grid.depth(up.position_m, {&up, 1})) << "it looks away";
+  const SurfaceElement beside{{1.05, 0.9, 0.1}, {0, -1, 0}, 0.0, 0};
+  EXPECT_GT(grid.depth(beside.position_m, {&beside, 1})->distance_m, 0.0);
+}
+
+}  // namespace
+}  // namespace livegs

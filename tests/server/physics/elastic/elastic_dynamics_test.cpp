@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+// Motion of the `cells` solver against closed forms (physics.md 2, rows 1, 8, 23; elastic-study.md 4).
+#include "scenes/elastic_bodies.h"
+
+namespace livegs::test {
+namespace {
+
+TEST(ElasticDynamics, FreeFallIsTheSchemesClosedForm) {
+  // Velocity is exact. The first, first-order step is g h²/2 too long, and BDF2 carries that on by thirds:
+  // x = g t²/2 + 3/4 g h² (1 - 3^-n).
+  Stage stage;
+  stage.gravity_m_s2 = kGravity;
+  ElasticBodyDescription block = describe(particle_grid(Vector3d::Constant(0.1), 0.02), 1e4, 0.3);
+  block.velocity_m_s = {1, 10, 0};
+  stage.make(block);
+  ASSERT_EQ(stage.body->accuracy().substeps, stage.substeps);
+  stage.run(2.0);
+  const double h = stage.substep_s(), fall = 0.5 * 9.81 * 4.0 + 0.75 * 9.81 * h * h;
+  // Single precision: 480 steps of 4 cm, each rounded to 2e-9 m at most, one way at worst.
+  EXPECT_NEAR(stage.body->centre_pose().position_m.y(), 20.0 - fall, 1e-6);
+  EXPECT_NEAR(stage.body->centre_pose().position_m.x(), 2.0, 1e-6);
+  EXPECT_NEAR(stage.body->velocity_m_s().y(), 10.0 - 9.81 * 2.0, 1e-11);  // the ledger is double
+}
+
+TEST(ElasticDynamics, PointForceAcceleratesTheCentreOfMassExactly) {
+  Stage stage;
+  stage.make(describe(particle_grid(Vector3d::Constant(0.1), 0.02), 1e5, 0.3));
+  stage.forces.push_back({{0.05, 0.02, -0.01}, {0.3, 0.1, -0.2}});
+  stage.run(0.5);
+  EXPECT_NEAR((stage.body->velocity_m_s() - Vector3d(0.3, 0.1, -0.2) * 0.5).norm(), 0.0, 1e-12);  // 1 kg
+}
+
+TEST(ElasticDynamics, AxialVibrationKeepsItsFrequencyAndAmplitude) {
+  // A free bar released from 0.5 % stretch: its lowest mode has f = sqrt(E/rho) / (2 L). Bars of the study: 3 % in
+  // frequency, 0.8 of the amplitude after five periods, without damping.
+  struct Case {
+    double youngs_modulus_pa, cell_width_m;
+    int substeps;
+  };
+  for (const Case c : {Case{1e4, 0.025, 4}, Case{1e5, 0.025, 4}, Case{1e6, 0.05, 16}}) {
+    Stage stage;
+    stage.substeps = c.substeps;
+    ElasticBodyDescription bar = describe_bar(c.youngs_modulus_pa, 0.0, c.cell_width_m);
+    bar.initial_deformation.diagonal() = Vector3d(1.005, 1, 1);
+    stage.make(bar);
+    ASSERT_FALSE(stage.body->accuracy().clipped);
+    const auto mode = [&] {
+      double q = 0.0;
+      const std::vector<ParticleState> now = stage.body->particles();
+      for (size_t i = 0; i < now.size(); ++i) {
+        const double x = bar.particles.positions_m[i].x();
+        q += (now[i].position_m.x() - x) * std::sin(M_PI * x / kBarLength_m);
+      }
+      return q;
+    };
+    const double frequency = std::sqrt(c.youngs_modulus_pa / 1000.0) / (2 * kBarLength_m);
+    const double start = mode();
+    double before = start, last_crossing = 0.0, peak = 0.0;
+    int crossings = 0;
+    const int steps = static_cast<int>(5.3 / (frequency * stage.substep_s()));
+    for (int i = 1; i <= steps; ++i) {
+      stage.substep();
+      const double now = mode(), time = i * stage.substep_s();
+      if ((before < 0.0) != (now < 0.0)) {
+        ++crossings;
+        last_crossing = time - stage.substep_s() * now / (now - before);
+      }
+      if (time * frequency > 4.5) peak = std::max(peak, now);
+      before = now;
+    }
+    // The k-th zero of a cosine is at (k - 1/2) half periods.
+    ASSERT_GE(crossings, 9);
+    EXPECT_NEAR((crossings - 0.5) / (2 * last_crossing) / frequency, 1.0, 0.03) << c.youngs_modulus_pa;
+    EXPECT_GT(peak / start, 0.8) << c.youngs_modulus_pa;
+    EXPECT_LT(peak / start, 1.01) << c.youngs_modulus_pa;  // 1 % for sampling a cosine at substeps; never a gain
+  }
+}
+
+TEST(ElasticDynamics, SpinningFreeBallKeepsItsMomentum) {
+  // elastic-study.md 4: 8 cells across, 10 rad/s, 10 s. Linear 1e-6 of m v, angular 1e-3, energy 1 %.
+  ElasticBodyDescription ball = describe({}, 1e4, 0.3, 0.025);
+  ball.particles = particle_grid(Vector3d::Constant(0.2), 0.02);
+  ParticleSet& set = ball.particles;
+  for (size_t i = 0; i < set.positions_m.size();) {
+    if (set.positions_m[i].norm() <= 0.1) {
+      ++i;
+      continue;
+    }
+    set.positions_m.erase(set.positions_m.begin() + static_cast<ptrdiff_t>(i));
+    set.volumes_m3.pop_back();
+    set.on_surface.pop_back();
+  }
+  ball.material.mass_kg = 1000 * 8e-6 * static_cast<double>(set.positions_m.size());
+  ball.velocity_m_s = {1, 0.5, -0.25};
+  ball.angular_velocity_rad_s = {0, 10, 0};
+  for (const Vector3d& place : {Vector3d(0, 0, 0), Vector3d(1000, -30, 200)}) {
+    for (const double rate_hz : {60.0, 90.0}) {
+      ball.world_from_object.position_m = place;
+      Stage stage;
+      stage.rate_hz = rate_hz;
+      stage.make(ball);
+      const auto spin_momentum = [&] {
+        const BodyEnergy now = stage.body->energy(kNoGravity);
+        return (now.angular_momentum - stage.body->centre_m().cross(now.linear_momentum)).eval();
+      };
+      const Vector3d linear = stage.body->energy(kNoGravity).linear_momentum, spin = spin_momentum();
+      EXPECT_NEAR(stage.body->angular_velocity_rad_s().y(), 10.0, 1e-9);
+      const double start = stage.total_energy_j();
+      double settled = 0.0, most = 0.0;
+      for (int frame = 0; frame < 10 * rate_hz; ++frame) {
+        stage.frame();
+        most = std::max(most, stage.total_energy_j());
+        if (frame == rate_hz / 2) settled = stage.total_energy_j();  // it bulges at first, which moves energy into vibration
+      }
+      const double drift = (stage.body->energy(kNoGravity).linear_momentum - linear).norm() / linear.norm();
+      EXPECT_LT(drift, 1e-6) << rate_hz << " Hz at " << place.transpose();
+      EXPECT_LT((spin_momentum() - spin).norm() / spin.norm(), 1e-3) << rate_hz << " Hz at " << place.transpose();
+      EXPECT_LT(most / start, 1.01) << rate_hz << " Hz at " << place.transpose();
+      EXPECT_GT(stage.total_energy_j() / settled, 0.99) << rate_hz << " Hz at " << place.transpose();
+    }
+  }
+}
+
+// A loss factor eta takes 2 pi eta of the energy a cycle, of the lowest mode, in a bar half as thick as long the axial
+// one: stretched by a hundredth and let go it swings with the period 2 L / c. Four periods, the numerical damping of a second-order step beside it: 10 %.
+TEST(ElasticDynamics, LossFactorIsTheDampingOfTheLowestMode) {
+  for (const double loss_factor : {0.05, 0.1}) {
+    for (const double rate_hz : {60.0, 90.0}) {
+      ElasticBodyDescription bar = describe(particle_grid({kBarLength_m, 0.2, 0.2}, 0.025), 1e4, 0.0);
+      bar.material.loss_factor = loss_factor;
+      bar.initial_deformation.diagonal() = Vector3d(1.01, 1, 1);
+      Stage stage;
+      stage.rate_hz = rate_hz;
+      stage.substeps = 16;
+      stage.make(bar);
+      const double period_s = 2.0 * kBarLength_m / std::sqrt(1e4 / 1000.0);
+      const auto energy_over_a_period = [&] {
+        double sum = 0.0;
+        const int frames = static_cast<int>(std::lround(period_s * rate_hz));
+        for (int i = 0; i < frames; ++i) {
+          stage.frame();
+          sum += stage.total_energy_j();
+        }
+        return sum / frames;
+      };
+      const double first = energy_over_a_period();
+      energy_over_a_period();
+      energy_over_a_period();
+      energy_over_a_period();
+      const double rate = std::log(first / energy_over_a_period()) / (4.0 * 2.0 * M_PI * loss_factor);
+      EXPECT_NEAR(rate, 1.0, 0.1) << loss_factor << ", " << rate_hz << " Hz";
+    }
+  }
+}
+
+TEST(ElasticDynamics, DampingOfShapeKeepsMomentum) {
+  ElasticBodyDescription block = describe(particle_grid({0.2, 0.1, 0.1}, 0.02), 1e4, 0.3);
+  block.material.loss_factor = 0.5;
+  block.angular_velocity_rad_s = {1, 2, 3};
+  block.velocity_m_s = {0.5, 0, 0};
+  block.initial_deformation.diagonal() = Vector3d(1.1, 0.95, 1);
+  Stage stage;
+  stage.make(block);
+  const BodyEnergy start = stage.body->energy(kNoGravity);
+  stage.run(3.0);
+  const BodyEnergy end = stage.body->energy(kNoGravity);
+  EXPECT_LT((end.linear_momentum - start.linear_momentum).norm() / start.linear_momentum.norm(), 1e-6);
+  EXPECT_LT((end.angular_momentum - start.angular_momentum).norm() / start.angular_momentum.norm(), 1e-5);
+  EXPECT_LT(end.elastic_j, 0.02 * start.elastic_j);  // what is left is the stretch of the spin
+}
+
+TEST(ElasticDynamics, ResultIsTheSameBitsEachRun) {
+  const auto run = [] {
+    Stage stage;
+    stage.gravity_m_s2 = kGravity;
+    stage.add_floor();
+    ElasticBodyDescription block = describe(particle_grid({0.2, 0.1, 0.1}, 0.02), 3e4, 0.3);
+    block.world_from_object = {{0, 0.3, 0}, Eigen::Quaterniond(Eigen::AngleAxisd(0.6, Vector3d::UnitZ()))};
+    stage.make(block);
+    stage.run(1.0);
+    ObjectDrivers drivers;
+    stage.body->write_drivers(drivers);
+    return drivers.positions_m;
+  };
+  const auto first = run(), second = run();
+  ASSERT_EQ(first.size(), second.size());
+  for (size_t i = 0; i < first.size(); ++i) ASSERT_EQ(first[i], second[i]);
+}
+
+}  // namespace
+}  // namespace livegs::test

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// Young's modulus, Poisson's ratio and bending of the `cells` solver against closed forms (physics.md 2, rows 20 and
+// 21; what is reachable at which Courant number: elastic-study.md 3).
+#include <random>
+
+#include "geometry/sample_particles.h"
+#include "geometry/shape_mesh.h"
+#include "scenes/elastic_bodies.h"
+
+namespace livegs::test {
+namespace {
+
+struct Tension {
+  double modulus_ratio, poisson_ratio;
+};
+
+// A free bar under opposite end tractions of 0.5 % strain, settled; measured over its middle half.
+Tension measure_tension(const ElasticBodyDescription& description, int substeps) {
+  Stage stage;
+  stage.substeps = substeps;
+  ElasticBodyDescription damped = description;
+  damped.material.loss_factor = 2.0;
+  stage.make(damped);
+  const double traction = 0.005 * description.material.effective_youngs_modulus_pa();
+  add_end_traction(stage.forces, 0.5 * kBarLength_m, traction);
+  add_end_traction(stage.forces, -0.5 * kBarLength_m, -traction);
+  // Forty times the decay time of the slowest damped motion.
+  const double wave_m_s = std::sqrt(description.material.effective_youngs_modulus_pa() / 1000.0);
+  stage.run(40.0 / (2.0 * wave_m_s * 6.46 * kBarWidth_m / (kBarLength_m * kBarLength_m)));
+  const auto stretch = [&](const Vector3d& half) {
+    return (stage.body->world_point(half) - stage.body->world_point(-half)).norm() / (2.0 * half.norm()) - 1.0;
+  };
+  const double along = stretch({0.1, 0, 0});
+  const double across = 0.5 * (stretch({0, 0.05, 0}) + stretch({0, 0, 0.05}));
+  return {0.005 / along, -across / along};
+}
+
+struct TensionCase {
+  double youngs_modulus_pa, poisson_ratio, cell_width_m;
+  int substeps;
+};
+
+// Bars: 5 % of E and 0.02 of nu, wherever the body says that it is not clipped.
+class UniaxialTension : public testing::TestWithParam<TensionCase> {};
+TEST_P(UniaxialTension, ShowsTheModulusAndTheRatioAskedFor) {
+  const TensionCase c = GetParam();
+  const Tension found = measure_tension(describe_bar(c.youngs_modulus_pa, c.poisson_ratio, c.cell_width_m), c.substeps);
+  RecordProperty("modulus_ratio", std::to_string(found.modulus_ratio));
+  EXPECT_NEAR(found.modulus_ratio, 1.0, 0.05);
+  EXPECT_NEAR(found.poisson_ratio, c.poisson_ratio, 0.02);
+}
+INSTANTIATE_TEST_SUITE_P(Cells, UniaxialTension,
+                         testing::Values(TensionCase{1e4, 0.0, 0.025, 4}, TensionCase{1e4, 0.3, 0.025, 4},
+                                         TensionCase{1e4, 0.45, 0.025, 4}, TensionCase{1e5, 0.0, 0.025, 1},
+                                         TensionCase{1e5, 0.3, 0.025, 4}, TensionCase{1e5, 0.45, 0.025, 1},
+                                         TensionCase{1e5, 0.3, 0.0, 1}, TensionCase{1e6, 0.3, 0.0, 4},
+                                         TensionCase{1e6, 0.3, 0.1, 4}, TensionCase{1e6, 0.45, 0.05, 4}));
+
+TEST(ElasticStatics, JitteredParticlesShowTheSameModulus) {
+  // elastic-study.md 5: .995 to .997 with particles of 10 mm moved by up to 0.3 of that; bar 2 %.
+  ElasticBodyDescription bar = describe_bar(1e5, 0.3, 0.025, 0.01);
+  std::mt19937_64 random(7);
+  const auto jitter = [&] { return 0.6 * 0.01 * (static_cast<double>(random() >> 11) * 0x1p-53 - 0.5); };
+  for (Vector3d& p : bar.particles.positions_m) p += Vector3d(jitter(), jitter(), jitter());
+  const Tension found = measure_tension(bar, 4);
+  EXPECT_NEAR(found.modulus_ratio, 1.0, 0.02);
+  EXPECT_NEAR(found.poisson_ratio, 0.3, 0.01);
+}
+
+TEST(ElasticStatics, CantileverSagsByTimoshenko) {
+  // nu = 0, so that the clamp is Timoshenko's; 4 layers, converged element .996, solver .993 to .998: bar 3 %.
+  // Gravity is weak enough for small deflections: the tip goes down 1 % of the length.
+  for (const double scene_modulus : {1e4, 1e5}) {
+    ElasticBodyDescription bar = describe_bar(scene_modulus, 0.0, 0.025);
+    bar.material.loss_factor = 2.0;
+    bar.regions.push_back(fixed_box({-0.21, -0.06, -0.06}, {-0.175, 0.06, 0.06}));
+    const double length = 0.375, width = kBarWidth_m, g = 9.81e-7 * scene_modulus;
+    const double area = width * width, inertia = area * area / 12.0, shear = 0.5 * scene_modulus;
+    const double load = 1000.0 * g * area;
+    const double sag = load * std::pow(length, 4) / (8 * scene_modulus * inertia) +
+                       load * length * length / (2 * (5.0 / 6.0) * shear * area);
+    Stage stage;
+    stage.gravity_m_s2 = {0, -g, 0};
+    stage.make(bar);
+    stage.run(scene_modulus > 5e4 ? 3.0 : 9.0);
+    EXPECT_NEAR(-stage.body->world_point({0.2, 0, 0}).y() / sag, 1.0, 0.03);
+    // Held exactly, as single precision says where: 0.2 m to 1.5e-8.
+    EXPECT_NEAR((stage.body->world_point({-0.19, 0.02, 0.03}) - Vector3d(-0.19, 0.02, 0.03)).norm(), 0.0, 3e-8);
+  }
+}
+
+// In cells that it entered a second row of by a fifth it sagged by 0.81 to 0.85 of what it should.
+TEST(ElasticStatics, FlatBarsBendTheStiffWayToo) {
+  for (const Vector3d& size : {Vector3d(1.0, 0.15, 0.05), Vector3d(2.0, 0.3, 0.1), Vector3d(1.0, 0.12, 0.05), Vector3d(1.0, 0.19, 0.06)}) {
+    for (const double poisson_ratio : {0.0, 0.3}) {
+      SCOPED_TRACE(testing::Message() << size.transpose() << ", nu " << poisson_ratio);
+      const double stiffness = 1e6, clamp = 0.1 * size.x(), length = size.x() - clamp, area = size.y() * size.z();
+      const double inertia = size.z() * std::pow(size.y(), 3) / 12.0, shear = 0.5 * stiffness / (1.0 + poisson_ratio);
+      const double of_load = std::pow(length, 4) / (8 * stiffness * inertia) + length * length / (2 * (5.0 / 6.0) * shear * area);
+      const double load = 0.01 * length / of_load;
+      ElasticBodyDescription bar = describe(sample_particles(box_mesh(size)), stiffness, poisson_ratio);
+      bar.material.loss_factor = 2.0;
+      bar.regions.push_back(fixed_box({-size.x(), -1, -1}, {-0.5 * size.x() + clamp, 1, 1}));
+      Stage stage;
+      stage.gravity_m_s2 = {0, -load / (1000.0 * area), 0};
+      stage.make(bar);
+      stage.run(6.0);
+      EXPECT_NEAR(-stage.body->world_point({0.5 * size.x(), 0, 0}).y() / (0.01 * length), 1.0, 0.08) << "goal 0.05";
+    }
+  }
+}
+
+TEST(ElasticStatics, AffineDeformationHasTheEnergyOfItsClosedForm) {
+  // V [ mu |S - I|² + lambda/2 (det F - 1)² ] with no bending or twisting: exact, also for cells that are not full.
+  const double youngs = 2e5, poisson = 0.3;
+  ElasticBodyDescription block = describe(particle_grid({0.2, 0.15, 0.1}, 0.02), youngs, poisson, 0.045);
+  Matrix3d stretch;
+  stretch << 1.2, 0.05, 0, 0.05, 0.9, -0.02, 0, -0.02, 1.1;
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.4, Vector3d(1, -1, 2).normalized()));
+  block.initial_deformation = turn.toRotationMatrix() * stretch;
+  Stage stage;
+  stage.make(block);
+  double volume = 0.0;
+  for (const double v : block.particles.volumes_m3) volume += v;
+  const double mu = youngs / (2 * (1 + poisson)), lambda = youngs * poisson / ((1 + poisson) * (1 - 2 * poisson));
+  const double expected = volume * (mu * (stretch - Matrix3d::Identity()).squaredNorm() +
+                                    0.5 * lambda * std::pow(stretch.determinant() - 1, 2));
+  EXPECT_NEAR(stage.body->energy(kNoGravity).elastic_j / expected, 1.0, 1e-6);
+  for (const ParticleState& p : stage.body->particles()) {
+    EXPECT_NEAR((p.deformation_gradient - block.initial_deformation).norm(), 0.0, 1e-6);  // single precision over a cell
+  }
+}
+
+TEST(ElasticStatics, RigidPlacementIsRest) {
+  ElasticBodyDescription block = describe(particle_grid({0.2, 0.15, 0.1}, 0.02), 1e5, 0.4, 0.045);
+  block.world_from_object = {{3, -2, 1}, Eigen::Quaterniond(Eigen::AngleAxisd(2.5, Vector3d(1, 2, -1).normalized()))};
+  Stage stage;
+  stage.make(block);
+  stage.run(1.0);
+  // Rounding only: lengths of 0.1 m in single precision, 240 substeps.
+  for (size_t i = 0; i < block.particles.positions_m.size(); ++i) {
+    const Vector3d now = stage.body->particles()[i].position_m;
+    ASSERT_NEAR((now - block.world_from_object * block.particles.positions_m[i]).norm(), 0.0, 1e-7);
+    i += 50;
+  }
+  // Strains of 1e-7 rounding: V E e²/2 = 1e-12 to 1e-10 J.
+  EXPECT_LT(stage.body->energy(kNoGravity).elastic_j, 1e-9);
+  EXPECT_LT(stage.body->energy(kNoGravity).kinetic_j, 1e-9);
+}
+
+}  // namespace
+}  // namespace livegs::test

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+
+#include "geometry/sample_particles.h"
+#include "scenes/soft_fixtures.h"
+
+namespace livegs::soft_fixtures {
+
+// A block of 0.2 x 0.1 x 0.2 m, 4 kg and 20 kPa, its particles in a grid that fills it; a cell width of 0 is the one that
+// the program chooses.
+inline ElasticBodyDescription particle_block(double spacing_m, double cell_width_m) {
+  return soft_block(1, {0.2, 0.1, 0.2}, 4.0, 2e4, spacing_m, 0.3, cell_width_m);
+}
+
+// The same as a scene makes it; 0: that says no spacing.
+inline ElasticBodyDescription sampled_block(double spacing_m = 0.0) {
+  ElasticBodyDescription block = particle_block(0.025, 0.0);
+  block.particles = sample_particles(box_mesh({0.2, 0.1, 0.2}), kDefaultSamplingDensity, spacing_m);
+  return block;
+}
+
+// How far the lowest point of a 1 kg sphere of 5 cm settles below the top of an unloaded block on a floor; the mean of
+// the last of three seconds.
+inline double settled_depth_m(ElasticBodyDescription block, double rate, int substeps = 4) {
+  World world = world_with(ElasticSolver::Cells, rate, {0, -kGravity, 0}, substeps);
+  world.add_collider(floor_plane(0.6));
+  block.material.loss_factor = 2.0;
+  block.world_from_object.position_m = {0, 0.05, 0};
+  EXPECT_TRUE(world.add_elastic(block));
+  EXPECT_TRUE(world.add_ball(ball(2, {0.004, 0.15, 0.003}, 0.05, 1.0)));
+  run_seconds(world, 2.0);
+  double height_m = 0.0;
+  const int ticks = static_cast<int>(rate);
+  for (int i = 0; i < ticks; ++i) {
+    world.step();
+    height_m += body_state(world, 2).world_from_body.position_m.y() / ticks;
+  }
+  return 0.1 - (height_m - 0.05);
+}
+
+}  // namespace livegs::soft_fixtures
