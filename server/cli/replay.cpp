@@ -9,7 +9,7 @@
 #include "cli/commands.h"
 #include "core/clock.h"
 #include "recording/recording_reader.h"
-#include "session/verify_recording.h"
+#include "session/recording/verify_recording.h"
 
 namespace livegs {
 namespace {

@@ -22,7 +22,7 @@
 #include "scene/shape_asset.h"
 #include "scratch_folder.h"
 #include "server/geometry/fracture_shapes.h"
-#include "session/describe_object.h"
+#include "session/assets/describe_object.h"
 #include "skin/skin_kernels.h"
 #include "wire/frame_codec.h"
 

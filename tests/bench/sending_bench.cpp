@@ -12,9 +12,9 @@
 
 #include "bench/arguments.h"
 #include "bench/dragged_blocks.h"
-#include "session/frame_tail.h"
-#include "session/published_tick.h"
-#include "session/send_budget.h"
+#include "session/frames/shared_frame_payload.h"
+#include "session/frames/tick_encodings.h"
+#include "session/frames/send_budget.h"
 
 using namespace livegs;
 using namespace livegs::bench;

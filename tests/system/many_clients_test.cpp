@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/clock.h"
-#include "server/session/raw_client.h"
+#include "server/session/rpc/raw_client.h"
 #include "system/noise_server.h"
 
 namespace livegs {

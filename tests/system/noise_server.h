@@ -10,9 +10,9 @@
 #include <thread>
 
 #include "core/clock.h"
-#include "server/session/box_scene.h"
-#include "session/live_server.h"
-#include "session/session_table.h"
+#include "scenes/box_scene.h"
+#include "session/rpc/grpc_server.h"
+#include "session/sessions/session_table.h"
 
 namespace livegs {
 

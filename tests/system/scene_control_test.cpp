@@ -10,9 +10,9 @@
 #include <functional>
 #include <mutex>
 
-#include "server/session/box_scene.h"
-#include "session/live_run.h"
-#include "session/live_server.h"
+#include "scenes/box_scene.h"
+#include "session/live/run_controller.h"
+#include "session/rpc/grpc_server.h"
 #include "stream/session_client.h"
 
 namespace livegs {

@@ -5,9 +5,9 @@
 
 #include <memory>
 
-#include "server/session/box_scene.h"
-#include "session/live_server.h"
-#include "session/simulation_loop.h"
+#include "scenes/box_scene.h"
+#include "session/rpc/grpc_server.h"
+#include "session/simulation/simulation_loop.h"
 
 namespace livegs {
 

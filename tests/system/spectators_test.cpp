@@ -12,10 +12,10 @@
 
 #include "core/clock.h"
 #include "patience.h"
-#include "server/session/box_scene.h"
-#include "session/frame_fan_out.h"
-#include "session/live_server.h"
-#include "session/scene_run.h"
+#include "scenes/box_scene.h"
+#include "session/publish/zmq_publisher.h"
+#include "session/rpc/grpc_server.h"
+#include "session/simulation/scene_run.h"
 #include "stream/spectator.h"
 
 namespace livegs {

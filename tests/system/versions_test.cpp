@@ -5,7 +5,7 @@
 #include <atomic>
 
 #include "client/stream/scripted_server.h"
-#include "server/session/raw_client.h"
+#include "server/session/rpc/raw_client.h"
 #include "system/programs_fixture.h"
 
 namespace livegs {

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/access/call_authorizer.h"
+
+#include "core/clock.h"
+
+namespace livegs {
+namespace {
+
+constexpr std::string_view kBearer = "Bearer ";
+
+// The token a call shows; empty: none.
+std::string_view token_in(const grpc::AuthMetadataProcessor::InputMetadata& metadata) {
+  const auto found = metadata.find("authorization");
+  if (found == metadata.end() || metadata.count("authorization") != 1) return {};
+  const std::string_view value(found->second.data(), found->second.size());
+  return value.starts_with(kBearer) ? value.substr(kBearer.size()) : std::string_view();
+}
+
+}  // namespace
+
+v1::Scope needed_scope(std::string_view path) {
+  static const std::map<std::string_view, v1::Scope> kNeeded = {
+      {"/grpc.health.v1.Health/Check", v1::SCOPE_UNSPECIFIED},
+      {"/livegs.v1.LiveGs/GetServerInfo", v1::VIEW},
+      {"/livegs.v1.LiveGs/Join", v1::VIEW},
+      {"/livegs.v1.LiveGs/FetchAsset", v1::VIEW},
+      {"/livegs.v1.Spectators/DescribeScene", v1::VIEW},
+      {"/livegs.v1.LiveGs/Stream", v1::VIEW},  // what hands do is taken with INTERACT only
+      {"/livegs.v1.LiveGs/AnalyzeObject", v1::VIEW},
+      {"/livegs.v1.LiveGs/ApplyForce", v1::INTERACT},
+      {"/livegs.v1.LiveGs/AnalyzeScene", v1::AUTHOR},
+      {"/livegs.v1.LiveGs/SetPhysics", v1::AUTHOR},
+      {"/livegs.v1.LiveGs/AcceptProposal", v1::AUTHOR},
+      {"/livegs.v1.LiveGs/UndoPhysics", v1::AUTHOR},
+      {"/livegs.v1.LiveGs/ControlRun", v1::AUTHOR},
+  };
+  const auto found = kNeeded.find(path);
+  return found == kNeeded.end() ? v1::ADMIN : found->second;
+}
+
+grpc::Status CallGate::Process(const InputMetadata& metadata, grpc::AuthContext*, OutputMetadata*, OutputMetadata*) {
+  const auto path = metadata.find(":path");
+  const v1::Scope needed =
+      path == metadata.end() ? v1::ADMIN : needed_scope({path->second.data(), path->second.size()});
+  if (needed == v1::SCOPE_UNSPECIFIED) return grpc::Status::OK;
+  const auto grant = tokens_.check(token_in(metadata));
+  if (!grant) return {grpc::StatusCode::UNAUTHENTICATED, grant.error().message};
+  if (!grant->allows(needed)) {
+    return {grpc::StatusCode::PERMISSION_DENIED, "the token \"" + grant->token_name + "\" is of scope " +
+                                                     scope_name(grant->scope) + "; this call needs " +
+                                                     scope_name(needed)};
+  }
+  std::lock_guard lock(mutex_);
+  // Tokens are few; those that have ended are not worth a sweep.
+  RateLimit& calls = calls_.try_emplace(grant->token_id, kMaxCallsPerSecond, kMaxCallsAtOnce).first->second;
+  if (!calls.take(now_ns())) {
+    return {grpc::StatusCode::RESOURCE_EXHAUSTED, "more than 200 calls a second with this token"};
+  }
+  return grpc::Status::OK;
+}
+
+Result<Grant> grant_of(const grpc::CallbackServerContext& context, const TokenStore* tokens) {
+  if (tokens == nullptr) return Grant{};
+  return tokens->check(token_in(context.client_metadata()));
+}
+
+}  // namespace livegs

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/access/connection_limiter.h"
+
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <pthread.h>
+#include <sys/eventfd.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+namespace livegs {
+namespace {
+
+constexpr int kBacklog = 512;
+// As gRPC sets it on sockets it listens on itself: unanswered bytes end the connection.
+constexpr unsigned kUnanswered_ms = 3000;
+// Descriptors are short: the next try is worth nothing before some are closed.
+constexpr useconds_t kOutOfDescriptors_us = 50'000;
+
+void set(int socket, int level, int option, int value) { ::setsockopt(socket, level, option, &value, sizeof value); }
+
+int port_of(int socket) {
+  sockaddr_storage at{};
+  socklen_t size = sizeof at;
+  ::getsockname(socket, reinterpret_cast<sockaddr*>(&at), &size);
+  return ntohs(at.ss_family == AF_INET6 ? reinterpret_cast<sockaddr_in6&>(at).sin6_port
+                                        : reinterpret_cast<sockaddr_in&>(at).sin_port);
+}
+
+int listen_on(const addrinfo& address, int port) {
+  const int socket = ::socket(address.ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (socket < 0) return -1;
+  set(socket, SOL_SOCKET, SO_REUSEADDR, 1);
+  sockaddr_storage at{};
+  std::memcpy(&at, address.ai_addr, address.ai_addrlen);
+  if (address.ai_family == AF_INET6) {
+    // [::] is every address of either kind.
+    const bool any = IN6_IS_ADDR_UNSPECIFIED(&reinterpret_cast<sockaddr_in6&>(at).sin6_addr);
+    set(socket, IPPROTO_IPV6, IPV6_V6ONLY, any ? 0 : 1);
+    reinterpret_cast<sockaddr_in6&>(at).sin6_port = htons(static_cast<uint16_t>(port));
+  } else {
+    reinterpret_cast<sockaddr_in&>(at).sin_port = htons(static_cast<uint16_t>(port));
+  }
+  if (::bind(socket, reinterpret_cast<sockaddr*>(&at), address.ai_addrlen) == 0 && ::listen(socket, kBacklog) == 0)
+    return socket;
+  ::close(socket);
+  return -1;
+}
+
+// The system's usual limit of 1024 descriptors is fewer than connections and files together.
+void allow_descriptors() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = std::max(limit.rlim_cur, std::min<rlim_t>(limit.rlim_max, 4 * kMaxConnections));
+  ::setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+// Where a connection comes from, as text, and whether that is this machine.
+std::string address_of(const sockaddr_storage& from, socklen_t size, bool& loopback) {
+  char host[NI_MAXHOST] = "";
+  ::getnameinfo(reinterpret_cast<const sockaddr*>(&from), size, host, sizeof host, nullptr, 0, NI_NUMERICHOST);
+  const std::string text = std::string(host).starts_with("::ffff:") ? host + 7 : host;
+  loopback = text == "::1" || text.starts_with("127.");
+  return text;
+}
+
+unsigned long inode_of(int descriptor) {
+  struct stat about {};
+  return ::fstat(descriptor, &about) == 0 && S_ISSOCK(about.st_mode) ? about.st_ino : 0;
+}
+
+}  // namespace
+
+bool ConnectionDoor::Passed::here() const { return inode_of(descriptor) == inode; }
+
+Result<std::unique_ptr<ConnectionDoor>> ConnectionDoor::listen(const std::string& host, int port) {
+  allow_descriptors();
+  std::unique_ptr<ConnectionDoor> door(new ConnectionDoor);
+  const bool bracketed = host.size() > 2 && host.front() == '[' && host.back() == ']';
+  addrinfo wanted{}, *found = nullptr;
+  wanted.ai_socktype = SOCK_STREAM;
+  wanted.ai_flags = AI_PASSIVE;
+  const std::string name = bracketed ? host.substr(1, host.size() - 2) : host;
+  const std::string where = host + ":" + std::to_string(port);
+  if (const int failed = ::getaddrinfo(name.c_str(), nullptr, &wanted, &found); failed != 0) {
+    return Error{ErrorCode::Unavailable, "cannot listen on " + where + ": " + ::gai_strerror(failed)};
+  }
+  int why = 0;
+  for (const addrinfo* address = found; address != nullptr; address = address->ai_next) {
+    const int socket = listen_on(*address, door->port_ != 0 ? door->port_ : port);
+    if (socket < 0) {
+      why = errno;
+      if (why == EADDRINUSE) break;
+      continue;  // localhost may have an address of a kind that the machine has not
+    }
+    door->listeners_.push_back(socket);
+    door->port_ = port_of(socket);
+  }
+  ::freeaddrinfo(found);
+  if (why == EADDRINUSE || door->listeners_.empty()) {
+    return Error{ErrorCode::Unavailable,
+                 "cannot listen on " + where + ": " +
+                     (why == EADDRINUSE ? "the port is in use; stop the other server or give another port"
+                                        : std::string(std::strerror(why)) + "; give another address") +
+                     " with --listen HOST:PORT"};
+  }
+  door->stop_ = ::eventfd(0, EFD_CLOEXEC);
+  return door;
+}
+
+ConnectionDoor::~ConnectionDoor() {
+  close();
+  if (stop_ >= 0) ::close(stop_);
+}
+
+void ConnectionDoor::close() {
+  if (thread_.joinable()) {
+    const uint64_t one = 1;
+    while (::write(stop_, &one, sizeof one) < 0 && errno == EINTR) {
+    }
+    thread_.join();
+  }
+  for (const int listener : listeners_) ::close(listener);
+  listeners_.clear();
+}
+
+void ConnectionDoor::open(std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> to) {
+  to_ = std::move(to);
+  thread_ = std::thread([this] {
+    pthread_setname_np(pthread_self(), "door");
+    run();
+  });
+}
+
+void ConnectionDoor::run() {
+  std::vector<pollfd> waiting = {{stop_, POLLIN, 0}};
+  for (const int listener : listeners_) waiting.push_back({listener, POLLIN, 0});
+  for (;;) {
+    if (::poll(waiting.data(), waiting.size(), -1) < 0 && errno != EINTR) return;
+    if (waiting[0].revents != 0) return;
+    for (size_t i = 1; i < waiting.size(); ++i) {
+      if (waiting[i].revents != 0) take(waiting[i].fd);
+    }
+  }
+}
+
+void ConnectionDoor::take(int listener) {
+  sockaddr_storage from{};
+  socklen_t size = sizeof from;
+  const int socket =
+      ::accept4(listener, reinterpret_cast<sockaddr*>(&from), &size, SOCK_CLOEXEC | SOCK_NONBLOCK);
+  if (socket < 0) {
+    if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) ::usleep(kOutOfDescriptors_us);
+    return;
+  }
+  bool loopback = false;
+  const std::string address = address_of(from, size, loopback);
+  if (!has_room(address, loopback)) {
+    ::close(socket);
+    return;
+  }
+  set(socket, IPPROTO_TCP, TCP_NODELAY, 1);
+  set(socket, IPPROTO_TCP, TCP_USER_TIMEOUT, kUnanswered_ms);
+  passed_.push_back({socket, inode_of(socket), address});
+  grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
+  connection.listener_fd = listener;
+  connection.fd = socket;
+  to_->HandleNewConnection(&connection);
+}
+
+// Looks which connections are still there only when there seem to be too many.
+bool ConnectionDoor::has_room(const std::string& address, bool loopback) {
+  const auto too_many = [&] {
+    const auto same = std::count_if(passed_.begin(), passed_.end(), [&](const Passed& one) { return one.address == address; });
+    return passed_.size() >= kMaxConnections || (!loopback && static_cast<size_t>(same) >= kMaxConnectionsPerAddress);
+  };
+  if (!too_many()) return true;
+  std::erase_if(passed_, [](const Passed& one) { return !one.here(); });
+  return !too_many();
+}
+
+}  // namespace livegs

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/access/token_store.h"
+
+#include <google/protobuf/util/json_util.h>
+#include <openssl/rand.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <chrono>
+#include <cmath>
+#include <span>
+
+#include "core/assert.h"
+#include "core/content_hash.h"
+#include "core/file.h"
+#include "trust/fingerprint.h"
+#include "trust/state_folder.h"
+
+namespace livegs {
+namespace {
+
+constexpr std::string_view kPrefix = "livegs_";  // so that a person, and who scans for secrets, knows what it is
+constexpr size_t kSecretBytes = 32;
+constexpr size_t kMaxName = 64;
+constexpr int64_t kDay_s = 86400;
+constexpr int64_t kRememberedAfter_s = 30 * kDay_s;  // it ended
+constexpr const char* kScopeNames[] = {"view", "interact", "author", "admin"};
+
+template <size_t kBytes>
+std::array<unsigned char, kBytes> random_bytes() {
+  std::array<unsigned char, kBytes> bytes;
+  const int drawn = RAND_bytes(bytes.data(), kBytes);
+  LIVEGS_ASSERT(drawn == 1);
+  return bytes;
+}
+
+// Six bits a character, the alphabet of RFC 4648 section 5.
+std::string token_text() {
+  constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
+  std::string text(kPrefix);
+  uint32_t bits = 0;
+  int held = 0;
+  for (const unsigned char byte : random_bytes<kSecretBytes>()) {
+    bits = bits << 8 | byte;
+    for (held += 8; held >= 6; held -= 6) text += kAlphabet[bits >> (held - 6) & 63];
+  }
+  return text += kAlphabet[bits << (6 - held) & 63];
+}
+
+std::string token_id() {
+  const auto bytes = random_bytes<4>();
+  return content_hash(std::as_bytes(std::span(bytes))).substr(0, 8);
+}
+
+std::string hash_of(std::string_view secret) {
+  return content_hash(std::as_bytes(std::span(secret.data(), secret.size())));
+}
+
+Grant grant_of(const v1::Token& token) { return {token.id(), token.name(), token.scope()}; }
+
+Error denied(std::string message) { return {ErrorCode::PermissionDenied, std::move(message)}; }
+
+}  // namespace
+
+std::string scope_name(v1::Scope scope) {
+  return scope >= v1::VIEW && scope <= v1::ADMIN ? kScopeNames[scope - v1::VIEW] : "none";
+}
+
+Result<v1::Scope> parse_scope(const std::string& name) {
+  for (int i = 0; i < 4; ++i) {
+    if (name == kScopeNames[i]) return static_cast<v1::Scope>(v1::VIEW + i);
+  }
+  return invalid_argument("scope \"" + name + "\": is none of view, interact, author, admin");
+}
+
+WallClock system_wall_clock() {
+  return [] {
+    return std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch())
+        .count();
+  };
+}
+
+Result<std::unique_ptr<TokenStore>> TokenStore::open(std::filesystem::path file, WallClock clock) {
+  std::unique_ptr<TokenStore> store(new TokenStore(std::move(file), std::move(clock)));
+  std::error_code error;
+  if (!std::filesystem::exists(store->file_, error)) return store;
+  const auto text = read_secret_file(store->file_);
+  if (!text) return text.error();
+  const auto parsed = google::protobuf::util::JsonStringToMessage(*text, &store->tokens_);
+  if (!parsed.ok()) {
+    return invalid_data(store->file_.string() + ": is no list of tokens: " + std::string(parsed.message()) +
+                        "; move it away, and all tokens end");
+  }
+  return store;
+}
+
+Result<void> TokenStore::write() const {
+  google::protobuf::util::JsonPrintOptions options;
+  options.add_whitespace = options.preserve_proto_field_names = true;
+  std::string text;
+  const auto printed = google::protobuf::util::MessageToJsonString(tokens_, &text, options);
+  LIVEGS_ASSERT(printed.ok());
+  return write_secret_file(file_, text);
+}
+
+Result<TokenStore::Made> TokenStore::add(const std::string& name, v1::Scope scope, double days) {
+  if (name.empty() || name.size() > kMaxName ||
+      !std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isprint(c) != 0; })) {
+    return invalid_argument("name: say who or what the token is for, in 1 to 64 printable characters");
+  }
+  if (scope < v1::VIEW || scope > v1::ADMIN) return invalid_argument("scope: is none of view, interact, author, admin");
+  if (days == 0) days = kTokenDays;
+  if (!(days > 0 && days <= kMaxTokenDays)) return invalid_argument("days: is not above 0 and at most 3650");
+  Made made;
+  made.secret = token_text();
+  const int64_t now_s = clock_();
+  made.token.set_id(token_id());
+  made.token.set_name(name);
+  made.token.set_scope(scope);
+  made.token.set_made_unix_s(now_s);
+  made.token.set_expires_unix_s(now_s + static_cast<int64_t>(std::ceil(days * kDay_s)));
+  std::lock_guard lock(mutex_);
+  const v1::TokenFile before = tokens_;
+  auto& tokens = *tokens_.mutable_tokens();
+  tokens.erase(std::remove_if(tokens.begin(), tokens.end(),
+                              [&](const v1::Token& token) {
+                                return token.expires_unix_s() + kRememberedAfter_s < now_s;
+                              }),
+               tokens.end());
+  if (static_cast<size_t>(tokens.size()) >= kMaxTokens) {
+    tokens_ = before;
+    return Error{ErrorCode::TooLarge, "there are 1000 tokens already"};
+  }
+  v1::Token& kept = *tokens.Add();
+  kept = made.token;
+  kept.set_sha256(hash_of(made.secret));
+  if (auto written = write(); !written) {
+    tokens_ = before;
+    return written.error();
+  }
+  return made;
+}
+
+std::string TokenStore::add_local_admin() {
+  const std::string secret = token_text();
+  std::lock_guard lock(mutex_);
+  local_admin_.set_id("local");
+  local_admin_.set_name("who runs the server");
+  local_admin_.set_scope(v1::ADMIN);
+  local_admin_.set_sha256(hash_of(secret));
+  return secret;
+}
+
+Result<v1::Token> TokenStore::revoke(const std::string& id) {
+  std::lock_guard lock(mutex_);
+  for (v1::Token& token : *tokens_.mutable_tokens()) {
+    if (token.id() != id) continue;
+    token.set_revoked(true);  // also when it cannot be written: rather refused until the server ends than let in
+    if (auto written = write(); !written) return written.error();
+    v1::Token told = token;
+    told.clear_sha256();
+    return told;
+  }
+  return not_found("there is no token \"" + id.substr(0, kMaxName) + "\"; livegs ctl tokens lists them");
+}
+
+std::vector<v1::Token> TokenStore::list() const {
+  std::lock_guard lock(mutex_);
+  std::vector<v1::Token> tokens(tokens_.tokens().begin(), tokens_.tokens().end());
+  for (v1::Token& token : tokens) token.clear_sha256();
+  return tokens;
+}
+
+Result<void> TokenStore::check_record(const v1::Token& token) const {
+  if (token.revoked()) return denied("the token \"" + token.name() + "\" was revoked; ask who runs the server");
+  if (token.id() != local_admin_.id() && clock_() >= token.expires_unix_s()) {
+    return denied("the token \"" + token.name() + "\" has expired; ask who runs the server for a new one");
+  }
+  return {};
+}
+
+Result<Grant> TokenStore::check(std::string_view secret) const {
+  if (secret.empty()) {
+    return denied("this server asks for a token: --token-file FILE or LIVEGS_TOKEN; livegs ctl tokens add makes one");
+  }
+  const std::string hash = hash_of(secret);
+  std::lock_guard lock(mutex_);
+  const v1::Token* found = nullptr;
+  for (const v1::Token& token : tokens_.tokens()) {
+    if (equal_in_constant_time(token.sha256(), hash)) found = &token;
+  }
+  if (equal_in_constant_time(local_admin_.sha256(), hash)) found = &local_admin_;
+  if (found == nullptr) return denied("the token is none of this server's; look whether it is whole, or ask who runs it");
+  if (auto good = check_record(*found); !good) return good.error();
+  return grant_of(*found);
+}
+
+Result<void> TokenStore::check_still(const Grant& grant) const {
+  std::lock_guard lock(mutex_);
+  if (grant.token_id == local_admin_.id()) return {};
+  for (const v1::Token& token : tokens_.tokens()) {
+    if (token.id() == grant.token_id) return check_record(token);
+  }
+  return denied("the token is none of this server's any more");
+}
+
+}  // namespace livegs

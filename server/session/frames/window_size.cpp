@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/frames/window_size.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace livegs {
+namespace {
+
+// A decision is taken by so many answers, or by those of so long if they are few: a stall of 300 ms delays four of them.
+constexpr size_t kAnswers = 32, kFewAnswers = 8;
+constexpr int64_t kLongest_ns = 2'000'000'000;
+// Enough to see that a size which was too large is so still.
+constexpr size_t kTrialAnswers = 12;
+constexpr size_t kLoneFrames = 5;
+constexpr int64_t kAloneHolds_ns = 10'000'000'000;
+constexpr int64_t kFirstPause_ns = 10'000'000'000, kLongestPause_ns = 40'000'000'000;
+// Answers farther apart than ticks, by more than noise; round trips longer than alone, by more than noise.
+constexpr double kSlower = 1.1, kQueued = 1.25;
+// The share of a frame that a window may lack to fill a pipe: four fifths of its pace remain.
+constexpr double kMayLack = 0.25;
+// By so much of an interval has a round trip to fall below the limit at which the window grew.
+constexpr double kHysteresis = 0.25;
+
+int64_t median(std::vector<int64_t>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Without the longest eighth: a stall is no pace.
+int64_t usual_mean(std::vector<int64_t>& values) {
+  std::sort(values.begin(), values.end());
+  const auto end = values.end() - static_cast<std::ptrdiff_t>(values.size() / 8);
+  return std::accumulate(values.begin(), end, int64_t{0}) / (end - values.begin());
+}
+
+double ratio(int64_t a, int64_t b) { return static_cast<double>(a) / static_cast<double>(std::max<int64_t>(b, 1)); }
+
+size_t window_of(double intervals) {
+  return static_cast<size_t>(std::clamp(std::ceil(intervals), double{WindowSize::kLeast}, double{WindowSize::kMost}));
+}
+
+}  // namespace
+
+void WindowSize::add(const Answer& answer) {
+  const int64_t round_trip_ns = answer.heard_ns - answer.written_ns;
+  const int64_t before_ns = heard_ns_;
+  heard_ns_ = answer.heard_ns;
+  if (decided_ns_ == 0) decided_ns_ = answer.heard_ns;
+  if (lone_left_ > 0) {
+    if (!answer.alone) return;
+    lone_.push_back(round_trip_ns);
+    if (--lone_left_ > 0) return;
+    alone_ns_ = median(lone_);
+    alone_at_ns_ = heard_ns_;
+    judge(heard_ns_);
+    forget_answers();
+    return;
+  }
+  round_trips_ns_.push_back(round_trip_ns);
+  if (answer.written_ns < before_ns) paces_ns_.push_back((heard_ns_ - before_ns) / static_cast<int64_t>(std::max<size_t>(answer.frames, 1)));
+  const size_t enough = size_ >= queued_at_ ? kTrialAnswers : kAnswers;
+  const bool few = round_trips_ns_.size() >= kFewAnswers && heard_ns_ - decided_ns_ >= kLongest_ns;
+  if (round_trips_ns_.size() < enough && !few) return;
+  decide(heard_ns_);
+  forget_answers();
+}
+
+void WindowSize::forget_answers() {
+  round_trips_ns_.clear();
+  paces_ns_.clear();
+  decided_ns_ = heard_ns_;
+}
+
+void WindowSize::decide(int64_t now_ns) {
+  round_trip_ns_ = median(round_trips_ns_);
+  const bool paced = paces_ns_.size() >= kFewAnswers / 2;
+  pace_ns_ = paced ? usual_mean(paces_ns_) : 0;
+  const bool slower = size_ == 1 ? round_trip_ns_ > interval_ns_ : ratio(pace_ns_, interval_ns_) > kSlower;
+  if (!slower) {
+    const double intervals = ratio(round_trip_ns_, interval_ns_);
+    const size_t grown = window_of(std::ceil(intervals) + 1), shrunk = window_of(std::ceil(intervals + kHysteresis) + 1);
+    if (grown > size_) size_ = grown;
+    if (shrunk < size_) size_ = shrunk;
+    queued_at_ = kMost + 1;
+    pause_ns_ = 0;
+    return;
+  }
+  if (size_ == 1) {
+    note_slow(now_ns);
+    alone_ns_ = round_trip_ns_;
+    alone_at_ns_ = now_ns;
+  }
+  if (alone_ns_ == 0 || now_ns - alone_at_ns_ > kAloneHolds_ns) {
+    lone_.clear();
+    lone_left_ = kLoneFrames;
+    return;
+  }
+  judge(now_ns);
+}
+
+void WindowSize::note_slow(int64_t now_ns) {
+  if (!slow(now_ns)) {
+    const bool again = slow_pause_ns_ > 0 && now_ns < slow_until_ns_ + slow_pause_ns_;
+    slow_pause_ns_ = again ? std::min(2 * slow_pause_ns_, kLongestPause_ns) : kFirstPause_ns;
+  }
+  slow_until_ns_ = now_ns + slow_pause_ns_;
+}
+
+void WindowSize::judge(int64_t now_ns) {
+  if (size_ > 1 && ratio(round_trip_ns_, alone_ns_) > kQueued) {
+    note_slow(now_ns);
+    size_ = std::min(size_ - 1, window_of(ratio(alone_ns_, pace_ns_) - kMayLack));
+    queued_at_ = size_ + 1;
+    pause_ns_ = pause_ns_ == 0 ? kFirstPause_ns : std::min(2 * pause_ns_, kLongestPause_ns);
+    queued_until_ns_ = now_ns + pause_ns_;
+    return;
+  }
+  if (size_ >= queued_at_) {  // what stood in the way is gone
+    queued_at_ = kMost + 1;
+    pause_ns_ = 0;
+  }
+  if (size_ == kMost) note_slow(now_ns);  // narrow and so far that no queue shows, or too far for four
+  if (size_ < kMost && (size_ + 1 < queued_at_ || now_ns >= queued_until_ns_)) ++size_;
+}
+
+}  // namespace livegs

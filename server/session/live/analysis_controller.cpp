@@ -1,0 +1,392 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/live/analysis_controller.h"
+
+#include <pthread.h>
+
+#include <algorithm>
+
+#include "analysis/answer.h"
+#include "analysis/hand_edits.h"
+#include "analysis/physics_file.h"
+#include "core/format_text.h"
+#include "core/log.h"
+#include "session/support/redact_paths.h"
+
+namespace livegs {
+namespace {
+
+v1::AnalysisProgress::Stage stage_of(AnalysisStage stage) {
+  switch (stage) {
+    case AnalysisStage::Asked:
+      return v1::AnalysisProgress::ASKED;
+    case AnalysisStage::Repaired:
+      return v1::AnalysisProgress::REPAIRED;
+    case AnalysisStage::Finished:
+      return v1::AnalysisProgress::FINISHED;
+    default:
+      return v1::AnalysisProgress::OFFLINE;
+  }
+}
+
+v1::AnalysisProgress::Verdict verdict_of(const AnalysisUpdate& update) {
+  if (update.turns.empty()) return v1::AnalysisProgress::NOT_ASKED;
+  switch (update.judgement.verdict) {
+    case Verdict::Accepted:
+      return v1::AnalysisProgress::ACCEPTED;
+    case Verdict::NeedsReview:
+      return v1::AnalysisProgress::NEEDS_REVIEW;
+    default:
+      return v1::AnalysisProgress::REFUSED;
+  }
+}
+
+constexpr const char* kHowToDecide =
+    "Accept in the window or livegs analyze --accept takes it; Decline, --decline or an edit of the object ends it";
+
+// As a client may read it; where that leaves something out, the log has it.
+std::string told(const std::string& object, const std::string& message) {
+  std::string line = without_folders(message);
+  if (line != message) log_warn("%s: %s", shown_text(object, 80).c_str(), message.c_str());
+  return line;
+}
+
+const std::string& logged(const std::string& object, const std::string& warning) {
+  log_warn("%s: %s", shown_text(object, 80).c_str(), warning.c_str());
+  return warning;
+}
+
+// One line an object: what became of its question, and what a person can do.
+void log_finished(const std::string& name, const v1::AnalysisProgress& progress) {
+  const std::string shown = shown_text(name, 80);
+  const std::string why = progress.message().empty() ? "" : ": " + progress.message();
+  switch (progress.verdict()) {
+    case v1::AnalysisProgress::ACCEPTED:
+      return log_info("analysis: %s: accepted%s", shown.c_str(), why.c_str());
+    case v1::AnalysisProgress::NEEDS_REVIEW:
+      return log_info("analysis: %s: needs review%s; kept as a proposal: %s", shown.c_str(), why.c_str(), kHowToDecide);
+    case v1::AnalysisProgress::REFUSED:
+      return log_info("analysis: %s: refused%s", shown.c_str(), why.c_str());
+    default:
+      return;  // nobody answered: that is told once for all
+  }
+}
+
+}  // namespace
+
+LiveAnalysis::LiveAnalysis(SceneAnalysis scene, std::unique_ptr<ModelEndpoint> endpoint, SimulationLoop& loop,
+                           const LiveAnalysisOptions& options)
+    : scene_(std::move(scene)),
+      endpoint_(std::move(endpoint)),
+      loop_(loop),
+      options_(options),
+      cache_(options.answers) {
+  for (const SceneAnalysis::Object& object : scene_.objects()) {
+    known_[object.target.object_id] = {&object, std::make_unique<DecidedPhysics>(object.physics_file)};
+  }
+  find_proposals();
+  thread_ = std::jthread([this](std::stop_token stop) { run(stop); });
+}
+
+LiveAnalysis::~LiveAnalysis() = default;
+
+void LiveAnalysis::begin() {
+  std::vector<std::string> names;
+  for (const auto& [id, known] : known_) {
+    const std::string name = shown_text(known.object->name, 80);
+    if (waits(id)) {
+      log_info("analysis: %s: a proposal waits from before: %s", name.c_str(), kHowToDecide);
+      continue;
+    }
+    if (known.object->written.behavior() != v1::Physics::AUTO) continue;
+    const auto kept = known.decided->present();
+    if (!kept || !kept->analysis().model().empty()) continue;
+    if (known.decided->answer_undone()) {
+      log_info("analysis: %s: its answer was taken back or declined and it is not asked about again until somebody does",
+               name.c_str());
+    } else {
+      names.push_back(known.object->name);
+    }
+  }
+  if (!endpoint_ || names.empty()) return;
+  log_info("analysis: %s is asked about %zu objects", endpoint_->state().name.c_str(), names.size());
+  if (auto begun = analyze(
+          names, [](const auto&) { return true; }, [] {});
+      !begun) {
+    log_warn("analysis: %s", begun.error().message.c_str());
+  }
+}
+
+void LiveAnalysis::find_proposals() {
+  for (const auto& [id, known] : known_) {
+    if (const auto proposal = known.decided->proposal()) {
+      wait_for_person(id, *proposal);
+    } else {
+      wait_for_nobody(id);  // another program has accepted it
+    }
+  }
+}
+
+void LiveAnalysis::wait_for_person(uint32_t object_id, const v1::PhysicsFile& proposal) {
+  std::lock_guard lock(mutex_);
+  v1::PhysicsFile& waiting = waiting_[object_id];
+  waiting = proposal;
+  if (proposed_) proposed_(known_.at(object_id).object->name, &waiting);
+}
+
+void LiveAnalysis::wait_for_nobody(uint32_t object_id) {
+  std::lock_guard lock(mutex_);
+  if (waiting_.erase(object_id) > 0 && proposed_) proposed_(known_.at(object_id).object->name, nullptr);
+}
+
+bool LiveAnalysis::waits(uint32_t object_id) {
+  std::lock_guard lock(mutex_);
+  return waiting_.contains(object_id);
+}
+
+void LiveAnalysis::watch_proposals(Proposed proposed) {
+  std::lock_guard lock(mutex_);
+  proposed_ = std::move(proposed);
+  if (!proposed_) return;
+  for (const auto& [id, proposal] : waiting_) proposed_(known_.at(id).object->name, &proposal);
+}
+
+SceneAnalysis::Object LiveAnalysis::loaded(const Known& known) {
+  std::lock_guard lock(mutex_);
+  const auto anew = reloaded_.find(known.object->target.object_id);
+  return anew == reloaded_.end() ? *known.object : anew->second;
+}
+
+void LiveAnalysis::replace(Scene scene) {
+  std::lock_guard deciding(deciding_);
+  const auto anew = SceneAnalysis::of(scene, false);
+  if (!anew) log_warn("reset: %s", anew.error().message.c_str());  // a sidecar that was spoilt since it was loaded
+  find_proposals();
+  std::vector<v1::SceneChange> changes;
+  for (const auto& [id, known] : known_) {
+    const SceneObject* object = scene.find(known.object->name);
+    if (!object || !anew) continue;
+    for (const SceneAnalysis::Object& one : anew->objects()) {
+      std::lock_guard lock(mutex_);
+      if (one.name == known.object->name) reloaded_[id] = one;
+    }
+    const auto kept = known.decided->present();
+    if (!kept || !(kept->has_physics() || kept->has_edits())) continue;
+    if (const auto reply = reply_of(known, *kept, "")) changes.push_back(change_of(*reply));
+  }
+  loop_.replace(std::move(scene), std::move(changes));
+}
+
+Result<void> LiveAnalysis::analyze(std::vector<std::string> objects, Progress progress,
+                                   std::function<void()> ended, std::stop_token stop) {
+  auto targets = scene_.targets(objects);
+  if (!targets) return targets.error();
+  std::lock_guard lock(mutex_);
+  if (requests_.size() >= kMaxWaiting) {
+    return Error{ErrorCode::TooLarge,
+                 std::to_string(kMaxWaiting) + " analyses are waiting already; try again later"};
+  }
+  requests_.push_back({std::move(*targets), std::move(progress), std::move(ended), std::move(stop)});
+  changed_.notify_one();
+  return {};
+}
+
+void LiveAnalysis::run(std::stop_token stop) {
+  pthread_setname_np(pthread_self(), "analysis");
+  for (;;) {
+    std::optional<Request> request;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, stop, [&] { return !requests_.empty(); });
+      if (requests_.empty()) return;
+      request = std::move(requests_.front());
+      requests_.pop_front();
+    }
+    if (!request->stop.stop_requested()) {
+      std::stop_source either;
+      const auto end = [&] { either.request_stop(); };
+      const std::stop_callback closed(stop, end), cancelled(request->stop, end);
+      work(*request, either.get_token());
+    }
+    request->ended();
+  }
+}
+
+std::vector<AnalysisNeighbour> LiveAnalysis::refresh(std::vector<AnalysisTarget>& targets) {
+  std::vector<AnalysisNeighbour> others;
+  for (const auto& [id, known] : known_) {
+    const SceneAnalysis::Object object = loaded(known);
+    const auto asked = std::find_if(targets.begin(), targets.end(),
+                                    [&, wanted = id](const auto& one) { return one.object_id == wanted; });
+    const auto kept = known.decided->present();
+    std::string ignored;
+    const auto facts = kept ? facts_by_name(object, *kept) : object.target.facts;
+    if (asked == targets.end()) {
+      const auto now = kept ? layered_physics(*kept, object.written, *facts, ignored)
+                            : Result<v1::PhysicalParameters>(kept.error());
+      others.push_back({facts, now ? *now : object.known, object.target.position_m});
+    } else if (kept) {
+      asked->facts = facts;
+      auto told = told_physics(*kept, object.written, *facts);
+      if (!told) continue;
+      *told->mutable_longest_side_m() = object.target.offline.longest_side_m();
+      asked->offline = std::move(*told);
+    }
+  }
+  return others;
+}
+
+void LiveAnalysis::work(Request& request, std::stop_token stop) {
+  AnalysisOptions options;
+  options.neighbours = refresh(request.targets);
+  options.views = options_.views;
+  options.cache = &cache_;
+  uint32_t finished = 0;
+  bool heard = true;
+  const AnalysisSummary summary = analyze_scene(
+      request.targets, endpoint_.get(), scene_.views(), options,
+      [&](const AnalysisUpdate& update) {
+        const Known& known = known_.at(update.object_id);
+        v1::AnalysisProgress progress;
+        progress.set_object(known.object->name);
+        progress.set_stage(stage_of(update.stage));
+        progress.set_objects(static_cast<uint32_t>(request.targets.size()));
+        progress.set_message(told(known.object->name, update.judgement.message));
+        *progress.mutable_record() = update.record;
+        if (update.stage == AnalysisStage::Finished) {
+          ++finished;
+          progress.set_verdict(verdict_of(update));
+          if (progress.verdict() == v1::AnalysisProgress::NEEDS_REVIEW) {
+            *progress.mutable_proposal() = update.judgement.proposal;
+            std::lock_guard deciding(deciding_);
+            known.decided->propose(update.judgement.proposal, update.record);
+            v1::PhysicsFile waiting;
+            *waiting.mutable_physics() = update.judgement.proposal;
+            *waiting.mutable_analysis() = update.record;
+            wait_for_person(update.object_id, waiting);  // the scene stays as it is
+          }
+          if (progress.verdict() == v1::AnalysisProgress::ACCEPTED) {
+            if (const std::string note = land(update); !note.empty()) progress.set_message(told(known.object->name, note));
+          }
+          if (!update.cancelled) log_finished(known.object->name, progress);
+        }
+        progress.set_finished(finished);
+        std::string ignored;
+        const auto present = known.decided->present();
+        const SceneAnalysis::Object object = loaded(known);
+        const auto layered = present ? layered_physics(*present, object.written, *facts_by_name(object, *present), ignored)
+                                     : Result<v1::PhysicalParameters>(present.error());
+        *progress.mutable_parameters() = layered ? *layered : update.parameters;
+        if (heard) heard = request.progress(progress);
+      },
+      stop);
+  if (endpoint_) {
+    log_info(
+        "analysis: %zu objects: %zu accepted (%zu kept from before), %zu for review, %zu refused, %zu "
+        "without answer; "
+        "%lld tokens in, %lld out",
+        summary.objects, summary.accepted, summary.cached, summary.review, summary.refused, summary.failed,
+        static_cast<long long>(summary.prompt_tokens), static_cast<long long>(summary.completion_tokens));
+  }
+}
+
+std::string LiveAnalysis::land(const AnalysisUpdate& update) {
+  const Known& known = known_.at(update.object_id);
+  std::string note;
+  std::lock_guard deciding(deciding_);
+  auto file = known.decided->apply(update.parameters, update.record, note);
+  if (!file) return file.error().message;
+  wait_for_nobody(update.object_id);
+  auto applied = apply(known, *file, note);
+  if (!applied) return applied.error().message;
+  std::string told;
+  for (const std::string& warning : applied->warnings()) told += (told.empty() ? "" : "; ") + warning;
+  return told;
+}
+
+Result<v1::PhysicsReply> LiveAnalysis::reply_of(const Known& known, const v1::PhysicsFile& file, const std::string& note) {
+  const SceneAnalysis::Object object = loaded(known);
+  v1::PhysicsReply reply;
+  if (!note.empty()) reply.add_warnings(without_folders(logged(object.name, note)));
+  std::string size_note;
+  auto layered = layered_physics(file, object.written, *facts_by_name(object, file), size_note);
+  if (!layered) return layered.error();
+  if (!size_note.empty()) reply.add_warnings(logged(object.name, size_note));
+  *layered->mutable_longest_side_m() = object.target.offline.longest_side_m();
+  reply.set_object(object.name);
+  for (const std::string& later : hold_as_built(object.built, *layered)) reply.add_warnings(logged(object.name, later));
+  *reply.mutable_parameters() = std::move(*layered);
+  return reply;
+}
+
+v1::SceneChange LiveAnalysis::change_of(const v1::PhysicsReply& reply) {
+  v1::SceneChange change;
+  change.mutable_set_physics()->set_object(reply.object());
+  *change.mutable_set_physics()->mutable_physics() = reply.parameters();
+  return change;
+}
+
+Result<v1::PhysicsReply> LiveAnalysis::apply(const Known& known, const v1::PhysicsFile& file, const std::string& note) {
+  auto reply = reply_of(known, file, note);
+  if (reply) loop_.post(change_of(*reply));
+  return reply;
+}
+
+Result<LiveAnalysis::Known*> LiveAnalysis::find(const std::string& name) {
+  auto targets = scene_.targets({name});
+  if (!targets) return targets.error();
+  return &known_.at(targets->front().object_id);
+}
+
+Result<v1::PhysicsReply> LiveAnalysis::set_physics(const std::string& object, const v1::Physics& physics,
+                                                   const std::string& name) {
+  auto known = find(object);
+  if (!known) return known.error();
+  if (auto checked = check_scene_physics(physics); !checked) {
+    return Error{checked.error().code, "physics." + checked.error().message};
+  }
+  std::string note;
+  std::lock_guard deciding(deciding_);
+  auto file = (*known)->decided->edit(physics, name, note);
+  if (!file) return file.error();
+  wait_for_nobody((*known)->object->target.object_id);
+  if (!name.empty() && file->has_physics()) {
+    note += (note.empty() ? "" : "; ") + std::string("its values were found under another name; analyse it again");
+  }
+  const std::string unheard = unheard_edits(physics, loaded(**known).written);
+  if (!unheard.empty()) note += (note.empty() ? "" : "; ") + unheard;
+  return apply(**known, *file, note);
+}
+
+Result<v1::PhysicsReply> LiveAnalysis::accept_proposal(const std::string& object) {
+  auto known = find(object);
+  if (!known) return known.error();
+  std::string note;
+  std::lock_guard deciding(deciding_);
+  auto file = (*known)->decided->accept(note);
+  if (!file) return file.error();
+  wait_for_nobody((*known)->object->target.object_id);
+  return apply(**known, *file, note);
+}
+
+Result<v1::PhysicsReply> LiveAnalysis::decline_proposal(const std::string& object) {
+  auto known = find(object);
+  if (!known) return known.error();
+  std::string note;
+  std::lock_guard deciding(deciding_);
+  auto file = (*known)->decided->decline(note);
+  if (!file) return file.error();
+  wait_for_nobody((*known)->object->target.object_id);
+  return reply_of(**known, *file, note);
+}
+
+Result<v1::PhysicsReply> LiveAnalysis::undo_physics(const std::string& object, bool redo) {
+  auto known = find(object);
+  if (!known) return known.error();
+  std::string note;
+  std::lock_guard deciding(deciding_);
+  auto file = (*known)->decided->step(redo, note);
+  if (!file) return file.error();
+  return apply(**known, *file, note);
+}
+
+}  // namespace livegs

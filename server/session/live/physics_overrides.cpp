@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/live/physics_overrides.h"
+
+#include "analysis/physics_file.h"
+
+namespace livegs {
+
+template <class OnDisk, class InMemory>
+Result<v1::PhysicsFile> DecidedPhysics::change(const OnDisk& on_disk, const InMemory& in_memory,
+                                               std::string& note) {
+  std::lock_guard lock(mutex_);
+  if (!file_.empty()) {
+    auto changed = on_disk();
+    if (changed) proposal_.reset();  // of an earlier time when it could not be written
+    if (changed || changed.error().code != ErrorCode::PermissionDenied) return changed;
+    note = changed.error().message + "; they hold until the server ends";
+    if (auto kept = read_physics_file(file_)) course_ = {std::move(*kept)};
+    if (!proposal_) proposal_ = open_proposal(read_decisions(file_));
+    at_ = 0;
+    file_.clear();
+  } else if (at_ == 0 && course_.size() == 1) {
+    note = "there is no file to keep it in: it holds until the server ends; write it into the scene file";
+  }
+  return in_memory();
+}
+
+Result<v1::PhysicsFile> DecidedPhysics::apply(const v1::PhysicalParameters& physics,
+                                              const v1::AnalysisRecord& record, std::string& note) {
+  return change([&] { return apply_analysis(file_, physics, record); },
+                [&]() -> Result<v1::PhysicsFile> {
+                  v1::PhysicsFile next = course_[at_];
+                  *next.mutable_physics() = physics;
+                  *next.mutable_analysis() = record;
+                  proposal_.reset();
+                  return go_on(std::move(next));
+                },
+                note);
+}
+
+Result<v1::PhysicsFile> DecidedPhysics::edit(const v1::Physics& edits, const std::string& name, std::string& note) {
+  return change([&] { return edit_physics(file_, edits, name); },
+                [&]() -> Result<v1::PhysicsFile> {
+                  v1::PhysicsFile next = course_[at_];
+                  merge_edits(*next.mutable_edits(), edits);
+                  if (!name.empty()) next.set_name(physics_name(name));
+                  proposal_.reset();
+                  return go_on(std::move(next));
+                },
+                note);
+}
+
+Result<v1::PhysicsFile> DecidedPhysics::step(bool redo, std::string& note) {
+  return change([&] { return redo ? redo_physics(file_) : undo_physics(file_); },
+                [&]() -> Result<v1::PhysicsFile> {
+                  if (redo ? at_ + 1 >= course_.size() : at_ == 0) {
+                    return not_found(std::string("there is nothing to ") + (redo ? "redo" : "undo"));
+                  }
+                  at_ += redo ? 1 : -1;
+                  return course_[at_];
+                },
+                note);
+}
+
+void DecidedPhysics::propose(const v1::PhysicalParameters& physics, const v1::AnalysisRecord& record) {
+  std::lock_guard lock(mutex_);
+  proposal_.reset();
+  if (!file_.empty() && log_proposal(file_, physics, record)) return;
+  proposal_.emplace();
+  *proposal_->mutable_physics() = physics;
+  *proposal_->mutable_analysis() = record;
+}
+
+Result<v1::PhysicsFile> DecidedPhysics::accept(std::string& note) {
+  return change([&] { return accept_proposal(file_); },
+                [&]() -> Result<v1::PhysicsFile> {
+                  if (!proposal_) return not_found("nothing is proposed; analyse it again");
+                  v1::PhysicsFile next = course_[at_];
+                  take_proposal(*proposal_, next);
+                  proposal_.reset();
+                  return go_on(std::move(next));
+                },
+                note);
+}
+
+Result<v1::PhysicsFile> DecidedPhysics::decline(std::string& note) {
+  return change([&] { return decline_proposal(file_); },
+                [&]() -> Result<v1::PhysicsFile> {
+                  if (!proposal_) return not_found("nothing is proposed");
+                  proposal_.reset();
+                  return course_[at_];
+                },
+                note);
+}
+
+std::optional<v1::PhysicsFile> DecidedPhysics::proposal() const {
+  std::lock_guard lock(mutex_);
+  if (proposal_ || file_.empty()) return proposal_;
+  return open_proposal(read_decisions(file_));
+}
+
+bool DecidedPhysics::answer_undone() const {
+  std::lock_guard lock(mutex_);
+  return !file_.empty() && livegs::answer_undone(read_decisions(file_));
+}
+
+const v1::PhysicsFile& DecidedPhysics::go_on(v1::PhysicsFile next) {
+  course_.resize(++at_);
+  course_.push_back(std::move(next));
+  return course_[at_];
+}
+
+Result<v1::PhysicsFile> DecidedPhysics::present() const {
+  std::lock_guard lock(mutex_);
+  if (file_.empty()) return course_[at_];
+  return read_physics_file(file_);
+}
+
+}  // namespace livegs

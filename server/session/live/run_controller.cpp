@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/live/run_controller.h"
+
+#include <pthread.h>
+
+#include <exception>
+
+#include "core/log.h"
+#include "session/support/redact_paths.h"
+
+namespace livegs {
+namespace {
+
+constexpr uint32_t kMostSteps = 1000;
+// Of each loading: more objects and balls than one scene sees.
+constexpr uint32_t kIdsOfOneLoading = 1u << 20;
+constexpr uint32_t kMostResets = 4000;
+
+}  // namespace
+
+LiveRun::LiveRun(SimulationLoop& loop, Load load, Loaded loaded)
+    : loop_(loop), load_(std::move(load)), loaded_(std::move(loaded)) {}
+
+LiveRun::~LiveRun() = default;
+
+Result<RunStatus> LiveRun::control(const v1::ControlRunRequest& request) {
+  switch (request.action_case()) {
+    case v1::ControlRunRequest::kPause:
+      if (auto done = loop_.pause(request.pause()); !done) return done.error();
+      break;
+    case v1::ControlRunRequest::kStepTicks:
+      if (request.step_ticks() == 0 || request.step_ticks() > kMostSteps) {
+        return invalid_argument("step_ticks: must be 1 to 1000");
+      }
+      if (auto done = loop_.step_paused(request.step_ticks()); !done) return done.error();
+      break;
+    case v1::ControlRunRequest::kReset:
+      if (auto begun = reset(); !begun) return begun.error();
+      break;
+    case v1::ControlRunRequest::ACTION_NOT_SET:
+      return invalid_argument("action: give pause, step_ticks or reset");
+  }
+  return loop_.run_status();
+}
+
+Result<void> LiveRun::reset() {
+  std::lock_guard lock(mutex_);
+  const RunStatus now = loop_.run_status();
+  if (now.loading) return Error{ErrorCode::Unavailable, "reset: the scene is being loaded already"};
+  if (now.resets >= kMostResets) return Error{ErrorCode::TooLarge, "reset: too many; start the server anew"};
+  loop_.set_loading(true, "");
+  const auto failed = [this](const std::string& why) {
+    log_warn("reset: %s", why.c_str());
+    loop_.set_loading(false, "reset: " + without_folders(why));
+  };
+  try {
+    loading_ = std::jthread([this, failed, first_id = (now.resets + 1) * kIdsOfOneLoading + 1] {
+      pthread_setname_np(pthread_self(), "loading");
+      try {
+        auto scene = load_(first_id);
+        if (!scene) return failed(scene.error().message);
+        loaded_ ? loaded_(*std::move(scene)) : loop_.replace(*std::move(scene));
+      } catch (const std::exception& error) {  // memory is short: the scene that runs has what it needs
+        failed(error.what());
+      }
+    });
+  } catch (const std::exception& error) {  // there is no thread for it
+    failed(error.what());
+    return Error{ErrorCode::Unavailable, std::string("reset: ") + error.what()};
+  }
+  return {};
+}
+
+Result<void> LiveRun::apply_force(const v1::Event::Force& force) {
+  if (auto checked = check_force(force); !checked) return checked;
+  v1::SceneChange change;
+  *change.mutable_force() = force;
+  loop_.post(std::move(change));
+  return {};
+}
+
+}  // namespace livegs

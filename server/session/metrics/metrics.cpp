@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/metrics/metrics.h"
+
+#include <prometheus/collectable.h>
+#include <prometheus/exposer.h>
+#include <prometheus/metric_family.h>
+
+#include <exception>
+#include <utility>
+
+#include "session/support/version.h"
+
+namespace livegs {
+namespace {
+
+using prometheus::ClientMetric;
+using prometheus::MetricFamily;
+using prometheus::MetricType;
+using Labels = std::vector<ClientMetric::Label>;
+
+MetricFamily family(const char* name, const char* help, MetricType type) {
+  MetricFamily made;
+  made.name = name;
+  made.help = help;
+  made.type = type;
+  return made;
+}
+
+void add(MetricFamily& to, double value, Labels labels = {}) {
+  ClientMetric metric;
+  metric.label = std::move(labels);
+  (to.type == MetricType::Counter ? metric.counter.value : metric.gauge.value) = value;
+  to.metric.push_back(std::move(metric));
+}
+
+struct Quantiles {
+  uint64_t count = 0;
+  double sum = 0;  // 0 when it is not kept
+  std::vector<ClientMetric::Quantile> at;
+};
+
+void add(MetricFamily& to, const Quantiles& quantiles, Labels labels = {}) {
+  ClientMetric metric;
+  metric.label = std::move(labels);
+  metric.summary.sample_count = quantiles.count;
+  metric.summary.sample_sum = quantiles.sum;
+  metric.summary.quantile = quantiles.at;
+  to.metric.push_back(std::move(metric));
+}
+
+Quantiles of(const DurationHistogram& histogram, double unit) {
+  return {histogram.count(), histogram.sum() * unit,
+          {{0.5, histogram.percentile(0.5) * unit}, {0.99, histogram.percentile(0.99) * unit}}};
+}
+
+constexpr double kMs = 1e-3;
+
+void collect_simulation(const SimulationSummary& simulation, std::vector<MetricFamily>& families) {
+  auto& ticks = families.emplace_back(family("livegs_ticks_total", "Ticks simulated", MetricType::Counter));
+  add(ticks, static_cast<double>(simulation.ticks));
+  auto& late = families.emplace_back(
+      family("livegs_late_ticks_total", "Ticks not done before the next was due", MetricType::Counter));
+  add(late, static_cast<double>(simulation.late_ticks));
+  auto& slips = families.emplace_back(
+      family("livegs_schedule_slips_total", "Times the schedule of ticks was given up", MetricType::Counter));
+  add(slips, static_cast<double>(simulation.slips));
+  auto& seconds =
+      families.emplace_back(family("livegs_tick_seconds", "Wall time of a tick's step", MetricType::Summary));
+  add(seconds, {simulation.ticks,
+                simulation.step_ms_total * kMs,
+                {{0.5, simulation.step_ms_p50 * kMs}, {0.99, simulation.step_ms_p99 * kMs}, {1.0, simulation.step_ms_max * kMs}}});
+}
+
+void collect_publisher(const PublisherSummary& publisher, std::vector<MetricFamily>& families) {
+  auto& frames = families.emplace_back(family("livegs_frames_total", "Ticks offered to clients", MetricType::Counter));
+  add(frames, static_cast<double>(publisher.frames));
+  auto& skipped = families.emplace_back(
+      family("livegs_frames_skipped_total", "Ticks replaced by newer ones before they were offered", MetricType::Counter));
+  add(skipped, static_cast<double>(publisher.skipped));
+  auto& encode =
+      families.emplace_back(family("livegs_encode_seconds", "Encoding a frame against one baseline", MetricType::Summary));
+  add(encode, {publisher.encoded, publisher.encode_ms_total * kMs, {{0.5, publisher.encode_ms_p50 * kMs}, {0.99, publisher.encode_ms_p99 * kMs}}});
+  auto& bytes = families.emplace_back(family("livegs_frame_bytes", "Size of an encoded frame", MetricType::Summary));
+  add(bytes, {publisher.encoded, publisher.frame_bytes_total, {{0.5, publisher.frame_bytes_p50}, {0.99, publisher.frame_bytes_p99}}});
+}
+
+void collect_sessions(const SessionTable& table, std::vector<MetricFamily>& families) {
+  const SessionTable::Status status = table.status();
+  auto& serving = families.emplace_back(family("livegs_serving", "Whether clients are let in", MetricType::Gauge));
+  add(serving, status.open ? 1 : 0);
+  auto& sessions = families.emplace_back(family("livegs_sessions", "Sessions by state", MetricType::Gauge));
+  add(sessions, static_cast<double>(status.streaming), {{"state", "streaming"}});
+  add(sessions, static_cast<double>(status.clients - status.streaming), {{"state", "waiting"}});
+  auto& total = families.emplace_back(family("livegs_sessions_total", "Sessions ever", MetricType::Counter));
+  add(total, static_cast<double>(table.totals().sessions));
+
+  auto sent = family("livegs_client_frames_sent_total", "Frames written to a client", MetricType::Counter);
+  auto replaced = family("livegs_client_frames_replaced_total", "Frames replaced by newer ones before they were written",
+                         MetricType::Counter);
+  auto bytes = family("livegs_client_bytes_total", "Bytes of messages written to a client", MetricType::Counter);
+  auto send = family("livegs_client_send_seconds", "From handing a message to the transport to its taking it",
+                     MetricType::Summary);
+  auto answer = family("livegs_client_round_trip_seconds",
+                       "From writing a frame to hearing that it was decoded: the network's round trip and the client's "
+                       "share",
+                       MetricType::Summary);
+  auto stale = family("livegs_client_staleness_seconds",
+                      "From the end of a tick's step to hearing that its frame was decoded: staleness and half a round "
+                      "trip",
+                      MetricType::Summary);
+  auto window = family("livegs_client_window_frames", "Frames that may be under way to a client", MetricType::Gauge);
+  for (const auto& session : table.sessions_now()) {
+    const Labels client = {{"client", session->id.substr(0, 8)}};
+    const ClientTimes times = session->times();
+    add(sent, static_cast<double>(session->frames_sent()), client);
+    add(replaced, static_cast<double>(session->frames_replaced()), client);
+    add(bytes, static_cast<double>(session->bytes_sent), client);
+    add(window, static_cast<double>(session->window()), client);
+    add(send, of(times.send_ms, kMs), client);
+    add(answer, of(times.round_trip_ms, kMs), client);
+    add(stale, of(times.staleness_ms, kMs), client);
+  }
+  for (MetricFamily* one : {&sent, &replaced, &bytes, &window, &send, &answer, &stale}) families.push_back(std::move(*one));
+}
+
+class Collector final : public prometheus::Collectable {
+ public:
+  explicit Collector(Metrics::Sources sources) : sources_(std::move(sources)) {}
+  std::vector<MetricFamily> Collect() const override {
+    std::vector<MetricFamily> families;
+    auto& about = families.emplace_back(family("livegs_info", "The version that runs", MetricType::Gauge));
+    add(about, 1, {{"version", kVersion}});
+    collect_simulation(sources_.simulation(), families);
+    collect_publisher(sources_.publisher(), families);
+    collect_sessions(sources_.sessions, families);
+    return families;
+  }
+
+ private:
+  const Metrics::Sources sources_;
+};
+
+}  // namespace
+
+struct Metrics::Parts {
+  std::shared_ptr<Collector> collector;
+  std::unique_ptr<prometheus::Exposer> exposer;
+};
+
+Metrics::Metrics(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+Metrics::~Metrics() = default;
+
+Result<std::unique_ptr<Metrics>> Metrics::serve(int port, Sources sources) {
+  auto parts = std::make_unique<Parts>();
+  parts->collector = std::make_shared<Collector>(std::move(sources));
+  try {
+    parts->exposer = std::make_unique<prometheus::Exposer>("127.0.0.1:" + std::to_string(port), 1);
+  } catch (const std::exception&) {  // civetweb says no more than that it could not
+    return Error{ErrorCode::Unavailable, "cannot serve metrics on 127.0.0.1:" + std::to_string(port) +
+                                             ": the port is in use; give another with --metrics PORT"};
+  }
+  parts->exposer->RegisterCollectable(parts->collector);
+  return std::unique_ptr<Metrics>(new Metrics(std::move(parts)));
+}
+
+int Metrics::port() const {
+  const auto ports = parts_->exposer->GetListeningPorts();
+  return ports.empty() ? 0 : ports.front();
+}
+
+}  // namespace livegs

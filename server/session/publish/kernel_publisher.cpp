@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/publish/kernel_publisher.h"
+
+#include <pthread.h>
+
+#include <exception>
+#include <utility>
+
+#include "core/clock.h"
+#include "core/log.h"
+#include "core/serial_here.h"
+
+namespace livegs {
+namespace {
+
+constexpr int64_t kSlow_ns = 100'000'000;
+constexpr size_t kSlowInARow = 3;
+
+}  // namespace
+
+KernelPublisher::KernelPublisher(SessionTable& table) : table_(table) {
+  thread_ = std::thread([this] {
+    pthread_setname_np(pthread_self(), "kernels");
+    set_serial_here(true);  // the cores are the simulation's
+    run();
+  });
+}
+
+KernelPublisher::~KernelPublisher() {
+  {
+    std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  changed_.notify_one();
+  thread_.join();
+}
+
+void KernelPublisher::begin_with(std::span<const SceneObject* const> objects) {
+  std::lock_guard lock(mutex_);
+  for (const SceneObject* object : objects) objects_.push_back(*object);
+}
+
+void KernelPublisher::take(std::span<const SceneObject> added, std::span<const SceneObject> changed,
+                           std::span<const uint32_t> removed) {
+  if (added.empty() && changed.empty() && removed.empty()) return;
+  std::lock_guard lock(mutex_);
+  objects_.insert(objects_.end(), added.begin(), added.end());
+  objects_.insert(objects_.end(), changed.begin(), changed.end());
+  removed_.insert(removed_.end(), removed.begin(), removed.end());
+  taken_ = true;
+}
+
+void KernelPublisher::publish(std::shared_ptr<PublishedTick> tick) {
+  const bool wanted = table_.wants(v1::JoinRequest::KERNELS) || table_.wants(v1::JoinRequest::KERNELS_EXACT);
+  {
+    std::lock_guard lock(mutex_);
+    const bool news = std::exchange(taken_, false);
+    if (!wanted && !news) return;
+    waiting_ = std::move(tick);
+  }
+  changed_.notify_one();
+}
+
+// The first frame ties kernels to drivers, and says nothing of the next.
+void KernelPublisher::note_time(int64_t took_ns, size_t bytes) {
+  slow_ = took_ns > kSlow_ns ? slow_ + 1 : 0;
+  if (told_ || slow_ < kSlowInARow) return;
+  told_ = true;
+  log_warn("kernels: to move and encode a frame of %.1f MB takes %.0f ms, so that is how old it is at least; drivers are not held up",
+           1e-6 * static_cast<double>(bytes), milliseconds_from_ns(took_ns));
+}
+
+void KernelPublisher::run() {
+  std::vector<SceneObject> objects;  // until all are taken: before what came since
+  std::vector<uint32_t> removed;
+  bool told = false;
+  for (;;) {
+    std::shared_ptr<PublishedTick> tick;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [&] { return stopping_ || waiting_; });
+      if (stopping_) return;
+      tick = std::exchange(waiting_, nullptr);
+      if (objects.empty() && removed.empty()) {
+        objects.swap(objects_);
+        removed.swap(removed_);
+      }
+    }
+    try {
+      for (const SceneObject& object : objects) poser_.take(object);
+      for (const uint32_t id : removed) poser_.remove(id);
+      objects.clear();
+      removed.clear();
+      for (const auto& [asked, encoding] : {std::pair{v1::JoinRequest::KERNELS, KernelEncoding::Quantised},
+                                            {v1::JoinRequest::KERNELS_EXACT, KernelEncoding::Exact}}) {
+        if (!table_.wants(asked)) continue;
+        const int64_t begun_ns = now_ns();
+        std::vector<std::byte> frame = encode_kernels(poser_.pose(tick->drivers(), encoding), encoding);
+        note_time(now_ns() - begun_ns, frame.size());
+        tick->keep(asked, std::move(frame));
+        table_.deliver_kernels(tick, asked);
+      }
+    } catch (const std::exception& error) {  // memory is short now, and may not be at the next tick
+      if (!std::exchange(told, true)) log_warn("kernels: a frame is left out: %s; drivers are not held up", error.what());
+    }
+  }
+}
+
+}  // namespace livegs

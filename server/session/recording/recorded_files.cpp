@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/recording/recorded_files.h"
+
+#include <stdlib.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <utility>
+
+#include "core/file.h"
+#include "core/log.h"
+
+namespace livegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Every field of a scene that names a file.
+void for_each_path(v1::Scene& scene, const std::function<void(std::string& path)>& visit) {
+  const auto visit_given = [&](std::string* path) {
+    if (!path->empty()) visit(*path);
+  };
+  if (scene.has_environment()) {
+    visit_given(scene.mutable_environment()->mutable_asset());
+    for (v1::Collider& collider : *scene.mutable_environment()->mutable_colliders()) {
+      if (collider.shape_case() == v1::Collider::kMesh) visit_given(collider.mutable_mesh());
+    }
+  }
+  for (v1::Object& object : *scene.mutable_objects()) {
+    if (object.form_case() == v1::Object::kAsset) visit_given(object.mutable_asset());
+    if (object.form_case() == v1::Object::kPoints) visit_given(object.mutable_points());
+  }
+  for (v1::Event& event : *scene.mutable_events()) {
+    if (event.has_grab()) visit_given(event.mutable_grab()->mutable_path());
+    if (event.has_pull()) visit_given(event.mutable_pull()->mutable_path());
+  }
+}
+
+// The files in the folder of an asset that is one, or of the meta.json in it, which names them.
+std::vector<std::string> files_in(const fs::path& folder, const std::string& name) {
+  std::vector<std::string> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const std::string extension = entry.path().extension().string();
+    if (entry.is_regular_file(error) && (extension == ".webp" || extension == ".json"))
+      files.push_back((fs::path(name) / entry.path().filename()).string());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+// The last part of a path, where it is a name of its own.
+std::string last_part(const fs::path& path) {
+  const std::string name = path.filename().string();
+  return name == "." || name == ".." || name.find('\0') != std::string::npos ? "" : name;
+}
+
+std::string without_trailing_slash(std::string path) {
+  while (path.size() > 1 && path.back() == '/') path.pop_back();
+  return path;
+}
+
+}  // namespace
+
+std::vector<std::string> files_of(const v1::SceneSource& source) {
+  std::vector<std::string> files;
+  v1::Scene scene = source.file();
+  const fs::path folder = source.folder();
+  for_each_path(scene, [&](const std::string& given) {
+    const std::string name = without_trailing_slash(given);
+    std::error_code error;
+    std::vector<std::string> found{name};
+    if (fs::is_directory(folder / name, error))
+      found = files_in(folder / name, name);
+    else if (fs::path(name).filename() == "meta.json")
+      found = files_in((folder / name).parent_path(), fs::path(name).parent_path().string());
+    files.insert(files.end(), found.begin(), found.end());
+  });
+  return files;
+}
+
+Result<void> hold_files(const v1::SceneSource& source, std::set<std::string>& held, RecordingWriter& recording) {
+  for (const std::string& name : files_of(source)) {
+    if (!held.insert(name).second) continue;
+    const auto bytes = read_file(fs::path(source.folder()) / name);
+    if (!bytes) {
+      log_warn("recording: %s; it is not in the recording, and has to be there when that is verified", bytes.error().message.c_str());
+      continue;
+    }
+    if (auto added = recording.add_file(name, *bytes); !added) return added;
+  }
+  return {};
+}
+
+UnpackedFiles::UnpackedFiles(UnpackedFiles&& other) noexcept
+    : folder_(std::exchange(other.folder_, {})), paths_(std::move(other.paths_)), folders_(std::move(other.folders_)) {}
+
+UnpackedFiles::~UnpackedFiles() {
+  std::error_code error;
+  if (!folder_.empty()) fs::remove_all(folder_, error);
+}
+
+// Files of one folder come into one folder, since an asset may be several; its name stays, as an asset may be called by it.
+Result<fs::path> UnpackedFiles::place(const std::string& name) {
+  const std::string file = last_part(name), folder = fs::path(name).parent_path().string();
+  if (file.empty()) return invalid_data("holds a file without a name");
+  auto known = folders_.find(folder);
+  if (known == folders_.end()) {
+    const std::string called = last_part(folder);
+    const fs::path own = fs::path(std::to_string(folders_.size())) / (called.empty() ? "files" : called);
+    known = folders_.emplace(folder, own.string()).first;
+  }
+  std::error_code error;
+  fs::create_directories(folder_ / known->second, error);
+  if (error) return Error{ErrorCode::Internal, (folder_ / known->second).string() + ": cannot be made: " + error.message()};
+  const std::string path = (fs::path(known->second) / file).string();
+  paths_[name] = path;
+  return folder_ / path;
+}
+
+Result<UnpackedFiles> UnpackedFiles::unpack(const RecordingReader& recording) {
+  UnpackedFiles unpacked;
+  std::ofstream out;
+  fs::path path;
+  auto done = recording.files([&](const RecordedFilePiece& piece) -> Result<void> {
+    if (unpacked.folder_.empty()) {
+      std::string made = (fs::temp_directory_path() / "livegs_replay_XXXXXX").string();
+      if (::mkdtemp(made.data()) == nullptr)
+        return Error{ErrorCode::Internal, made + ": cannot be made: " + std::strerror(errno) + "; give another folder by TMPDIR"};
+      unpacked.folder_ = made;
+    }
+    if (piece.offset == 0) {
+      auto placed = unpacked.place(piece.name);
+      if (!placed) return placed.error();
+      path = *placed;
+      out = std::ofstream(path, std::ios::binary | std::ios::trunc);
+    }
+    out.write(reinterpret_cast<const char*>(piece.bytes.data()), static_cast<std::streamsize>(piece.bytes.size()));
+    out.flush();
+    if (!out) return Error{ErrorCode::Internal, path.string() + ": cannot be written; give another folder by TMPDIR"};
+    return {};
+  });
+  if (!done) return Error{done.error().code, recording.path().string() + ": " + done.error().message};
+  return unpacked;
+}
+
+std::string UnpackedFiles::path_of(const std::string& given) const {
+  const std::string name = without_trailing_slash(given);
+  if (const auto file = paths_.find(name); file != paths_.end()) return file->second;
+  const auto folder = folders_.find(name);
+  return folder == folders_.end() ? given : folder->second;
+}
+
+v1::SceneSource UnpackedFiles::placed(v1::SceneSource source) const {
+  for_each_path(*source.mutable_file(), [&](std::string& path) { path = path_of(path); });
+  return source;
+}
+
+}  // namespace livegs

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/rpc/grpc_server.h"
+
+#include <grpc/support/log.h>
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/security/server_credentials.h>
+#include <grpcpp/server.h>
+#include <grpcpp/server_builder.h>
+
+#include <chrono>
+#include <mutex>
+
+#include "core/log.h"
+#include "scene/fragile_object.h"
+#include "session/rpc/admin_service.h"
+#include "session/access/call_authorizer.h"
+#include "session/access/connection_limiter.h"
+#include "session/assets/describe_object.h"
+#include "session/rpc/grpc_service.h"
+#include "session/access/server_security.h"
+#include "session/recording/session_recorder.h"
+#include "session/rpc/spectator_service.h"
+#include "trust/host_port.h"
+
+namespace livegs {
+namespace {
+
+constexpr const char* kServiceName = "livegs.v1.LiveGs";
+
+// Everything a client sends is small.
+constexpr int kMaxRequestBytes = 16 << 10;
+constexpr int kMaxStreamsPerConnection = 16;
+static_assert(3 * kMostSessions < kMaxConnections, "a client has three, and some room is left for who only asks");
+// What clients that still read need on a machine that is busy to hear the reason; only one that does not takes it all.
+constexpr std::chrono::seconds kShutdownPatience{3};
+
+// Health and reflection are switched on for the process, before the first server is built; what gRPC has to
+// say goes to the log, so that a program's own one line is not drowned.
+void set_up_process() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    grpc::EnableDefaultHealthCheckService(true);
+    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+    gpr_set_log_function([](gpr_log_func_args* line) { log_debug("grpc: %s", line->message); });
+  });
+}
+
+void limit(grpc::ServerBuilder& builder) {
+  builder.SetMaxReceiveMessageSize(kMaxRequestBytes);
+  builder.SetMaxSendMessageSize(-1);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxStreamsPerConnection);
+  // Who opens a connection and says nothing, and who is done with it, does not keep it: three seconds for the handshake,
+  // and more than the two minutes that a client may take from Join to Stream without a call.
+  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 3000);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, 180'000);
+  // A machine that fell off the network is noticed within four seconds; sessions have their own, shorter
+  // patience.
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 1000);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 3000);
+  // Only while a call is open: between joining and its stream a client may load assets for longer, and nothing in it
+  // answers a ping then.
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 0);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 500);
+}
+
+// In the clear there is no gate: gRPC 1.51 ends the process when credentials without TLS are given one.
+std::shared_ptr<grpc::ServerCredentials> credentials(ServerSecurity* security) {
+  if (!security) return grpc::InsecureServerCredentials();
+  grpc::SslServerCredentialsOptions options(GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE);
+  options.pem_key_cert_pairs.push_back({security->key_pem(), security->certificate_pem()});
+  auto made = grpc::SslServerCredentials(options);
+  made->SetAuthMetadataProcessor(std::make_shared<CallGate>(security->tokens()));
+  return made;
+}
+
+}  // namespace
+
+Result<void> check_listen_address(const std::string& address, bool secure) {
+  const auto parsed = parse_host_port(address);
+  if (!parsed) return invalid_argument("--listen " + parsed.error().message);
+  if (parsed->loopback || secure) return {};
+  return invalid_argument("--listen " + address +
+                          ": other machines are let in with TLS and tokens only; leave --tls off out, or listen on "
+                          "127.0.0.1, localhost or [::1]");
+}
+
+struct LiveServer::Parts {
+  explicit Parts(ServerSecurity* security) : service(table, assets, security ? &security->tokens() : nullptr), admin(table, security, recorder) {
+    proposals->table = &table;
+    if (security) table.check_grants_with([security](const Grant& grant) { return security->tokens().check_still(grant); });
+    publisher = std::make_unique<FramePublisher>(table, assets);  // its thread looks at the table at once
+  }
+  SessionTable table;
+  AssetStore assets;
+  SessionRecorder recorder{assets};
+  LiveService service;
+  SpectatorService spectators{table};
+  AdminService admin;
+  std::unique_ptr<grpc::Server> server;
+  std::unique_ptr<ConnectionDoor> door;
+  std::unique_ptr<FrameFanOut> fan_out;
+  std::unique_ptr<FramePublisher> publisher;
+  // Where an analysis tells of its proposals; shared with it, for either may end first.
+  struct Proposals {
+    std::mutex mutex;  // guards table
+    SessionTable* table = nullptr;
+  };
+  std::shared_ptr<Proposals> proposals = std::make_shared<Proposals>();
+  bool shut_down = false;
+};
+
+LiveServer::LiveServer(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+
+Result<std::unique_ptr<LiveServer>> LiveServer::listen(const std::string& address, ServerSecurity* security) {
+  if (auto checked = check_listen_address(address, security != nullptr); !checked) return checked.error();
+  set_up_process();
+  auto parts = std::make_unique<Parts>(security);
+  grpc::ServerBuilder builder;
+  const auto where = parse_host_port(address);
+  auto door = ConnectionDoor::listen(where->host, where->port);
+  if (!door) return door.error();
+  auto acceptor = builder.experimental().AddExternalConnectionAcceptor(
+      grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, credentials(security));
+  builder.RegisterService(&parts->service);
+  builder.RegisterService(&parts->spectators);
+  builder.RegisterService(&parts->admin);
+  limit(builder);
+  parts->server = builder.BuildAndStart();
+  if (!parts->server) return Error{ErrorCode::Internal, "gRPC made no server for " + address};
+  parts->server->GetHealthCheckService()->SetServingStatus(false);
+  parts->server->GetHealthCheckService()->SetServingStatus(kServiceName, false);
+  parts->door = std::move(*door);
+  parts->door->open(std::move(acceptor));
+  if (security) security->set_port(parts->door->port());
+  return std::unique_ptr<LiveServer>(new LiveServer(std::move(parts)));
+}
+
+LiveServer::~LiveServer() { shut_down("the server is closing"); }
+
+int LiveServer::port() const { return parts_->door->port(); }
+
+TickSink& LiveServer::ticks() { return *parts_->publisher; }
+
+void LiveServer::open(const std::string& scene_name, double rate_hz,
+                      std::span<const SceneObject* const> objects, InputSink& inputs) {
+  std::vector<SessionTable::Object> described;
+  for (const SceneObject* object : objects) {
+    if (object->broken) (void)parts_->assets.add(object->broken->asset);
+    described.push_back(std::make_shared<const v1::ObjectDescription>(describe_object(*object, parts_->assets)));
+  }
+  parts_->publisher->begin_with(objects);
+  parts_->table.open(scene_name, rate_hz, std::move(described), inputs);
+  parts_->server->GetHealthCheckService()->SetServingStatus(true);
+  parts_->server->GetHealthCheckService()->SetServingStatus(kServiceName, true);
+}
+
+void LiveServer::open(const Scene& scene, InputSink& inputs) {
+  // Else the first that is shot would be seen only once it is encoded.
+  (void)parts_->assets.add(Scene::ball_asset());
+  std::vector<const SceneObject*> objects;
+  for (const SceneObject& object : scene.objects()) objects.push_back(&object);
+  open(scene.name(), scene.world().settings().rate_hz, objects, inputs);
+}
+
+void LiveServer::admit(size_t clients) { parts_->table.set_most(clients); }
+
+void LiveServer::cap_clients(double mbit_s) { parts_->service.set_cap(mbit_s * 1e6 / 8); }
+
+Result<std::string> LiveServer::publish(const std::string& address) {
+  auto bound = FrameFanOut::bind(address);
+  if (!bound) return bound.error();
+  parts_->fan_out = std::move(*bound);
+  parts_->publisher->publish_to(*parts_->fan_out);
+  return parts_->fan_out->address();
+}
+
+SessionRecorder& LiveServer::recorder() { return parts_->recorder; }
+
+void LiveServer::open_drain(std::function<void(const std::string&)> drain) { parts_->admin.set_drain(std::move(drain)); }
+
+void LiveServer::open_run(RunControl& run) { parts_->service.set_run(&run); }
+
+void LiveServer::encode_ahead(const Scene& scene) {
+  for (const SceneObject& object : scene.objects()) {
+    (void)parts_->assets.add(object.asset);
+    if (object.broken) (void)parts_->assets.add(object.broken->asset);
+  }
+}
+
+void LiveServer::open_analysis(AnalysisControl& analysis) {
+  analysis.watch_proposals([told = parts_->proposals](const std::string& object, const v1::PhysicsFile* proposal) {
+    std::lock_guard lock(told->mutex);
+    if (told->table) told->table->propose(object, proposal);
+  });
+  parts_->service.set_analysis(&analysis);
+}
+
+void LiveServer::shut_down(const std::string& reason) {
+  if (parts_->shut_down) return;
+  parts_->shut_down = true;
+  parts_->server->GetHealthCheckService()->SetServingStatus(false);
+  parts_->server->GetHealthCheckService()->SetServingStatus(kServiceName, false);
+  parts_->door->close();
+  parts_->table.close(reason);
+  parts_->server->Shutdown(std::chrono::system_clock::now() + kShutdownPatience);
+  parts_->server->Wait();
+  std::lock_guard lock(parts_->proposals->mutex);
+  parts_->proposals->table = nullptr;
+}
+
+const SessionTable& LiveServer::session_table() const { return parts_->table; }
+SessionTable::Totals LiveServer::sessions() const { return parts_->table.totals(); }
+size_t LiveServer::client_count() const { return parts_->table.status().clients; }
+size_t LiveServer::streaming_count() const { return parts_->table.status().streaming; }
+PublisherSummary LiveServer::published() const { return parts_->publisher->summary(); }
+
+}  // namespace livegs

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/rpc/grpc_service.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "core/clock.h"
+#include "core/log.h"
+#include "session/rpc/analysis_call.h"
+#include "session/rpc/asset_call.h"
+#include "session/access/call_authorizer.h"
+#include "session/rpc/grpc_status.h"
+#include "session/simulation/hand_controls.h"
+#include "session/rpc/stream_call.h"
+#include "session/support/version.h"
+#include "wire/driver_grid.h"
+#include "wire/frame_codec.h"
+#include "wire/kernel_codec.h"
+
+namespace livegs {
+namespace {
+
+constexpr size_t kMaxClientName = 64;
+constexpr double kBytesPerMbit = 1e6 / 8;
+// A client that wishes for less would wait seconds for its first frame.
+constexpr double kLeastMbit_s = 0.1;
+// Frames that come less often than this are no motion: the client's playout takes the next for a new beginning.
+constexpr double kLeastRate_hz = 5;
+
+// A client's name goes to the log: printable ASCII only.
+std::string printable(const std::string& name) {
+  std::string text = name.substr(0, kMaxClientName);
+  for (char& c : text) {
+    if (std::isprint(static_cast<unsigned char>(c)) == 0) c = '?';
+  }
+  return text;
+}
+
+Error no_analysis() {
+  return {ErrorCode::Unavailable, "the scene is still being built, or this server edits nothing"};
+}
+
+grpc::Status answer(Result<v1::PhysicsReply> result, v1::PhysicsReply& reply) {
+  if (!result) return to_status(result.error());
+  reply = std::move(*result);
+  return grpc::Status::OK;
+}
+
+}  // namespace
+
+grpc::ServerUnaryReactor* LiveService::GetServerInfo(grpc::CallbackServerContext* context,
+                                                     const v1::GetServerInfoRequest*, v1::ServerInfo* reply) {
+  const SessionTable::Status status = table_.status();
+  reply->set_version(kVersion);
+  reply->set_protocol_version(kProtocolVersion);
+  reply->set_scene(status.scene);
+  reply->set_rate_hz(status.rate_hz);
+  reply->set_tick(status.tick);
+  reply->set_object_count(static_cast<uint32_t>(status.objects));
+  reply->set_client_count(static_cast<uint32_t>(status.clients));
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  reactor->Finish(grpc::Status::OK);
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* LiveService::Join(grpc::CallbackServerContext* context,
+                                            const v1::JoinRequest* request, v1::JoinReply* reply) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  reactor->Finish(join(*context, *request, *reply));
+  return reactor;
+}
+
+namespace {
+
+// Whether frames of the scene can be sent so.
+Result<void> check_encoding(v1::JoinRequest::Encoding encoding, const SessionTable::Described& scene) {
+  if (!v1::JoinRequest::Encoding_IsValid(encoding)) {
+    return invalid_argument("encoding: " + std::to_string(encoding) +
+                            " is none; 0 to 3 are DRIVERS, DRIVERS_RAW, KERNELS and KERNELS_EXACT, livegs.v1.JoinRequest.Encoding");
+  }
+  if (!is_of_kernels(encoding)) return {};
+  size_t bytes = kKernelFrameHeaderBytes, kernels = 0;
+  for (const SessionTable::Object& object : scene.objects) {
+    kernels += object->kernel_count();
+    bytes += kernel_bytes(object->kernel_count(),
+                          encoding == v1::JoinRequest::KERNELS ? KernelEncoding::Quantised : KernelEncoding::Exact);
+  }
+  if (bytes <= kMaxFrameBytes) return {};
+  return invalid_argument("encoding: the scene's " + std::to_string(kernels) + " kernels take " + std::to_string(bytes >> 20) +
+                          " MiB, where a frame holds " + std::to_string(kMaxFrameBytes >> 20) + "; ask for DRIVERS" +
+                          (encoding == v1::JoinRequest::KERNELS ? "" : ", or KERNELS, which take less"));
+}
+
+}  // namespace
+
+grpc::Status LiveService::join(const grpc::CallbackServerContext& context, const v1::JoinRequest& request,
+                               v1::JoinReply& reply) {
+  if (request.protocol_version() != kProtocolVersion) {
+    return {grpc::StatusCode::FAILED_PRECONDITION,
+            "the client speaks protocol version " + std::to_string(request.protocol_version()) +
+                " and this server, livegs " + kVersion + ", speaks " + std::to_string(kProtocolVersion) +
+                "; update the older one"};
+  }
+  const double wish_mbit_s = request.most_mbit_s();
+  if (wish_mbit_s != 0 && !(wish_mbit_s >= kLeastMbit_s)) {  // NaN too
+    return {grpc::StatusCode::INVALID_ARGUMENT, "most_mbit_s: is not 0.1 or more; leave it out, or 0, for whatever the server gives"};
+  }
+  const double wish_hz = request.rate_hz();
+  if (wish_hz != 0 && !(wish_hz >= kLeastRate_hz)) {
+    return {grpc::StatusCode::INVALID_ARGUMENT, "rate_hz: is not 5 or more; leave it out, or 0, for a frame each tick"};
+  }
+  const uint32_t position_bits = request.position_bits() == 0 ? 16 : request.position_bits();
+  if (!may_ask_for(position_bits)) {
+    return {grpc::StatusCode::INVALID_ARGUMENT,
+            "position_bits: " + std::to_string(position_bits) + " is neither 16, 18 nor 20; leave it out, or 0, for 16"};
+  }
+  const auto scene = table_.described();
+  if (!scene) return to_status(scene.error());
+  if (auto checked = check_encoding(request.encoding(), *scene); !checked) return to_status(checked.error());
+  auto grant = grant_of(context, tokens_);
+  if (!grant) return to_status(grant.error());  // it ended between the gate and here
+  const v1::Scope scope = grant->scope;
+  const std::string token = grant->token_name;
+  const std::string name = printable(request.client_name()), peer = context.peer();
+  JoinTerms terms;
+  terms.most_bytes_s = wish_mbit_s == 0 ? cap_bytes_s_ : std::min(cap_bytes_s_, wish_mbit_s * kBytesPerMbit);
+  terms.position_bits = static_cast<int>(position_bits);
+  terms.encoding = request.encoding();
+  terms.every = static_cast<uint64_t>(std::max(1.0, wish_hz == 0 ? 1.0 : std::floor(scene->rate_hz / wish_hz + 1e-9)));
+  terms.tick_ns = static_cast<int64_t>(1e9 / scene->rate_hz);
+  auto joined = table_.join(request.resumed_session_id(), {std::move(*grant), name, peer}, terms);
+  if (!joined) return to_status(joined.error());
+  reply.set_stream_rate_hz(scene->rate_hz / static_cast<double>(terms.every));
+  reply.set_session_id(joined->session->id);
+  reply.set_rate_hz(scene->rate_hz);
+  reply.set_tick(table_.status().tick);
+  reply.set_ball_speed_m_s(kBallSpeed_m_s);
+  reply.set_server_instance(table_.instance());
+  reply.set_encoding(request.encoding());
+  reply.set_looks_only(scope < v1::INTERACT);
+  for (const SessionTable::Object& object : joined->objects) *reply.add_objects() = *object;
+  log_info("session %.8s: \"%s\" joined %sfrom %s%s", joined->session->id.c_str(), name.c_str(),
+           joined->session->id == request.resumed_session_id() ? "again " : "", peer.c_str(),
+           token.empty() ? "" : (" with the token \"" + token + "\", " + scope_name(scope)).c_str());
+  return grpc::Status::OK;
+}
+
+grpc::ServerWriteReactor<v1::AssetChunk>* LiveService::FetchAsset(grpc::CallbackServerContext*,
+                                                                  const v1::FetchAssetRequest* request) {
+  return new AssetCall(assets_.find(request->asset_hash()), request->offset());
+}
+
+grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* LiveService::Stream(
+    grpc::CallbackServerContext* context) {
+  return StreamCall::start(table_, grant_of(*context, tokens_), *context);
+}
+
+grpc::ServerUnaryReactor* LiveService::AnalyzeObject(grpc::CallbackServerContext* context,
+                                                     const v1::AnalyzeObjectRequest* request,
+                                                     v1::AnalyzeObjectReply* reply) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  reactor->Finish(analyze(*request, *reply));
+  return reactor;
+}
+
+grpc::ServerWriteReactor<v1::AnalysisProgress>* LiveService::AnalyzeScene(
+    grpc::CallbackServerContext*, const v1::AnalyzeSceneRequest* request) {
+  return new AnalysisCall(analysis_, *request);
+}
+
+grpc::ServerUnaryReactor* LiveService::SetPhysics(grpc::CallbackServerContext* context,
+                                                  const v1::SetPhysicsRequest* request,
+                                                  v1::PhysicsReply* reply) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  AnalysisControl* analysis = analysis_;
+  reactor->Finish(answer(analysis ? analysis->set_physics(request->object(), request->physics(), request->name())
+                                  : Result<v1::PhysicsReply>(no_analysis()),
+                         *reply));
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* LiveService::AcceptProposal(grpc::CallbackServerContext* context,
+                                                      const v1::AcceptProposalRequest* request,
+                                                      v1::PhysicsReply* reply) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  AnalysisControl* analysis = analysis_;
+  reactor->Finish(answer(!analysis              ? Result<v1::PhysicsReply>(no_analysis())
+                         : request->decline() ? analysis->decline_proposal(request->object())
+                                              : analysis->accept_proposal(request->object()),
+                         *reply));
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* LiveService::UndoPhysics(grpc::CallbackServerContext* context,
+                                                   const v1::UndoPhysicsRequest* request,
+                                                   v1::PhysicsReply* reply) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  AnalysisControl* analysis = analysis_;
+  reactor->Finish(answer(analysis ? analysis->undo_physics(request->object(), request->redo())
+                                  : Result<v1::PhysicsReply>(no_analysis()),
+                         *reply));
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* LiveService::ControlRun(grpc::CallbackServerContext* context,
+                                                  const v1::ControlRunRequest* request, v1::RunState* reply) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  reactor->Finish(control_run(*request, *reply));
+  return reactor;
+}
+
+grpc::Status LiveService::control_run(const v1::ControlRunRequest& request, v1::RunState& reply) const {
+  RunControl* run = run_;
+  if (!run) return {grpc::StatusCode::UNAVAILABLE, "the scene is still being built, or this server halts nothing"};
+  const auto status = run->control(request);
+  if (!status) return to_status(status.error());
+  write_run(*status, reply);
+  return grpc::Status::OK;
+}
+
+grpc::ServerUnaryReactor* LiveService::ApplyForce(grpc::CallbackServerContext* context,
+                                                  const v1::ApplyForceRequest* request,
+                                                  v1::ApplyForceReply* reply) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  reactor->Finish(apply_force(*request, *reply));
+  return reactor;
+}
+
+grpc::Status LiveService::apply_force(const v1::ApplyForceRequest& request, v1::ApplyForceReply& reply) const {
+  RunControl* run = run_;
+  if (!run) return {grpc::StatusCode::UNAVAILABLE, "the scene is still being built, or this server takes no forces"};
+  if (!table_.object(request.force().object())) return unknown_object(request.force().object());
+  reply.set_tick(table_.status().tick);
+  if (auto applied = run->apply_force(request.force()); !applied) return to_status(applied.error());
+  return grpc::Status::OK;
+}
+
+grpc::Status LiveService::unknown_object(const std::string& name) const {
+  std::string known;
+  for (const std::string& one : table_.object_names()) known += (known.empty() ? "" : ", ") + one;
+  return {grpc::StatusCode::NOT_FOUND, "object: the scene has no \"" + printable(name) +
+                                           "\"; it has: " + (known.empty() ? "nothing yet" : known)};
+}
+
+grpc::Status LiveService::analyze(const v1::AnalyzeObjectRequest& request,
+                                  v1::AnalyzeObjectReply& reply) const {
+  const int64_t begun_ns = now_ns();
+  const SessionTable::Object object = table_.object(request.object());
+  if (!object) return unknown_object(request.object());
+  reply.set_object(object->name());
+  *reply.mutable_parameters() = object->physics();
+  if (object->has_elastic()) *reply.mutable_elastic() = object->elastic();
+  *reply.mutable_warnings() = object->warnings();
+  reply.set_elapsed_ms(milliseconds_from_ns(now_ns() - begun_ns));
+  return grpc::Status::OK;
+}
+
+}  // namespace livegs

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <atomic>
+#include <limits>
+
+#include "livegs/v1/session.grpc.pb.h"
+#include "session/tick/analysis_control.h"
+#include "session/assets/asset_store.h"
+#include "session/tick/run_control.h"
+#include "session/sessions/session_table.h"
+#include "session/access/token_store.h"
+
+namespace livegs {
+
+// livegs.v1.LiveGs over gRPC's callback API. Every call answers from the session table and the asset store;
+// none waits for the simulation.
+class LiveService final
+    : public v1::LiveGs::WithRawCallbackMethod_Stream<
+          v1::LiveGs::WithCallbackMethod_GetServerInfo<v1::LiveGs::WithCallbackMethod_Join<
+              v1::LiveGs::WithCallbackMethod_FetchAsset<v1::LiveGs::WithCallbackMethod_AnalyzeObject<
+                  v1::LiveGs::WithCallbackMethod_AnalyzeScene<v1::LiveGs::WithCallbackMethod_SetPhysics<
+                      v1::LiveGs::WithCallbackMethod_UndoPhysics<v1::LiveGs::WithCallbackMethod_ControlRun<
+                          v1::LiveGs::WithCallbackMethod_AcceptProposal<
+                              v1::LiveGs::WithCallbackMethod_ApplyForce<v1::LiveGs::Service>>>>>>>>>>> {
+ public:
+  // `tokens`: those that the gate asks for; null in the clear.
+  LiveService(SessionTable& table, const AssetStore& assets, const TokenStore* tokens)
+      : table_(table), assets_(assets), tokens_(tokens) {}
+
+  grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context,
+                                          const v1::GetServerInfoRequest* request,
+                                          v1::ServerInfo* reply) override;
+  grpc::ServerUnaryReactor* Join(grpc::CallbackServerContext* context, const v1::JoinRequest* request,
+                                 v1::JoinReply* reply) override;
+  grpc::ServerWriteReactor<v1::AssetChunk>* FetchAsset(grpc::CallbackServerContext* context,
+                                                       const v1::FetchAssetRequest* request) override;
+  grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* Stream(
+      grpc::CallbackServerContext* context) override;
+  grpc::ServerUnaryReactor* AnalyzeObject(grpc::CallbackServerContext* context,
+                                          const v1::AnalyzeObjectRequest* request,
+                                          v1::AnalyzeObjectReply* reply) override;
+  grpc::ServerWriteReactor<v1::AnalysisProgress>* AnalyzeScene(
+      grpc::CallbackServerContext* context, const v1::AnalyzeSceneRequest* request) override;
+  grpc::ServerUnaryReactor* SetPhysics(grpc::CallbackServerContext* context,
+                                       const v1::SetPhysicsRequest* request,
+                                       v1::PhysicsReply* reply) override;
+  grpc::ServerUnaryReactor* AcceptProposal(grpc::CallbackServerContext* context,
+                                           const v1::AcceptProposalRequest* request,
+                                           v1::PhysicsReply* reply) override;
+  grpc::ServerUnaryReactor* UndoPhysics(grpc::CallbackServerContext* context,
+                                        const v1::UndoPhysicsRequest* request,
+                                        v1::PhysicsReply* reply) override;
+
+  grpc::ServerUnaryReactor* ControlRun(grpc::CallbackServerContext* context,
+                                       const v1::ControlRunRequest* request, v1::RunState* reply) override;
+  grpc::ServerUnaryReactor* ApplyForce(grpc::CallbackServerContext* context,
+                                       const v1::ApplyForceRequest* request,
+                                       v1::ApplyForceReply* reply) override;
+
+  // What a client's stream may take, bytes a second, if it does not wish for less. Before the first one joins.
+  void set_cap(double bytes_s) { cap_bytes_s_ = bytes_s; }
+  // From now on clients may halt, step and reset; nullptr: no more. It outlives the calls.
+  void set_run(RunControl* run) { run_ = run; }
+  // From now on clients may analyse and edit; nullptr: no more. It outlives the calls.
+  void set_analysis(AnalysisControl* analysis) { analysis_ = analysis; }
+
+ private:
+  grpc::Status join(const grpc::CallbackServerContext& context, const v1::JoinRequest& request, v1::JoinReply& reply);
+  grpc::Status control_run(const v1::ControlRunRequest& request, v1::RunState& reply) const;
+  grpc::Status apply_force(const v1::ApplyForceRequest& request, v1::ApplyForceReply& reply) const;
+  grpc::Status unknown_object(const std::string& name) const;
+  grpc::Status analyze(const v1::AnalyzeObjectRequest& request, v1::AnalyzeObjectReply& reply) const;
+
+  SessionTable& table_;
+  const AssetStore& assets_;
+  const TokenStore* const tokens_;
+  double cap_bytes_s_ = std::numeric_limits<double>::infinity();
+  std::atomic<AnalysisControl*> analysis_ = nullptr;
+  std::atomic<RunControl*> run_ = nullptr;
+};
+
+}  // namespace livegs

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <grpcpp/support/status.h>
+
+#include "core/log.h"
+#include "core/result.h"
+#include "session/support/redact_paths.h"
+
+namespace livegs {
+
+// The one place where an ErrorCode becomes a code of gRPC. A path of this machine is told as a name, and whole in the log.
+inline grpc::Status to_status(const Error& error) {
+  const auto code = [&] {
+    switch (error.code) {
+      case ErrorCode::InvalidArgument:
+      case ErrorCode::InvalidData:
+        return grpc::StatusCode::INVALID_ARGUMENT;
+      case ErrorCode::NotFound:
+        return grpc::StatusCode::NOT_FOUND;
+      case ErrorCode::Unsupported:
+        return grpc::StatusCode::UNIMPLEMENTED;
+      case ErrorCode::TooLarge:
+        return grpc::StatusCode::RESOURCE_EXHAUSTED;
+      case ErrorCode::Unavailable:
+        return grpc::StatusCode::UNAVAILABLE;
+      case ErrorCode::PermissionDenied:
+        return grpc::StatusCode::PERMISSION_DENIED;
+      case ErrorCode::Internal:
+        break;
+    }
+    return grpc::StatusCode::INTERNAL;
+  }();
+  std::string told = without_folders(error.message);
+  if (told != error.message) log_warn("a client was told: %s", error.message.c_str());
+  return {code, std::move(told)};
+}
+
+}  // namespace livegs

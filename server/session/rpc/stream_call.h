@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <grpcpp/server_context.h>
+#include <grpcpp/support/byte_buffer.h>
+#include <grpcpp/support/server_callback.h>
+
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "session/sessions/client_session.h"
+#include "session/support/rate_limit.h"
+#include "session/frames/send_budget.h"
+#include "session/sessions/session_table.h"
+
+namespace livegs {
+
+// A client at 240 Hz sends a sample and an acknowledgement a frame.
+inline constexpr double kMaxMessagesPerSecond = 1000;
+
+// One Stream rpc. Messages are raw: a header of this client's own and the frame's tail that all share, in one
+// ByteBuffer. gRPC calls the On… functions, on its own threads and not in any order between them; the
+// publisher calls the SessionWriter side. Lives until OnDone.
+//
+// One read and one write are under way at a time, Finish is called once and never while a write is, whatever
+// comes first: the client's half close, its cancellation, a bad message, a failed write, close() or abort().
+class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
+                         public SessionWriter,
+                         public std::enable_shared_from_this<StreamCall> {
+ public:
+  // `grant`: whose call it is; an error ends it at once.
+  static StreamCall* start(SessionTable& table, Result<Grant> grant, grpc::CallbackServerContext& context);
+
+  void wake() override;
+  void beat(int64_t now_ns) override;
+  void close(const std::string& reason) override;
+  void end(const Error& why) override;
+  void end_without_session() override;
+  void abort() override;
+
+ private:
+  StreamCall(SessionTable& table, Grant grant, grpc::CallbackServerContext& context)
+      : table_(table), grant_(std::move(grant)), context_(context) {}
+
+  void OnReadDone(bool ok) override;
+  void OnWriteDone(bool ok) override;
+  void OnCancel() override;
+  void OnDone() override;
+
+  std::optional<grpc::Status> take_message();  // a status ends the stream
+  void write_next(const std::lock_guard<std::mutex>&);
+  void write(const SendWindow::Outgoing& outgoing, const std::lock_guard<std::mutex>&);
+  void request_finish(const grpc::Status& status);
+  void finish_if_idle(const std::lock_guard<std::mutex>&);
+
+  SessionTable& table_;
+  const Grant grant_;
+  grpc::CallbackServerContext& context_;
+  std::shared_ptr<StreamCall> self_;  // gRPC's share, given back in OnDone
+
+  grpc::ByteBuffer incoming_;  // of the read that is under way
+
+  std::mutex mutex_;                        // guards everything below
+  std::shared_ptr<ClientSession> session_;  // set by the first message
+  uint64_t stream_ = 0;                     // of the session's streams, which one this is
+  int64_t echoed_ns_ = 0;                   // sent_ns of the newest message of the client
+  int64_t heard_ns_ = 0;                    // when that came
+  int64_t written_ns_ = 0;                  // when the last message was handed to gRPC
+  struct Written {
+    uint64_t tick = 0;
+    int64_t stepped_ns = 0, written_ns = 0;
+  };
+  std::deque<Written> unanswered_;          // frames, at most a window of them
+  RateLimit messages_{kMaxMessagesPerSecond, 2 * kMaxMessagesPerSecond};
+  SendBudget budget_;
+  int position_bits_ = 16;                  // as the session asked for, like the next
+  v1::JoinRequest::Encoding encoding_ = v1::JoinRequest::DRIVERS;
+  std::optional<ViewCone> view_;            // what the client said last
+  StreamBaselinePtr baseline_;              // of what was written; null: the next frame is a key frame
+  grpc::ByteBuffer outgoing_;               // of the write that is under way: it outlives OnWriteDone
+  bool writing_ = false;
+  std::optional<grpc::Status> finish_when_flushed_;
+  std::optional<grpc::Status> finish_status_;
+  bool finished_ = false;
+  bool done_ = false;
+};
+
+}  // namespace livegs

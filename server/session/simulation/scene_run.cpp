@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/simulation/scene_run.h"
+
+#include "core/clock.h"
+#include "core/log.h"
+
+namespace livegs {
+namespace {
+
+void apply(Scene& scene, const v1::SceneChange& change) {
+  if (change.has_force()) {
+    scene.apply_force(change.force());
+  } else if (change.has_set_physics()) {
+    const std::string& name = change.set_physics().object();
+    const SceneObject* object = scene.find(name);  // by name: a reset gives new ids
+    if (!object) return;
+    const auto set = scene.set_physics(object->id, change.set_physics().physics());
+    if (!set) log_warn("%s: %s", name.c_str(), set.error().message.c_str());
+  }
+}
+
+}  // namespace
+
+SceneRun::SceneRun(Scene scene) : scene_(std::move(scene)), tick_(scene_.world().tick()), told_(scene_.world().drivers()) {
+  for (const SceneObject& object : scene_.objects()) known_ids_.insert(object.id);
+}
+
+void SceneRun::replace(Scene next) {
+  simulated_before_ns_ = told_.simulated_ns;
+  if (!given_up_) {
+    for (const SceneObject& object : scene_.objects()) controls_.drop_object(scene_, object.id);
+  }
+  replaced_.assign(known_ids_.begin(), known_ids_.end());
+  (void)next.take_changes();  // all of it is new
+  scene_ = std::move(next);
+  scene_is_new_ = true;
+  given_up_ = false;
+}
+
+void SceneRun::apply(const TickActions& actions) {
+  const double now_s = static_cast<double>(tick_) / scene_.world().settings().rate_hz;
+  for (const v1::SceneChange& change : actions.changes) livegs::apply(scene_, change);
+  for (const SessionNumber session : actions.over) {
+    controls_.forget(scene_, session);
+    applied_.erase(session);
+  }
+  for (const SessionSamples& one : actions.samples) {
+    for (const InputSample& sample : one.samples) controls_.apply(scene_, one.session, sample, now_s);
+    if (!one.samples.empty()) applied_[one.session] = one.samples.back().sequence;
+  }
+  for (const SessionNumber session : actions.released) controls_.release(scene_, session);
+  scene_.take_cuts(actions.cuts);
+}
+
+SteppedTick SceneRun::advance(const TickActions& actions) {
+  apply(actions);
+  SteppedTick tick;
+  const int64_t begun_ns = now_ns();
+  if (actions.stepped) scene_.step();
+  ++tick_;
+  tick.stepped_ns = now_ns();
+  tick.step_ms = milliseconds_from_ns(tick.stepped_ns - begun_ns);
+  tick.drivers = scene_.world().drivers();
+  tick.run.simulated_s = seconds_from_ns(tick.drivers.simulated_ns);
+  tick.drivers.tick = tick_;
+  tick.drivers.simulated_ns += simulated_before_ns_;
+  note_changes(tick);
+  for (const auto& [session, sequence] : applied_) {
+    tick.hands.push_back({session, sequence, controls_.held_points(scene_, session)});
+  }
+  spare_ = tick.drivers;
+  if (!tick.added.empty() || !tick.removed.empty()) {
+    std::set<uint32_t> known = known_ids_;
+    for (const uint32_t id : tick.removed) known.erase(id);
+    for (const SceneObject& object : tick.added) known.insert(object.id);
+    known_ids_.swap(known);
+  }
+  std::swap(told_, spare_);
+  return tick;
+}
+
+void SceneRun::give_up() noexcept {
+  given_up_ = true;
+  controls_.lose_scene();
+  tick_ = told_.tick;
+}
+
+SteppedTick SceneRun::hold(std::span<const SessionNumber> over) {
+  for (const SessionNumber session : over) {
+    controls_.forget(scene_, session);  // which holds nothing
+    applied_.erase(session);
+  }
+  SteppedTick tick;
+  tick.drivers = told_;
+  tick.drivers.tick = ++tick_;
+  told_.tick = tick_;
+  tick.stepped_ns = now_ns();
+  tick.run.simulated_s = seconds_from_ns(tick.drivers.simulated_ns - simulated_before_ns_);
+  return tick;
+}
+
+void SceneRun::note_changes(SteppedTick& tick) {
+  Scene::Changes changes = scene_.take_changes();
+  tick.cuts = std::move(changes.cut);
+  for (const uint32_t id : changes.removed) controls_.drop_object(scene_, id);
+  if (std::exchange(scene_is_new_, false)) {
+    tick.scene_is_new = true;
+    tick.added.assign(scene_.objects().begin(), scene_.objects().end());
+    tick.removed = std::exchange(replaced_, {});
+    return;
+  }
+  for (const uint32_t id : changes.added) {
+    if (const SceneObject* object = scene_.find(id)) tick.added.push_back(*object);
+  }
+  for (const uint32_t id : changes.changed) {
+    if (const SceneObject* object = scene_.find(id)) tick.changed.push_back(*object);
+  }
+  tick.removed = std::move(changes.removed);
+}
+
+}  // namespace livegs

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <atomic>
+#include <deque>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "scene/scene.h"
+#include "session/support/duration_histogram.h"
+#include "session/simulation/scene_run.h"
+#include "session/tick/tick_result.h"
+
+namespace livegs {
+
+// A session that was silent for so long holds nothing any more.
+inline constexpr int64_t kStalledAfter_ns = 500'000'000;
+
+// A sample that is meant for a tick further ahead is not believed and goes into the next.
+inline constexpr uint64_t kMostTicksAhead = 30;
+
+// Samples of one session that wait for their tick. At 90 Hz a tick sees one; more wait while ticks are late or the client
+// sends ahead.
+inline constexpr size_t kMaxWaitingSamples = 64;
+
+// A tick that starts later than this many periods gives up the schedule: time slips, and no burst of ticks
+// follows.
+inline constexpr int kMaxPeriodsBehind = 2;
+
+struct SimulationSummary {
+  uint64_t ticks = 0;
+  uint64_t late_ticks = 0;  // whose step was not done before the next tick was due
+  uint64_t slips = 0;       // times the schedule was given up
+  double run_s = 0;
+  double step_ms_p50 = 0, step_ms_p99 = 0, step_ms_max = 0, step_ms_total = 0;
+  uint64_t shots = 0;
+  uint64_t waits = 0;  // ticks that were left out until there is memory
+};
+
+// Runs a Scene on a thread of its own, at the scene's rate against an absolute schedule. Inputs come by
+// queue, ticks go out as values: nothing in here waits for a client.
+//
+// A tick that finds no memory is finished with a reserve (memory_reserve.h). Then the scene is paused, clients are told why, and no tick
+// comes until the reserve is whole again; from there it goes on when it is resumed, as if nothing had been. Where the reserve is not
+// enough the step is given up half-way, and with it the scene: clients keep what they were told last, and a reset loads it anew with all
+// that was decided.
+class SimulationLoop : public InputSink {
+ public:
+  // `sink` outlives the loop. `observe`, if given, sees the scene after each step, on the loop's thread.
+  SimulationLoop(Scene scene, TickSink& sink, std::function<void(const Scene&)> observe = {});
+  ~SimulationLoop() override;
+
+  void start();
+  void stop();  // returns when the tick that is running is done; more than once is fine
+
+  void hear(SessionNumber session, std::span<const InputSample> samples) override;
+  void forget(SessionNumber session) override;
+
+  // From the first tick on; it outlives the loop. Before start().
+  void record_with(TickRecorder& recorder) { recorder_ = &recorder; }
+
+  // Changes the scene at the beginning of the next tick, on the loop's thread, in the order of the calls. Any thread;
+  // returns at once. What is posted after the last tick is dropped.
+  void post(v1::SceneChange change);
+
+  // Halted, ticks go on with the same drivers, inputs and changes are taken, and nothing moves. Unavailable for a scene that was given up.
+  Result<void> pause(bool paused);
+  Result<void> step_paused(uint32_t ticks);  // halts after so many ticks from now
+  // What clients are told: a scene is being loaded, or why that failed.
+  void set_loading(bool loading, std::string message);
+  // At the next tick this scene takes the place of the one that runs, before anything that was posted and before `changes`,
+  // which come after that; what is posted from now on goes to it. Its ids are all new; ticks and the clients' simulated
+  // time go on.
+  void replace(Scene scene, std::vector<v1::SceneChange> changes = {});
+  RunStatus run_status() const;
+
+  // Precondition: not running.
+  const Scene& scene() const { return scene_run_.scene(); }
+  SimulationSummary summary() const;  // any thread
+
+ private:
+  struct Mailbox {
+    std::deque<InputSample> samples;
+    int64_t heard_ns = 0;
+    uint64_t seen_sequence = 0;  // the newest ever put in
+  };
+
+  // Why nothing moves although nobody asked for that.
+  enum class Halt { None, MemoryWasShort, GivenUp };
+
+  void run();
+  void tick();
+  bool advance(TickActions& actions);  // false: given up
+  bool send();                         // false: memory is short, and unsent_ still to be sent
+  void halt(Halt why);
+  std::string halted_text() const;  // under the lock
+  Result<void> may_go_on() const;   // under the lock
+  // What was posted up to the moment at which the scene of this tick was settled.
+  std::vector<v1::SceneChange> take_next_scene();
+  TickActions take_actions(std::vector<v1::SceneChange> changes);
+  // Of a session's samples those whose tick has come, and all before them.
+  static std::vector<InputSample> due(std::deque<InputSample>& samples, uint64_t tick);
+  void log_every_second(int64_t now_ns);
+
+  SceneRun scene_run_;  // the loop's thread only
+  TickSink& sink_;
+  std::function<void(const Scene&)> observe_;
+  TickRecorder* recorder_ = nullptr;
+
+  std::optional<SteppedTick> unsent_;  // the loop's thread only
+
+  mutable std::mutex mutex_;  // guards everything down to gone_
+  Halt halt_ = Halt::None;
+  uint64_t halt_tick_ = 0;
+  RunStatus run_;
+  uint32_t steps_left_ = 0;  // while halted
+  std::optional<Scene> next_scene_;
+  std::vector<v1::SceneChange> posted_;
+  std::map<SessionNumber, Mailbox> mailboxes_;
+  std::vector<SessionNumber> gone_;
+
+  mutable std::mutex summary_mutex_;  // guards the next six
+  uint64_t waits_ = 0;
+  DurationHistogram step_ms_;
+  uint64_t late_ticks_ = 0;
+  uint64_t slips_ = 0;
+  uint64_t shots_ = 0;
+  int64_t started_ns_ = 0, ended_ns_ = 0;
+
+  int64_t logged_ns_ = 0;  // the loop's thread only
+  uint64_t logged_ticks_ = 0;
+
+  std::atomic<bool> stopping_{false};
+  std::thread thread_;
+};
+
+}  // namespace livegs

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/access/connection_limiter.h"
+
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <condition_variable>
+#include <cstring>
+#include <mutex>
+
+#include "patience.h"
+
+namespace livegs {
+namespace {
+
+// Keeps what it is handed, as gRPC would, until it is told to close.
+class Kept final : public grpc::experimental::ExternalConnectionAcceptor {
+ public:
+  struct Log {
+    std::mutex mutex;
+    std::condition_variable changed;
+    std::vector<int> descriptors;
+
+    size_t wait(size_t count) {
+      std::unique_lock lock(mutex);
+      changed.wait_for(lock, kPatience, [&] { return descriptors.size() >= count; });
+      return descriptors.size();
+    }
+    void close_all() {
+      std::lock_guard lock(mutex);
+      for (const int descriptor : descriptors) ::close(descriptor);
+      descriptors.clear();
+    }
+  };
+  explicit Kept(Log& log) : log_(log) {}
+  void HandleNewConnection(NewConnectionParameters* connection) override {
+    std::lock_guard lock(log_.mutex);
+    log_.descriptors.push_back(connection->fd);
+    log_.changed.notify_all();
+  }
+
+ private:
+  Log& log_;
+};
+
+int connect_to(int port) {
+  const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(static_cast<uint16_t>(port));
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  EXPECT_EQ(::connect(socket, reinterpret_cast<sockaddr*>(&to), sizeof to), 0) << std::strerror(errno);
+  return socket;
+}
+
+// Whether the other end closed it: waits for that, which nothing else ends.
+bool is_closed(int socket) {
+  char byte = 0;
+  return ::recv(socket, &byte, 1, 0) <= 0;
+}
+
+TEST(ConnectionDoor, OneTooManyIsClosedAndWhoGoesMakesRoom) {
+  Kept::Log log;
+  auto door = ConnectionDoor::listen("127.0.0.1", 0);
+  ASSERT_TRUE(door) << door.error().message;
+  (*door)->open(std::make_unique<Kept>(log));
+  std::vector<int> clients;
+  for (size_t i = 0; i < kMaxConnections; ++i) clients.push_back(connect_to((*door)->port()));
+  EXPECT_EQ(log.wait(kMaxConnections), kMaxConnections);
+  for (int i = 0; i < 3; ++i) {
+    const int late = connect_to((*door)->port());
+    EXPECT_TRUE(is_closed(late));
+    ::close(late);
+  }
+  EXPECT_EQ(log.wait(kMaxConnections), kMaxConnections);
+  log.close_all();
+  clients.push_back(connect_to((*door)->port()));
+  EXPECT_EQ(log.wait(1), 1u);
+  log.close_all();
+  for (const int client : clients) ::close(client);
+}
+
+TEST(ConnectionDoor, AnAddressThatIsTakenOrNoneIsSaidSo) {
+  const auto door = ConnectionDoor::listen("127.0.0.1", 0);
+  ASSERT_TRUE(door);
+  const auto second = ConnectionDoor::listen("127.0.0.1", (*door)->port());
+  ASSERT_FALSE(second);
+  EXPECT_NE(second.error().message.find("in use"), std::string::npos) << second.error().message;
+  const auto far = ConnectionDoor::listen("192.0.2.1", 0);  // kept free for documents
+  ASSERT_FALSE(far);
+  EXPECT_NE(far.error().message.find("another address"), std::string::npos) << far.error().message;
+  EXPECT_FALSE(ConnectionDoor::listen("no.such.host.invalid", 0));
+  for (const char* host : {"localhost", "0.0.0.0"}) EXPECT_TRUE(ConnectionDoor::listen(host, 0)) << host;
+}
+
+}  // namespace
+}  // namespace livegs

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/access/token_store.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <cmath>
+
+#include "scratch_folder.h"
+#include "session/access/server_security.h"
+#include "trust/fingerprint.h"
+#include "trust/state_folder.h"
+
+namespace livegs {
+namespace {
+
+constexpr int64_t kDay_s = 86400;
+
+class Tokens : public ::testing::Test {
+ protected:
+  Tokens() { reopen(); }
+  void reopen() {
+    auto store = TokenStore::open(file_, [this] { return now_s_; });
+    ASSERT_TRUE(store) << store.error().message;
+    store_ = std::move(*store);
+  }
+  std::string why(const std::string& secret) const {
+    const auto grant = store_->check(secret);
+    return grant ? "" : grant.error().message;
+  }
+  ScratchFolder folder_;
+  const std::filesystem::path file_ = folder_ / "tokens.json";
+  int64_t now_s_ = 1'700'000'000;
+  std::unique_ptr<TokenStore> store_;
+};
+
+TEST_F(Tokens, AllowWhatTheyWereMadeForAndNoMore) {
+  for (const v1::Scope scope : {v1::VIEW, v1::INTERACT, v1::AUTHOR, v1::ADMIN}) {
+    const auto made = store_->add("headset", scope, 0);
+    ASSERT_TRUE(made) << made.error().message;
+    const auto grant = store_->check(made->secret);
+    ASSERT_TRUE(grant) << grant.error().message;
+    EXPECT_EQ(grant->token_id, made->token.id());
+    for (const v1::Scope needed : {v1::VIEW, v1::INTERACT, v1::AUTHOR, v1::ADMIN})
+      EXPECT_EQ(grant->allows(needed), needed <= scope);
+  }
+}
+
+// 256 bits at six a character.
+TEST_F(Tokens, AreLongAndAllDifferent) {
+  std::vector<std::string> secrets;
+  for (int i = 0; i < 50; ++i) secrets.push_back(store_->add("x", v1::VIEW, 1)->secret);
+  std::sort(secrets.begin(), secrets.end());
+  EXPECT_EQ(std::unique(secrets.begin(), secrets.end()), secrets.end());
+  EXPECT_EQ(secrets[0].size(), 7u + 43u);
+}
+
+TEST_F(Tokens, EachWrongOneHasItsOwnAnswer) {
+  const auto good = store_->add("good", v1::VIEW, 1), revoked = store_->add("lost", v1::VIEW, 1);
+  ASSERT_TRUE(store_->revoke(revoked->token.id()));
+  EXPECT_EQ(why(good->secret), "");
+  EXPECT_NE(why("").find("asks for a token"), std::string::npos);
+  EXPECT_NE(why("livegs_something").find("none of this server's"), std::string::npos);
+  EXPECT_NE(why(good->secret + "x").find("none of this server's"), std::string::npos);
+  EXPECT_NE(why(good->secret.substr(1)).find("none of this server's"), std::string::npos);
+  EXPECT_NE(why(revoked->secret).find("\"lost\" was revoked"), std::string::npos);
+  now_s_ += kDay_s - 1;
+  EXPECT_EQ(why(good->secret), "");
+  EXPECT_TRUE(store_->check_still({good->token.id(), "good", v1::VIEW}));
+  now_s_ += 1;
+  EXPECT_NE(why(good->secret).find("\"good\" has expired"), std::string::npos);
+  EXPECT_FALSE(store_->check_still({good->token.id(), "good", v1::VIEW}));
+  EXPECT_FALSE(store_->check_still({"00000000", "never was", v1::VIEW}));
+}
+
+TEST_F(Tokens, OutliveTheServerAndStandNowhere) {
+  const auto made = store_->add("headset", v1::AUTHOR, 10), revoked = store_->add("lost", v1::VIEW, 10);
+  ASSERT_TRUE(store_->revoke(revoked->token.id()));
+  const std::string text = *read_secret_file(file_);
+  EXPECT_EQ(text.find(made->secret), std::string::npos);
+  EXPECT_EQ(text.find(made->secret.substr(7, 20)), std::string::npos);
+  reopen();
+  ASSERT_TRUE(store_->check(made->secret));
+  EXPECT_EQ(store_->check(made->secret)->scope, v1::AUTHOR);
+  EXPECT_NE(why(revoked->secret).find("revoked"), std::string::npos);
+  for (const v1::Token& token : store_->list()) EXPECT_EQ(token.sha256(), "");
+}
+
+TEST_F(Tokens, ThatEndedAMonthAgoAreForgotten) {
+  const auto old = store_->add("old", v1::VIEW, 1);
+  now_s_ += 32 * kDay_s;
+  ASSERT_TRUE(store_->add("new", v1::VIEW, 1));
+  EXPECT_EQ(store_->list().size(), 1u);
+  EXPECT_NE(why(old->secret).find("none of this server's"), std::string::npos);
+}
+
+TEST_F(Tokens, BadRequestsNameTheField) {
+  const auto refused = [&](const std::string& name, v1::Scope scope, double days, const std::string& named) {
+    const auto made = store_->add(name, scope, days);
+    ASSERT_FALSE(made);
+    EXPECT_EQ(made.error().message.find(named), 0u) << made.error().message;
+  };
+  refused("", v1::VIEW, 1, "name:");
+  refused(std::string(65, 'a'), v1::VIEW, 1, "name:");
+  refused("line\nbreak", v1::VIEW, 1, "name:");
+  refused("a", v1::SCOPE_UNSPECIFIED, 1, "scope:");
+  refused("a", static_cast<v1::Scope>(5), 1, "scope:");
+  for (const double days : {-1.0, 3651.0, std::nan(""), HUGE_VAL}) refused("a", v1::VIEW, days, "days:");
+  EXPECT_FALSE(store_->revoke("00000000"));
+  EXPECT_TRUE(store_->list().empty());
+}
+
+TEST_F(Tokens, AFileThatIsNoneIsRefusedByItsName) {
+  for (const char* text : {"no json", "{\"tokens\": 3}", "{\"unknown\": 1}"}) {
+    ASSERT_TRUE(write_secret_file(file_, text));
+    const auto opened = TokenStore::open(file_);
+    ASSERT_FALSE(opened) << text;
+    EXPECT_EQ(opened.error().message.find(file_.string()), 0u) << opened.error().message;
+  }
+}
+
+// A file that cannot be written makes no token, and revokes one all the same.
+TEST_F(Tokens, ADiskThatIsFullLetsNobodyIn) {
+  const auto made = store_->add("a", v1::VIEW, 1);
+  ASSERT_TRUE(made);
+  std::filesystem::remove(file_);
+  std::filesystem::create_directories(file_ / "in the way");  // nothing is renamed over a folder that is not empty
+  EXPECT_FALSE(store_->add("b", v1::VIEW, 1));
+  EXPECT_EQ(store_->list().size(), 1u);
+  EXPECT_FALSE(store_->revoke(made->token.id()));
+  EXPECT_NE(why(made->secret).find("revoked"), std::string::npos);
+}
+
+unsigned mode_of(const std::filesystem::path& path) {
+  struct stat about {};
+  return ::stat(path.c_str(), &about) == 0 ? about.st_mode & 0777 : 0;
+}
+
+TEST(ServerSecurity, KeepsItsCertificateAndRenewsItsLocalToken) {
+  const ScratchFolder folder;
+  std::string fingerprint, token;
+  {
+    auto first = ServerSecurity::open(folder / "state");
+    ASSERT_TRUE(first) << first.error().message;
+    fingerprint = (*first)->fingerprint();
+    EXPECT_EQ(*certificate_fingerprint((*first)->certificate_pem()), fingerprint);
+    EXPECT_EQ(mode_of(folder / "state"), 0700u);
+    for (const char* secret : {"server.key", "admin.token"}) EXPECT_EQ(mode_of(folder / "state" / secret), 0600u);
+    EXPECT_FALSE(find_local_server(folder / "state"));  // it has no port yet
+    (*first)->set_port(4711);
+    const auto found = find_local_server(folder / "state");
+    ASSERT_TRUE(found) << found.error().message;
+    EXPECT_EQ(found->port, 4711);
+    EXPECT_EQ(found->fingerprint, fingerprint);
+    token = found->token;
+    EXPECT_EQ((*first)->tokens().check(token)->scope, v1::ADMIN);
+    const auto second = ServerSecurity::open(folder / "state");
+    ASSERT_FALSE(second);
+    EXPECT_EQ(second.error().code, ErrorCode::Unavailable);
+  }
+  EXPECT_FALSE(find_local_server(folder / "state"));
+  auto again = ServerSecurity::open(folder / "state");
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ((*again)->fingerprint(), fingerprint);
+  EXPECT_FALSE((*again)->tokens().check(token));
+}
+
+TEST(ServerSecurity, FilesThatWillNotDoAreRefusedByName) {
+  const ScratchFolder folder;
+  const std::filesystem::path state = folder / "state", other = folder / "other";
+  ASSERT_TRUE(ServerSecurity::open(state));
+  ASSERT_TRUE(ServerSecurity::open(other));
+  ::chmod((state / "server.key").c_str(), 0644);
+  auto opened = ServerSecurity::open(state);
+  ASSERT_FALSE(opened);
+  EXPECT_NE(opened.error().message.find("server.key: others may read it"), std::string::npos) << opened.error().message;
+  std::filesystem::copy_file(other / "server.key", state / "server.key",
+                             std::filesystem::copy_options::overwrite_existing);
+  ::chmod((state / "server.key").c_str(), 0600);
+  opened = ServerSecurity::open(state);
+  ASSERT_FALSE(opened);
+  EXPECT_NE(opened.error().message.find("do not belong together"), std::string::npos) << opened.error().message;
+  folder.write("state/server.crt", "no certificate");
+  EXPECT_FALSE(ServerSecurity::open(state));
+  folder.write("file", "");
+  EXPECT_FALSE(ServerSecurity::open(folder / "file"));
+}
+
+}  // namespace
+}  // namespace livegs

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a server keeps for clients to fetch, while a scene is reset and its objects are cut anew.
+#include "session/assets/asset_store.h"
+
+#include <google/protobuf/util/json_util.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "scene/fragile_object.h"
+#include "scene/scene.h"
+
+namespace livegs {
+namespace {
+
+// A tough box and two fragile ones on a floor.
+Scene fragile_scene(uint32_t first_object_id) {
+  v1::Scene file;
+  const auto parsed = google::protobuf::util::JsonStringToMessage(R"({
+    "environment": { "colliders": [ { "plane": {} } ] },
+    "objects": [
+      { "name": "tough", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } }, "pose": { "position_m": [-0.5, 0.1, 0] },
+        "physics": { "behavior": "RIGID", "mass_kg": 1 } },
+      { "name": "box", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } }, "pose": { "position_m": [0, 0.1, 0] },
+        "physics": { "behavior": "RIGID", "mass_kg": 1, "fragile": true, "break_impulse_n_s": 2, "fracture_pieces": 8 } },
+      { "name": "same", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } }, "pose": { "position_m": [0.5, 0.1, 0] },
+        "physics": { "behavior": "RIGID", "mass_kg": 1, "fragile": true, "break_impulse_n_s": 2, "fracture_pieces": 8 } } ] })",
+                                                                  &file);
+  EXPECT_TRUE(parsed.ok()) << parsed.message();
+  SceneOptions options;
+  options.first_object_id = first_object_id;
+  auto scene = Scene::build(file, ".", "fragile", options);
+  EXPECT_TRUE(scene) << scene.error().message;
+  return std::move(*scene);
+}
+
+void add_all(const Scene& scene, AssetStore& store) {
+  for (const SceneObject& object : scene.objects()) {
+    (void)store.add(object.asset);
+    if (object.broken) (void)store.add(object.broken->asset);
+  }
+}
+
+bool has(const AssetStore& store, const std::string& hash) {
+  const std::vector<std::string> all = store.hashes();
+  return std::find(all.begin(), all.end(), hash) != all.end();
+}
+
+TEST(AssetStore, TenResetsLeaveItAsItWas) {
+  AssetStore store;
+  Scene scene = fragile_scene(1);
+  add_all(scene, store);
+  const std::vector<std::string> first = store.hashes();
+  EXPECT_EQ(first.size(), 6u);  // the floor, three boxes, and what the fragile two break into
+  for (uint32_t reset = 1; reset <= 10; ++reset) {
+    Scene next = fragile_scene((reset << 20) + 1);
+    add_all(next, store);
+    scene = std::move(next);
+    EXPECT_EQ(store.hashes(), first) << "reset " << reset;
+    store.drop_unused({}, reset * kDroppedAfter_ns);
+    EXPECT_EQ(store.hashes(), first) << "reset " << reset;
+  }
+}
+
+TEST(AssetStore, WhatWasCutAnewIsDroppedOnceNobodyNeedsIt) {
+  AssetStore store;
+  Scene scene = fragile_scene(1);
+  add_all(scene, store);
+  const SceneObject& box = *scene.find("box");
+  const std::string before = store.add(box.broken->asset)->hash;
+  v1::PhysicalParameters edited = box.physics;
+  edited.set_fracture_pieces(12);
+  const auto set = scene.set_physics(box.id, edited);
+  ASSERT_TRUE(set) << set.error().message;
+  const std::string after = store.add(box.broken->asset)->hash;
+  ASSERT_NE(before, after);
+
+  store.drop_unused({before}, 0);
+  store.drop_unused({before}, 2 * kDroppedAfter_ns);
+  EXPECT_TRUE(has(store, before)) << "clients are told of it";
+  const int64_t told_otherwise_ns = 2 * kDroppedAfter_ns + 1;
+  store.drop_unused({after}, told_otherwise_ns);
+  store.drop_unused({after}, told_otherwise_ns + kDroppedAfter_ns - 1);
+  EXPECT_TRUE(has(store, before)) << "a client may still be about to fetch it";
+  const auto sending = store.find(before);
+  store.drop_unused({after}, told_otherwise_ns + kDroppedAfter_ns);
+  EXPECT_FALSE(has(store, before));
+  EXPECT_FALSE(store.find(before));
+  EXPECT_EQ(sending->hash, before);
+  EXPECT_TRUE(has(store, after));
+  EXPECT_EQ(store.hashes().size(), 6u);
+}
+
+}  // namespace
+}  // namespace livegs

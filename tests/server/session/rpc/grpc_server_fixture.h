@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "core/clock.h"
+#include "scenes/box_scene.h"
+#include "server/session/rpc/raw_client.h"
+#include "session/rpc/grpc_server.h"
+
+namespace livegs {
+
+// Remembers what the sessions did.
+class InputLog final : public InputSink {
+ public:
+  void hear(SessionNumber session, std::span<const InputSample> samples) override {
+    std::lock_guard lock(mutex_);
+    for (const InputSample& sample : samples) heard_.emplace_back(session, sample);
+    changed_.notify_all();
+  }
+  void forget(SessionNumber session) override {
+    std::lock_guard lock(mutex_);
+    forgotten_.push_back(session);
+    changed_.notify_all();
+  }
+  bool wait_heard(size_t samples) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, kPatience, [&] { return heard_.size() >= samples; });
+  }
+  bool wait_forgotten(size_t sessions) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, kPatience, [&] { return forgotten_.size() >= sessions; });
+  }
+  size_t heard() const {
+    std::lock_guard lock(mutex_);
+    return heard_.size();
+  }
+  size_t forgotten() const {
+    std::lock_guard lock(mutex_);
+    return forgotten_.size();
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<std::pair<SessionNumber, InputSample>> heard_;
+  std::vector<SessionNumber> forgotten_;
+};
+
+class LiveServerTest : public ::testing::Test {
+ protected:
+  LiveServerTest() : scene_(box_scene()) {
+    auto server = LiveServer::listen("127.0.0.1:0");
+    EXPECT_TRUE(server) << server.error().message;
+    server_ = std::move(*server);
+  }
+  void open() { server_->open(scene_, inputs_); }
+  SteppedTick tick(uint64_t number) const {
+    SteppedTick stepped;
+    stepped.drivers = scene_.world().drivers();
+    stepped.drivers.tick = number;
+    stepped.stepped_ns = now_ns();
+    stepped.step_ms = 1.5;
+    return stepped;
+  }
+  // Clients are told of it with its own tick: what balls are drawn with is encoded before they are let in.
+  const SceneObject& shoot() { return scene_.shoot_ball({0, 1, 1}, {0, 0, -6}); }
+  void publish(uint64_t number) { server_->ticks().publish(tick(number)); }
+
+  Scene scene_;
+  InputLog inputs_;  // outlives the server
+  std::unique_ptr<LiveServer> server_;
+};
+
+}  // namespace livegs

@@ -1,0 +1,432 @@
+// SPDX-License-Identifier: Apache-2.0
+// The gRPC face by itself: ticks come from the test, one at a time, so that what a client may see of them is
+// known.
+#include <grpcpp/generic/generic_stub.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <thread>
+
+#include "core/content_hash.h"
+#include "gaussian/asset_file.h"
+#include "gaussian/progressive_asset.h"
+#include "server/session/rpc/grpc_server_fixture.h"
+#include "wire/rest_body_codec.h"
+
+namespace livegs {
+namespace {
+
+TEST_F(LiveServerTest, JoinListsObjectsWithTheEnvironmentFirst) {
+  open();
+  RawClient client(server_->port());
+  ASSERT_TRUE(client.join().ok());
+  ASSERT_EQ(client.joined.objects_size(), 3);  // the drawn floor, box and cube
+  EXPECT_TRUE(client.joined.objects(0).environment());
+  EXPECT_EQ(client.joined.objects(1).name(), "box");
+  EXPECT_DOUBLE_EQ(client.joined.rate_hz(), 90.0);
+  const auto rest = decode_rest_body(std::as_bytes(std::span(client.joined.objects(2).rest_body())));
+  ASSERT_TRUE(rest) << rest.error().message;
+  EXPECT_EQ(rest->kind, DriverKind::Lattice);
+  EXPECT_EQ(rest->node_coordinates.size(), client.joined.objects(2).driver_count());
+}
+
+// Before the first tick a client knows how far the cube's stiffness can be trusted; a box has none.
+TEST_F(LiveServerTest, ObjectsCarryHowFarTheirNumbersHold) {
+  open();
+  RawClient client(server_->port());
+  ASSERT_TRUE(client.join().ok());
+  EXPECT_FALSE(client.joined.objects(1).has_elastic());
+  const ElasticAccuracy accuracy = scene_.world().elastic_body(scene_.find("cube")->id)->accuracy();
+  v1::AnalyzeObjectRequest request;
+  request.set_object("cube");
+  v1::AnalyzeObjectReply reply;
+  grpc::ClientContext context;
+  set_patience(context);
+  ASSERT_TRUE(client.stub().AnalyzeObject(&context, request, &reply).ok());
+  for (const v1::ElasticAccuracy& told : {client.joined.objects(2).elastic(), reply.elastic()}) {
+    EXPECT_EQ(told.cell_width_m(), accuracy.cell_width_m);
+    EXPECT_EQ(told.substeps(), static_cast<uint32_t>(accuracy.substeps));
+    EXPECT_EQ(told.courant(), accuracy.courant);
+    EXPECT_EQ(told.youngs_modulus_pa(), 2e4);  // as the scene says
+    EXPECT_EQ(told.reached_youngs_modulus_pa(), accuracy.reached_youngs_modulus_pa);
+    EXPECT_EQ(told.nodes(), client.joined.objects(2).driver_count());
+    EXPECT_GT(told.nodes(), 0u);
+  }
+}
+
+TEST_F(LiveServerTest, JoinWaitsForTheScene) {
+  RawClient client(server_->port());
+  EXPECT_EQ(client.join().error_code(), grpc::StatusCode::UNAVAILABLE);
+  open();
+  EXPECT_TRUE(client.join().ok());
+}
+
+TEST_F(LiveServerTest, AnotherProtocolVersionIsToldSo) {
+  open();
+  RawClient client(server_->port());
+  const grpc::Status status = client.join(kProtocolVersion + 1);
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  EXPECT_NE(status.error_message().find("update the older one"), std::string::npos) << status.error_message();
+}
+
+TEST_F(LiveServerTest, SessionsAreBounded) {
+  open();
+  RawClient client(server_->port());
+  for (size_t i = 0; i < kUsualSessions; ++i) ASSERT_TRUE(client.join().ok());
+  EXPECT_EQ(client.join().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+}
+
+TEST_F(LiveServerTest, AsManySessionsAsItIsTold) {
+  server_->admit(66);
+  open();
+  RawClient client(server_->port());
+  for (size_t i = 0; i < 66; ++i) ASSERT_TRUE(client.join().ok());
+  const grpc::Status refused = client.join();
+  EXPECT_EQ(refused.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(refused.error_message().rfind("66 clients", 0), 0u) << refused.error_message();
+}
+
+TEST_F(LiveServerTest, EventsAreNeverDroppedAndComeInOrder) {
+  open();
+  RawClient client(server_->port());
+  ASSERT_TRUE(client.join().ok());
+  client.open();
+  publish(1);
+  ASSERT_EQ(client.read().tick(), 1u);
+  publish(2);
+  ASSERT_EQ(client.read().tick(), 2u);
+  // The window is shut. Twenty balls come, all but four go; ids never return.
+  std::vector<uint32_t> shot;
+  for (uint64_t number = 3; number <= 22; ++number) {
+    shoot();
+    const Scene::Changes changes = scene_.take_changes();
+    SteppedTick stepped = tick(number);
+    for (uint32_t id : changes.added) {
+      stepped.added.push_back(*scene_.find(id));
+      shot.push_back(id);
+    }
+    stepped.removed = changes.removed;
+    server_->ticks().publish(std::move(stepped));
+    ASSERT_TRUE(client.acknowledge(0));  // a sign of life, and nothing else
+  }
+  std::vector<uint32_t> added, removed;
+  const size_t expected_removed = shot.size() - Scene::kMaxBalls;
+  while (added.size() < shot.size() || removed.size() < expected_removed) {
+    const v1::ServerMessage message = client.read();
+    ASSERT_GT(message.events_size(), 0);
+    EXPECT_TRUE(message.frame().empty());
+    for (const v1::SessionEvent& event : message.events()) {
+      if (event.has_object_added()) added.push_back(event.object_added().object_id());
+      if (event.has_object_removed()) {
+        removed.push_back(event.object_removed().object_id());
+        EXPECT_NE(std::find(added.begin(), added.end(), removed.back()), added.end());
+      }
+    }
+  }
+  EXPECT_EQ(added, shot);
+  EXPECT_EQ(removed, std::vector<uint32_t>(shot.begin(), shot.begin() + static_cast<long>(expected_removed)));
+  ASSERT_TRUE(client.acknowledge(2));
+  EXPECT_EQ(client.read().tick(), 22u);
+
+  // Who comes now is told of the balls that are there.
+  RawClient late(server_->port());
+  ASSERT_TRUE(late.join().ok());
+  EXPECT_EQ(late.joined.objects_size(), 3 + static_cast<int>(Scene::kMaxBalls));
+}
+
+TEST_F(LiveServerTest, EventsBetweenJoinAndStreamAreKept) {
+  open();
+  RawClient client(server_->port());
+  ASSERT_TRUE(client.join().ok());
+  const SceneObject& ball = shoot();
+  SteppedTick stepped = tick(1);
+  stepped.added.push_back(ball);
+  server_->ticks().publish(std::move(stepped));
+  client.open();
+  uint32_t added = 0;
+  for (;;) {
+    const v1::ServerMessage message = client.read();
+    for (const v1::SessionEvent& event : message.events()) added = event.object_added().object_id();
+    if (message.tick() == 1) break;
+    ASSERT_GT(message.events_size(), 0);
+  }
+  EXPECT_EQ(added, ball.id);
+}
+
+TEST_F(LiveServerTest, InputsReachTheSimulation) {
+  open();
+  RawClient client(server_->port());
+  ASSERT_TRUE(client.join().ok());
+  client.open();
+  v1::ClientMessage message;
+  message.set_sent_ns(12345);
+  for (uint64_t sequence : {4u, 5u, 6u}) message.add_inputs()->set_sequence(sequence);
+  ASSERT_TRUE(client.send(message));
+  EXPECT_TRUE(inputs_.wait_heard(3));
+  publish(1);
+  EXPECT_EQ(client.read().echoed_ns(), 12345);
+}
+
+TEST_F(LiveServerTest, ANumberThatIsNoneEndsTheStreamAndNothingElse) {
+  open();
+  RawClient bad(server_->port()), good(server_->port());
+  for (RawClient* client : {&bad, &good}) {
+    ASSERT_TRUE(client->join().ok());
+    client->open();
+  }
+  v1::ClientMessage message;
+  v1::Input& input = *message.add_inputs();
+  input.set_sequence(1);
+  for (int i = 0; i < 3; ++i) {
+    input.mutable_left()->add_aim_position_m(std::nanf(""));
+    input.mutable_left()->add_grip_position_m(0);
+  }
+  for (float value : {1.0f, 0.0f, 0.0f, 0.0f}) {
+    input.mutable_left()->add_aim_orientation(value);
+    input.mutable_left()->add_grip_orientation(value);
+  }
+  bad.send(message);
+  const grpc::Status status = bad.finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_NE(status.error_message().find("left.aim_position_m"), std::string::npos) << status.error_message();
+  publish(1);
+  EXPECT_EQ(good.read().tick(), 1u);
+}
+
+// Any bytes at all, sent as messages of Stream.
+TEST_F(LiveServerTest, RandomBytesDoNotHurt) {
+  open();
+  std::mt19937_64 random(7);
+  const auto channel = channel_to(server_->port());
+  grpc::GenericStub stub(channel);
+  for (int round = 0; round < 30; ++round) {
+    std::string bytes(random() % 4096, '\0');
+    for (char& byte : bytes) byte = static_cast<char>(random());
+    grpc::ClientContext context;
+    set_patience(context);
+    grpc::CompletionQueue queue;
+    const auto call = stub.PrepareCall(&context, "/livegs.v1.LiveGs/Stream", &queue);
+    const auto next = [&] {
+      void* tag = nullptr;
+      bool ok = false;
+      EXPECT_TRUE(queue.Next(&tag, &ok));
+      return ok;
+    };
+    call->StartCall(nullptr);
+    ASSERT_TRUE(next());
+    const grpc::Slice slice(bytes);
+    call->Write(grpc::ByteBuffer(&slice, 1), nullptr);
+    next();
+    grpc::Status status;
+    call->Finish(&status, nullptr);
+    next();
+    EXPECT_TRUE(status.error_code() == grpc::StatusCode::INVALID_ARGUMENT ||
+                status.error_code() == grpc::StatusCode::NOT_FOUND)
+        << status.error_code() << " " << status.error_message();
+    queue.Shutdown();
+  }
+  RawClient client(server_->port());
+  ASSERT_TRUE(client.join().ok());
+  client.open();
+  publish(1);
+  EXPECT_EQ(client.read().tick(), 1u);
+}
+
+TEST_F(LiveServerTest, AMessageOverTheLimitIsRefused) {
+  open();
+  RawClient client(server_->port());
+  ASSERT_TRUE(client.join().ok());
+  client.open();
+  v1::ClientMessage message;
+  message.set_session_id(std::string(1 << 20, 'x'));
+  client.send(message);
+  EXPECT_EQ(client.finish().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+}
+
+TEST_F(LiveServerTest, AssetsAreFetchedFromAnyOffset) {
+  open();
+  RawClient client(server_->port());
+  ASSERT_TRUE(client.join().ok());
+  const v1::ObjectDescription& box = client.joined.objects(1);
+  const auto fetch = [&](const std::string& hash, uint64_t offset, std::string& bytes) {
+    grpc::ClientContext context;
+    set_patience(context);
+    v1::FetchAssetRequest request;
+    request.set_asset_hash(hash);
+    request.set_offset(offset);
+    const auto reader = client.stub().FetchAsset(&context, request);
+    v1::AssetChunk chunk;
+    while (reader->Read(&chunk)) {
+      EXPECT_EQ(chunk.offset(), offset + bytes.size());
+      EXPECT_EQ(chunk.total_bytes(), box.asset_bytes());
+      EXPECT_LE(chunk.data().size(), size_t{1} << 20);
+      bytes += chunk.data();
+    }
+    return reader->Finish();
+  };
+  std::string whole, rest, none, error;
+  ASSERT_TRUE(fetch(box.asset_hash(), 0, whole).ok());
+  EXPECT_EQ(whole.size(), box.asset_bytes());
+  const auto asset = decode_progressive(std::as_bytes(std::span(whole)));
+  ASSERT_TRUE(asset) << asset.error().message;
+  EXPECT_EQ(asset->size(), box.kernel_count());
+  EXPECT_EQ(content_hash(encode_ply(*asset)), box.asset_hash());
+  ASSERT_TRUE(fetch(box.asset_hash(), 1000, rest).ok());
+  EXPECT_EQ(rest, whole.substr(1000));
+  EXPECT_TRUE(fetch(box.asset_hash(), whole.size(), none).ok());
+  EXPECT_TRUE(none.empty());
+  EXPECT_EQ(fetch(box.asset_hash(), whole.size() + 1, error).error_code(), grpc::StatusCode::OUT_OF_RANGE);
+  EXPECT_EQ(fetch("../../etc/passwd", 0, error).error_code(), grpc::StatusCode::NOT_FOUND);
+}
+
+TEST_F(LiveServerTest, AnalyzeAnswersWithRangesAndNamesWhatThereIs) {
+  open();
+  RawClient client(server_->port());
+  const auto analyze = [&](const std::string& name, v1::AnalyzeObjectReply& reply) {
+    grpc::ClientContext context;
+    set_patience(context);
+    v1::AnalyzeObjectRequest request;
+    request.set_object(name);
+    return client.stub().AnalyzeObject(&context, request, &reply);
+  };
+  v1::AnalyzeObjectReply reply;
+  ASSERT_TRUE(analyze("box", reply).ok());
+  const v1::EstimatedValue& mass = reply.parameters().mass_kg();
+  EXPECT_DOUBLE_EQ(mass.best(), 1.0);  // as the scene says
+  EXPECT_LE(mass.low(), mass.best());
+  EXPECT_GE(mass.high(), mass.best());
+  EXPECT_EQ(mass.source(), v1::EstimatedValue::SCENE);
+  EXPECT_FALSE(reply.parameters().youngs_modulus_pa().reason().empty());
+  const grpc::Status status = analyze("hat", reply);
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_NE(status.error_message().find("box, cube"), std::string::npos) << status.error_message();
+}
+
+TEST_F(LiveServerTest, InfoCountsClients) {
+  open();
+  RawClient client(server_->port());
+  ASSERT_TRUE(client.join().ok());
+  grpc::ClientContext context;
+  set_patience(context);
+  v1::ServerInfo info;
+  ASSERT_TRUE(client.stub().GetServerInfo(&context, {}, &info).ok());
+  EXPECT_EQ(info.scene(), "boxes");
+  EXPECT_EQ(info.protocol_version(), kProtocolVersion);
+  EXPECT_EQ(info.client_count(), 1u);
+  EXPECT_EQ(info.object_count(), 3u);
+}
+
+TEST_F(LiveServerTest, APortInUseIsSaidSo) {
+  const auto second = LiveServer::listen("127.0.0.1:" + std::to_string(server_->port()));
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, ErrorCode::Unavailable);
+  EXPECT_NE(second.error().message.find("in use"), std::string::npos);
+}
+
+TEST(ListenAddress, IsThisMachineUnlessItIsSecure) {
+  for (const char* address : {"127.0.0.1:0", "127.1.2.3:9780", "localhost:9780", "[::1]:65535"}) {
+    EXPECT_TRUE(check_listen_address(address, false)) << address;
+    EXPECT_TRUE(check_listen_address(address, true)) << address;
+  }
+  for (const char* address : {"0.0.0.0:9780", "192.168.1.2:9780", "[::]:9780", "example.org:9780"}) {
+    EXPECT_TRUE(check_listen_address(address, true)) << address;
+  }
+  for (const char* address :
+       {"0.0.0.0:9780", "192.168.1.2:9780", "[::]:9780", "example.org:9780", ":9780", "127.0.0.1",
+        "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:-1", "127.0.0.1:12x", "127.0.0.1.example.org:80", ""}) {
+    const auto checked = check_listen_address(address, false);
+    ASSERT_FALSE(checked) << address;
+    EXPECT_EQ(checked.error().code, ErrorCode::InvalidArgument);
+  }
+}
+
+TEST_F(LiveServerTest, ShutdownTellsEveryClient) {
+  open();
+  RawClient streaming(server_->port()), joined(server_->port()), frozen(server_->port());
+  for (RawClient* client : {&streaming, &joined, &frozen}) ASSERT_TRUE(client->join().ok());
+  streaming.open();
+  frozen.open();
+  publish(1);
+  ASSERT_EQ(streaming.read().tick(), 1u);
+  ASSERT_EQ(frozen.read().tick(), 1u);
+  std::thread shutdown([&] { server_->shut_down("maintenance"); });
+  std::string draining;
+  for (;;) {
+    const v1::ServerMessage message = streaming.read();
+    for (const v1::SessionEvent& event : message.events()) draining = event.draining();
+    if (!draining.empty() || message.ByteSizeLong() == 0) break;
+  }
+  EXPECT_EQ(draining, "maintenance");
+  const grpc::Status status = streaming.finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::UNAVAILABLE);
+  EXPECT_EQ(status.error_message(), "maintenance");
+  shutdown.join();  // with a client that does not read, and one that never streamed
+}
+
+// The service of the standard health protocol, asked with bytes: field 1 of its reply is the status, 1 for
+// SERVING.
+std::string health_reply(int port) {
+  grpc::GenericStub stub(channel_to(port));
+  grpc::ClientContext context;
+  set_patience(context);
+  grpc::CompletionQueue queue;
+  const grpc::Slice empty;
+  const auto call =
+      stub.PrepareUnaryCall(&context, "/grpc.health.v1.Health/Check", grpc::ByteBuffer(&empty, 1), &queue);
+  call->StartCall();
+  grpc::ByteBuffer reply;
+  grpc::Status status;
+  call->Finish(&reply, &status, nullptr);
+  void* tag = nullptr;
+  bool ok = false;
+  queue.Next(&tag, &ok);
+  queue.Shutdown();
+  EXPECT_TRUE(status.ok()) << status.error_message();
+  grpc::Slice slice;
+  EXPECT_TRUE(reply.DumpToSingleSlice(&slice).ok());
+  return std::string(reinterpret_cast<const char*>(slice.begin()), slice.size());
+}
+
+TEST_F(LiveServerTest, HealthFollowsTheScene) {
+  EXPECT_EQ(health_reply(server_->port()), "\x08\x02");  // NOT_SERVING
+  open();
+  EXPECT_EQ(health_reply(server_->port()), "\x08\x01");
+}
+
+TEST_F(LiveServerTest, ReflectionListsTheService) {
+  open();
+  grpc::GenericStub stub(channel_to(server_->port()));
+  grpc::ClientContext context;
+  set_patience(context);
+  grpc::CompletionQueue queue;
+  const auto next = [&] {
+    void* tag = nullptr;
+    bool ok = false;
+    EXPECT_TRUE(queue.Next(&tag, &ok));
+    return ok;
+  };
+  const auto call =
+      stub.PrepareCall(&context, "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo", &queue);
+  call->StartCall(nullptr);
+  ASSERT_TRUE(next());
+  const grpc::Slice list_services(std::string("\x3a\x01*"));  // field 7, list_services, "*"
+  call->Write(grpc::ByteBuffer(&list_services, 1), nullptr);
+  ASSERT_TRUE(next());
+  grpc::ByteBuffer reply;
+  call->Read(&reply, nullptr);
+  ASSERT_TRUE(next());
+  grpc::Slice slice;
+  ASSERT_TRUE(reply.DumpToSingleSlice(&slice).ok());
+  const std::string text(reinterpret_cast<const char*>(slice.begin()), slice.size());
+  EXPECT_NE(text.find("livegs.v1.LiveGs"), std::string::npos);
+  call->WritesDone(nullptr);
+  next();
+  grpc::Status status;
+  call->Finish(&status, nullptr);
+  next();
+  queue.Shutdown();
+}
+
+}  // namespace
+}  // namespace livegs
