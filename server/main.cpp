@@ -15,7 +15,7 @@
 #include <optional>
 #include <string>
 
-#include "analysis/endpoint_choice.h"
+#include "analysis/model/endpoint_choice.h"
 #include "core/clock.h"
 #include "core/log.h"
 #include "core/log_format.h"

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "analysis/answer_cache.h"
+#include "analysis/model/answer_cache.h"
 #include "analysis/estimate.h"
-#include "analysis/exchange.h"
-#include "analysis/gate.h"
+#include "analysis/model/conversation.h"
+#include "analysis/gate/gate.h"
 
 // The objects of a scene, worked out: each has its offline answer at once; then the model is asked about
 // them, several at a time, and every answer goes through the gate. A model that fails, hangs or lies leaves

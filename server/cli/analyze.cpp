@@ -14,9 +14,9 @@
 #include <thread>
 #include <tuple>
 
-#include "analysis/answer.h"
-#include "analysis/endpoint_choice.h"
-#include "analysis/explain_page.h"
+#include "analysis/gate/answer.h"
+#include "analysis/model/endpoint_choice.h"
+#include "analysis/run/explain_page.h"
 #include "analysis/physics_file.h"
 #include "cli/commands.h"
 #include "cli/decide_physics.h"

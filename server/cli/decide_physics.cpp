@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "analysis/answer.h"
+#include "analysis/gate/answer.h"
 #include "analysis/physics_file.h"
 #include "cli/commands.h"
 #include "scene/check_object.h"

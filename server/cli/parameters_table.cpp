@@ -3,7 +3,7 @@
 
 #include <cstdio>
 
-#include "analysis/physics_values.h"
+#include "analysis/estimate/physics_values.h"
 
 namespace livegs {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/build_object.h"
 
-#include "analysis/hand_edits.h"
+#include "analysis/sidecar/manual_edits.h"
 #include "analysis/physics_file.h"
 #include "core/clock.h"
 #include "geometry/hollow_mesh.h"

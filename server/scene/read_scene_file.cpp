@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <google/protobuf/util/json_util.h>
 
-#include "analysis/json_text.h"
+#include "analysis/text/json_text.h"
 #include "core/file.h"
 #include "scene/check_scene.h"
 #include "scene/scene.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/target_views.h"
 
-#include "analysis/object_views.h"
+#include "analysis/views/object_views.h"
 #include "scene/scene_analysis.h"
 #include "splat/image.h"
 

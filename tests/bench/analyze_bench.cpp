@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "analysis/model_endpoint.h"
+#include "analysis/model/model_endpoint.h"
 #include "bench/made_up_endpoint.h"
 #include "core/clock.h"
 #include "core/log.h"

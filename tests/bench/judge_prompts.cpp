@@ -5,12 +5,12 @@
 #include <cstdio>
 #include <map>
 
-#include "analysis/endpoint_choice.h"
+#include "analysis/model/endpoint_choice.h"
 #include "core/file.h"
 #include "core/log.h"
 #include "scene/scene_analysis.h"
-#include "server/analysis/known_objects.h"
-#include "server/analysis/prompt_judgement.h"
+#include "server/analysis/estimate/known_objects.h"
+#include "server/analysis/model/prompt_judgement.h"
 
 namespace livegs {
 namespace {

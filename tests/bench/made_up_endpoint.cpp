@@ -12,7 +12,7 @@
 #include <regex>
 #include <utility>
 
-#include "server/analysis/test_model_server.h"
+#include "server/analysis/model/chat/test_model_server.h"
 
 namespace livegs {
 namespace {

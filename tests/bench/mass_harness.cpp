@@ -15,10 +15,10 @@
 #include <fstream>
 #include <sstream>
 
-#include "analysis/object_kinds.h"
+#include "analysis/estimate/object_classes.h"
 #include "bench/judge_prompts.h"
 #include "bench/time_of.h"
-#include "server/analysis/known_objects.h"
+#include "server/analysis/estimate/known_objects.h"
 
 using namespace livegs;
 

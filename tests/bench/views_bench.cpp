@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "analysis/fact_slots.h"
-#include "analysis/object_views.h"
+#include "analysis/model/fact_slots.h"
+#include "analysis/views/object_views.h"
 #include "bench/time_of.h"
 #include "scene/scene.h"
 #include "scene/scene_drawing.h"

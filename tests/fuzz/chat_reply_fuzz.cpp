@@ -3,10 +3,10 @@
 // the stream is cut: its events do not depend on that.
 #include <nlohmann/json.hpp>
 
-#include "analysis/chat_reply.h"
-#include "analysis/sse_parser.h"
+#include "analysis/model/chat/chat_reply.h"
+#include "analysis/model/chat/sse_parser.h"
 #include "fuzz/fuzz_target.h"
-#include "server/analysis/answer_mutations.h"
+#include "server/analysis/gate/answer_mutations.h"
 
 namespace livegs::fuzz {
 namespace {

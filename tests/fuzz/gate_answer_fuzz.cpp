@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "fuzz/fuzz_target.h"
-#include "server/analysis/answer_fixtures.h"
-#include "server/analysis/answer_mutations.h"
-#include "server/analysis/judge_answer.h"
+#include "server/analysis/gate/answer_fixtures.h"
+#include "server/analysis/gate/answer_mutations.h"
+#include "server/analysis/gate/judge_answer.h"
 
 namespace livegs::fuzz {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "analysis/answer.h"
-#include "analysis/hand_edits.h"
+#include "analysis/gate/answer.h"
+#include "analysis/sidecar/manual_edits.h"
 #include "analysis/physics_file.h"
 #include "core/format_text.h"
 #include "core/log.h"

@@ -8,7 +8,7 @@
 #include <mutex>
 #include <thread>
 
-#include "analysis/answer_cache.h"
+#include "analysis/model/answer_cache.h"
 #include "scene/scene_analysis.h"
 #include "session/tick/analysis_control.h"
 #include "session/live/physics_overrides.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "session/metrics/run_summary.h"
 
-#include "analysis/physics_values.h"
+#include "analysis/estimate/physics_values.h"
 #include "core/format_text.h"
 #include "scene/elastic_report.h"
 

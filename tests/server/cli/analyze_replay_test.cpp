@@ -16,7 +16,7 @@
 #include "scene/scene.h"
 #include "scene/shape_asset.h"
 #include "scratch_folder.h"
-#include "server/analysis/model_endpoint_cases.h"
+#include "server/analysis/model/chat/model_endpoint_cases.h"
 #include "system/program.h"
 
 namespace livegs {

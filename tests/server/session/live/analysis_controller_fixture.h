@@ -10,7 +10,7 @@
 
 #include "analysis/physics_file.h"
 #include "scratch_folder.h"
-#include "server/analysis/fake_endpoint.h"
+#include "server/analysis/model/fake_endpoint.h"
 #include "server/session/simulation/tick_log.h"
 #include "session/live/analysis_controller.h"
 

@@ -19,7 +19,7 @@
 #include "core/clock.h"
 #include "core/log.h"
 #include "scratch_folder.h"
-#include "server/analysis/fake_endpoint.h"
+#include "server/analysis/model/fake_endpoint.h"
 #include "scenes/box_scene.h"
 #include "session/live/analysis_controller.h"
 

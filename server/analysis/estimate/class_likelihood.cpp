@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "analysis/estimate/object_classes.h"
+
+// The widths below are judgements, not fits: how much things of one kind differ, and how well a surface made
+// from kernels tells.
+
+namespace livegs {
+namespace {
+
+constexpr double kProportionSd = 0.3;  // of the logarithms of the box's two ratios, among things of a kind
+constexpr double kGuessedSizeSd =
+    0.7;  // of the logarithm of a size whose scale is a guess: a factor 2 either way
+constexpr double kBroadShare = 0.02;  // of a kind's things that look like nothing in particular …
+constexpr double kBroadSd = 1.5;      // … with this width
+
+double normal(double value, double sd) { return std::exp(-0.5 * value * value / (sd * sd)) / sd; }
+
+// With a broad foot, so that one odd measure never rules a kind out.
+double forgiving(double value, double sd) {
+  return (1 - kBroadShare) * normal(value, sd) + kBroadShare * normal(value, std::max(sd, kBroadSd));
+}
+
+double size_fit(const ObjectRow& row, const ObjectFacts& facts) {
+  const Eigen::Vector3d box_m = sorted_box_m(facts.mesh).cwiseMax(1e-5);
+  const double longest = std::log(box_m[0]), middle = std::log(box_m[1]), shortest = std::log(box_m[2]);
+  const double usual_longest = std::log(row.size_m.best), usual_middle = std::log(row.middle_m),
+               usual_shortest = std::log(row.short_m);
+  // The range in the table is meant to hold nine of ten.
+  double sd = std::max(0.12, std::log(row.size_m.high / row.size_m.low) / 3.29);
+  if (!facts.scale_known) sd = std::hypot(sd, kGuessedSizeSd);
+  const double size = (longest + middle + shortest - usual_longest - usual_middle - usual_shortest) / 3;
+  return forgiving(size, sd) * forgiving(longest - middle - usual_longest + usual_middle, kProportionSd) *
+         forgiving(middle - shortest - usual_middle + usual_shortest, kProportionSd);
+}
+
+// How much of their box things fill, and how much that differs, of the logarithm: the emptier the more, and
+// captured walls and frames make it more again.
+struct Filling {
+  double usual, sd;
+};
+Filling usual_filling(const ObjectRow& row, bool hollow_seen) {
+  if (row.fill == v1::Physics::OPEN_SHELL) return hollow_seen ? Filling{0.2, 0.8} : Filling{0.5, 0.5};
+  if (row.category == "ball") return {row.box_filling, 0.12};
+  return {row.box_filling, 0.12 + 0.7 * (1 - row.box_filling)};
+}
+
+double shape_fit(const ObjectRow& row, const MeshFacts& mesh) {
+  double fit = 1;
+  const bool open_kind = row.fill == v1::Physics::OPEN_SHELL, hollow_seen = mesh.openness > 0.2;
+  // A hollow that can be looked into is seen in things that have one; in one of three a lid of haze closes
+  // it.
+  if (!open_kind && hollow_seen) fit *= std::max(0.1, 1 - 2 * (mesh.openness - 0.2));
+  if (open_kind && !hollow_seen && mesh.solidity > 0.6) fit *= 0.33;
+  // No wall is thinner in the mesh than it is, but for noise; most are thicker, in scans and in alpha shapes.
+  if (open_kind && mesh.mean_wall_m > 0 && mesh.mean_wall_m < row.wall_m.low) {
+    fit *= std::max(0.02, std::exp(-0.5 * std::pow(std::log(mesh.mean_wall_m / row.wall_m.low) / 0.3, 2)));
+  }
+  const double box_m3 = sorted_box_m(mesh).prod();
+  if (box_m3 > 0 && mesh.volume_m3 > 0) {
+    const Filling filling = usual_filling(row, hollow_seen);
+    fit *= forgiving(std::log(mesh.volume_m3 / box_m3 / filling.usual), filling.sd);
+  }
+  return fit;
+}
+
+// A tie-break: colours tell little of what a thing weighs.
+double looks_fit(const MaterialRow& material, const AppearanceFacts& look) {
+  const Eigen::Vector3f& rgb = look.mean_rgb;
+  const std::string& kind = material.material_class;
+  if (look.mean_opacity > 0 && look.mean_opacity < 0.35f && look.saturation < 0.25f) {
+    return kind == "glass" ? 3 : kind == "plastic" ? 1.5 : 1;  // half transparent and colourless
+  }
+  if (look.saturation > 0.25f && rgb.y() > 1.1f * rgb.x() && rgb.y() > 1.2f * rgb.z()) {
+    return kind == "plant" ? 3 : 1;  // mostly green
+  }
+  if (look.saturation > 0.3f && look.hue_spread < 0.5f && rgb.x() > 1.15f * rgb.y() &&
+      rgb.y() > 1.15f * rgb.z()) {
+    return kind == "wood" ? 2 : kind == "textile" || kind == "food" ? 1.3 : 1;  // brown throughout
+  }
+  if (look.saturation > 0.6f) return kind == "plastic" ? 1.5 : kind == "stone" || kind == "wood" ? 0.5 : 1;
+  if (look.saturation < 0.12f && look.mean_opacity > 0) {
+    return kind == "stone" || kind == "ceramic" || kind == "metal" ? 1.3 : kind == "food" ? 0.6 : 1;
+  }
+  return 1;
+}
+
+}  // namespace
+
+Eigen::Vector3d sorted_box_m(const MeshFacts& mesh) {
+  Eigen::Vector3d box_m = mesh.box_m.minCoeff() > 0 ? mesh.box_m : mesh.size_m;
+  std::sort(box_m.data(), box_m.data() + 3, std::greater<>());
+  return box_m;
+}
+
+double least_drawn_wall_m(const MeshFacts& mesh) { return 0.03 * sorted_box_m(mesh).norm(); }
+
+double kind_likelihood(const ObjectRow& row, const ObjectFacts& facts) {
+  return size_fit(row, facts) * shape_fit(row, facts.mesh) *
+         looks_fit(material_row(row.material), facts.appearance);
+}
+
+}  // namespace livegs

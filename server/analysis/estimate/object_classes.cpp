@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "analysis/estimate/object_classes.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace livegs {
+namespace {
+
+// How much more likely a kind becomes when the name also tells its class of materials ("metal bowl").
+constexpr double kToldMaterial = 30;
+// How far size and shape may move the probabilities that a name gives.
+constexpr double kMostDoubt = 50;
+
+bool told(const Kinds& found, const ObjectRow& row) {
+  return material_row(row.material).material_class == found.material.row->material_class;
+}
+
+void normalise(std::vector<Kind>& kinds) {
+  double sum = 0;
+  for (const Kind& kind : kinds) sum += kind.probability;
+  for (Kind& kind : kinds) kind.probability = sum > 0 ? kind.probability / sum : 1.0 / kinds.size();
+  std::stable_sort(kinds.begin(), kinds.end(),
+                   [](const Kind& a, const Kind& b) { return a.probability > b.probability; });
+}
+
+// A fake of something else: "toy hammer", "artificial lemon".
+const ObjectRow* replica_row(const ObjectRow& row, const std::string& rest) {
+  if (row.category == "toy" || row.category == "replica" || row.category == "ball") return nullptr;
+  const std::string words = ' ' + rest + ' ';
+  for (const char* word :
+       {" toy ", " fake ", " artificial ", " replica ", " miniature ", " imitation ", " pretend "}) {
+    if (words.find(word) == std::string::npos) continue;
+    const bool food = row.category == "fruit" || row.category == "food";
+    return find_object_row(food ? "plastic fruit" : "toy");
+  }
+  return nullptr;
+}
+
+// The name without what was understood of it: an "apple" is not told to be of the material apple.
+std::string without(std::string words, const std::string& alias) {
+  const size_t at = words.find(alias);
+  return at == std::string::npos ? words : words.erase(at, alias.size());
+}
+
+void kinds_by_name(const ObjectFacts& facts, Kinds& found) {
+  const ObjectRow& row = *found.match.row;
+  const std::string rest_of_name = without(normalised_name(facts.name), found.match.alias);
+  found.material = match_material(rest_of_name);
+  if (const ObjectRow* replica = replica_row(row, rest_of_name)) {
+    found.kinds = {{replica, 1, nullptr}};
+    return;
+  }
+  double rest = 1;
+  for (const ObjectAlternative& alternative : row.alternatives) rest -= alternative.probability;
+  found.kinds = {{&row, rest, nullptr}};
+  for (const ObjectAlternative& alternative : row.alternatives) {
+    found.kinds.push_back({find_object_row(alternative.label), alternative.probability, nullptr});
+  }
+  if (found.material.row && row.fill != v1::Physics::FILLED) {
+    const bool any = std::any_of(found.kinds.begin(), found.kinds.end(),
+                                 [&](const Kind& kind) { return told(found, *kind.row); });
+    for (Kind& kind : found.kinds) {
+      if (any && told(found, *kind.row)) kind.probability *= kToldMaterial;
+      // "wooden" beside something that is of wood anyway adds nothing to what its kind says; "oak" does.
+      const bool differs =
+          found.material.outright ? found.material.row->name != kind.row->material : !told(found, *kind.row);
+      if (differs && (!any || told(found, *kind.row))) kind.material = found.material.row;
+    }
+  }
+  if (found.kinds.size() < 2) {
+    found.kinds.front().probability = 1;
+    return;
+  }
+  // The first thing a name means may have any size; what else it may mean has to fit.
+  double most = 0;
+  std::vector<double> fits;
+  for (const Kind& kind : found.kinds) {
+    // A replica has the size and shape of what it stands for.
+    fits.push_back(kind_likelihood(kind.row->category == "replica" ? row : *kind.row, facts));
+    most = std::max(most, fits.back());
+  }
+  for (size_t i = 0; i < fits.size(); ++i) {
+    found.kinds[i].probability *= most > 0 ? std::max(fits[i] / most, 1 / kMostDoubt) : 1;
+  }
+  normalise(found.kinds);
+}
+
+// How far a name is believed whose last word is not in the table: it may be a place or a person, and a "mug tuesday" is a
+// mug. Where that word makes another thing of it, next to nothing is left. Judgements.
+constexpr double kTailUnknown = 0.5, kTailOther = 0.05;
+
+// How much oftener than another kind it stands in a room or is captured. A judgement.
+double commonness(const ObjectRow& row) {
+  if (row.category == "package") return 2;
+  if (row.category == "living" || row.category == "vehicles") return 0.3;
+  for (const char* rare : {"clothes", "music", "sport", "outdoors"}) {
+    if (row.category == rare) return 0.5;
+  }
+  return 1;
+}
+
+void kinds_by_looks(const ObjectFacts& facts, Kinds& found) {
+  for (const ObjectRow& row : object_table()) {
+    double weight = commonness(row) * kind_likelihood(row, facts);
+    if (found.material.row && told(found, row)) weight *= kToldMaterial;
+    found.kinds.push_back({&row, weight, nullptr});
+  }
+  normalise(found.kinds);
+  // Those that make no difference are left out.
+  size_t kept = 0;
+  double sum = 0;
+  while (kept < found.kinds.size() && sum < 0.995) sum += found.kinds[kept++].probability;
+  found.kinds.resize(kept);
+  normalise(found.kinds);
+  if (!found.material.row || !found.material.outright) return;
+  for (Kind& kind : found.kinds) {
+    if (told(found, *kind.row) && kind.row->material != found.material.row->name)
+      kind.material = found.material.row;
+  }
+}
+
+}  // namespace
+
+Kinds object_kinds(const ObjectFacts& facts) {
+  Kinds found;
+  found.match = match_name(facts.name);
+  found.material = match_material(facts.name);
+  if (!found.match.row) {
+    kinds_by_looks(facts, found);
+    return found;
+  }
+  kinds_by_name(facts, found);
+  if (found.match.tail == NameMatch::Tail::Nothing) return found;
+  const double believed = found.match.tail == NameMatch::Tail::Unknown ? kTailUnknown : kTailOther;
+  Kinds by_looks;
+  by_looks.material = found.material;
+  kinds_by_looks(facts, by_looks);
+  for (Kind& kind : found.kinds) kind.probability *= believed;
+  for (Kind& kind : by_looks.kinds) {
+    kind.probability *= 1 - believed;
+    found.kinds.push_back(kind);
+  }
+  normalise(found.kinds);
+  return found;
+}
+
+}  // namespace livegs

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "analysis/gate/gate.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/gate/prior_check.h"
+#include "analysis/estimate/physics_values.h"
+#include "core/format_text.h"
+#include "physics/material.h"
+
+// Fusion: step 9 of the gate, whose outcome step 8 (gate_prior.h) then judges.
+
+namespace livegs {
+namespace {
+
+using v1::EstimatedValue;
+using v1::Physics;
+
+// A guessed scale may be off by as much.
+constexpr double kFarFromSize = 2.0;
+// A 90 % range reaches 1.645 standard deviations to each side. Models give ranges that are too narrow, so
+// none counts as better than 10 % in mass; a single number as good to a third.
+constexpr double kRangeDeviations = 3.29;
+constexpr double kLeastDeviation = 0.10, kLoneDeviation = 0.33;
+constexpr double kMostConfidence = 0.95;
+// Rubber and wood vary less from piece to piece than numbers for friction and bounce do from source to
+// source.
+constexpr double kLinearSpread = 0.15;
+
+// The one door: whatever was widened, fused or put to the vote on its way here, it ends within `hard`.
+void set(EstimatedValue& value, const Span3& span, ValueRange hard, std::string reason) {
+  const auto kept = [&](double one) { return std::clamp(one, hard.low, hard.high); };
+  value.set_low(kept(std::min(span.low, span.best)));
+  value.set_best(kept(span.best));
+  value.set_high(kept(std::max(span.high, span.best)));
+  value.set_source(EstimatedValue::MODEL);
+  value.set_reason(std::move(reason));
+}
+
+double deviation(const Span3& span) {
+  if (!(span.low > 0) || span.high <= span.low) return kLoneDeviation;
+  return std::max(kLeastDeviation, std::log(span.high / span.low) / kRangeDeviations);
+}
+
+// Two 90 % ranges as one: means weighed by inverse variance, in logarithms.
+Span3 fuse(const Span3& a, const Span3& b) {
+  const double sa = deviation(a), sb = deviation(b), wa = 1 / (sa * sa), wb = 1 / (sb * sb);
+  const double mean = (wa * std::log(a.best) + wb * std::log(b.best)) / (wa + wb);
+  // Where they disagree by more than their ranges say, the range covers that too.
+  const double apart = std::abs(std::log(a.best / b.best));
+  const double half =
+      0.5 * kRangeDeviations * std::sqrt(1 / (wa + wb)) + 0.25 * std::max(0.0, apart - sa - sb);
+  return {std::exp(mean - half), std::exp(mean), std::exp(mean + half)};
+}
+
+Span3 span_of(const EstimatedValue& value) { return {value.low(), value.best(), value.high()}; }
+
+Span3 around(double best) { return {best * (1 - kLinearSpread), best, best * (1 + kLinearSpread)}; }
+
+std::string model_says(const Answer& answer) {
+  if (answer.evidence.empty()) return "the model's judgement";
+  return (answer.blind ? "the model, without pictures: " : "the model saw: ") + answer.evidence;
+}
+
+// Wall of the part that most of a shell's mass is in.
+std::optional<double> wall_of(const Answer& answer, const ObjectFacts& facts) {
+  for (const AnswerPart& part : answer.parts) {
+    if (!part.thickness_m) continue;
+    const double thinnest = facts.mesh.size_m.minCoeff();
+    return thinnest > 0 ? std::min(*part.thickness_m, 0.5 * thinnest) : *part.thickness_m;
+  }
+  return std::nullopt;
+}
+
+// The answer's own, also where it has none: the estimate's belong to the thing that the estimate took it for.
+void set_parts(const Answer& answer, v1::PhysicalParameters& result) {
+  result.clear_parts();
+  if (answer.parts.size() < 2) return;
+  for (const AnswerPart& part : answer.parts) {
+    v1::MaterialPart& added = *result.add_parts();
+    added.set_name(part.name);
+    added.set_material(part.material->name);
+    added.set_mass_share(part.share);
+  }
+}
+
+// How far friction (as a factor), restitution and plasticity of a thing are from its material's: finish and wear.
+constexpr double kFrictionReach = 2.0, kRestitutionReach = 0.3, kPlasticityReach = 0.4;
+
+// What is told of a value, brought within reach of the material's.
+double within_reach(double told, double low, double high, const char* field, const MaterialRow& material,
+                    std::vector<std::string>& changes) {
+  const double kept = std::clamp(told, low, high);
+  if (kept != told)
+    changes.push_back(format_text("%s: %.3g was brought to %.3g, as near as %s comes to it", field, told, kept,
+                                  material.name.c_str()));
+  return kept;
+}
+
+// What the answer comes to, put in place of all that is not locked. Whether E is held against the prior
+// depends on whether both speak of the same material.
+v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
+                             const v1::PhysicalParameters& offline, std::vector<std::string>& changes) {
+  v1::PhysicalParameters result = offline;
+  const MaterialRow& material = *answer.parts.front().material;
+  const MaterialRow* before = find_material_row(offline.material());
+  const bool same_class = before && before->material_class == material.material_class;
+  if (!answer.name.empty()) result.set_label(answer.name);
+  result.set_material(material.name);
+  result.set_confidence(std::min(answer.confidence, kMostConfidence));
+  set_parts(answer, result);
+  if (answer.fill != Physics::FILL_UNKNOWN) {
+    result.set_fill(answer.fill);
+    result.set_fill_reason(model_says(answer));
+  }
+
+  EstimatedValue& mass = *result.mutable_mass_kg();
+  if (is_locked(mass)) {
+    changes.push_back("mass_g: left out, the mass is " +
+                      std::string(mass.source() == EstimatedValue::PERSON ? "a person's" : "the scene's"));
+  } else if (kMassRange_kg.holds(mass.best())) {
+    const Span3 both = fuse(answer.mass_kg, span_of(mass));
+    set(mass, both, kMassRange_kg,
+        format_text("%.4g g by the model and %.4g g by geometry and kind, weighed by their ranges; ",
+                    answer.mass_kg.best * 1e3, mass.best() * 1e3) +
+            model_says(answer));
+    changes.push_back(format_text("mass_g: %.4g fused with %.4g to %.4g", answer.mass_kg.best * 1e3,
+                                  offline.mass_kg().best() * 1e3, both.best * 1e3));
+  } else {
+    set(mass, answer.mass_kg, kMassRange_kg, model_says(answer));
+  }
+
+  EstimatedValue& young = *result.mutable_youngs_modulus_pa();
+  if (!is_locked(young)) {
+    if (answer.youngs_modulus_pa && same_class && kYoungsRange_pa.holds(young.best())) {
+      const double prior = young.best();
+      set(young, fuse(*answer.youngs_modulus_pa, span_of(young)), kYoungsRange_pa,
+          format_text("%.3g MPa by the model, weighed with the table's %.3g MPa; ",
+                      answer.youngs_modulus_pa->best * 1e-6, prior * 1e-6) +
+              material.name);
+      changes.push_back(format_text("young_mpa: %.4g fused with %.4g to %.4g",
+                                    answer.youngs_modulus_pa->best * 1e-6, prior * 1e-6,
+                                    young.best() * 1e-6));
+    } else if (answer.youngs_modulus_pa) {
+      set(young, *answer.youngs_modulus_pa, kYoungsRange_pa, "by the model; " + material.name);
+    } else if (!same_class) {
+      set(young, material.youngs_modulus_pa, kYoungsRange_pa, material.name);
+    }
+  }
+  EstimatedValue& structure = *result.mutable_structure_coefficient();
+  if (!is_locked(structure) && answer.structure_coefficient) {
+    const Span3& told = *answer.structure_coefficient;
+    const Span3 spread =
+        told.high > told.low ? told : Span3{told.best / 1.5, told.best, told.best * 1.5};
+    set(structure, spread, kStructureRange,
+        told.best < 1 ? "the model's: thin or hollow things bend more easily than their material" : "bulk");
+  }
+  if (!is_locked(result.plasticity())) {
+    if (answer.plasticity) {
+      const double kept = within_reach(*answer.plasticity, material.plasticity - kPlasticityReach,
+                                       material.plasticity + kPlasticityReach, "plasticity", material, changes);
+      set(*result.mutable_plasticity(), around(kept), kUnitRange, "by the model");
+    } else if (!same_class)
+      set(*result.mutable_plasticity(), around(material.plasticity), kUnitRange, material.name);
+  }
+  if (!is_locked(result.friction()) && answer.friction) {
+    const double kept = within_reach(*answer.friction, material.friction / kFrictionReach,
+                                     material.friction * kFrictionReach, "friction", material, changes);
+    set(*result.mutable_friction(), around(kept), kFrictionRange, "by the model");
+  }
+  if (!is_locked(result.restitution()) && answer.restitution) {
+    const double kept = within_reach(*answer.restitution, material.restitution - kRestitutionReach,
+                                     material.restitution + kRestitutionReach, "restitution", material, changes);
+    set(*result.mutable_restitution(), around(kept), kUnitRange, "by the model");
+  }
+  if (!same_class && !is_locked(result.poisson_ratio())) {
+    set(*result.mutable_poisson_ratio(), around(material.poisson_ratio), {0, 0.49}, material.name);
+  }
+  if (!same_class && !is_locked(result.damping())) {
+    set(*result.mutable_damping(), around(material.loss_factor), {0, 2},
+        "loss factor of " + material.material_class);
+  }
+  const bool shell = result.fill() == Physics::SHELL || result.fill() == Physics::OPEN_SHELL;
+  if (!is_locked(result.wall_thickness_m())) {
+    if (const auto wall = wall_of(answer, facts); wall && shell) {
+      set(*result.mutable_wall_thickness_m(), {*wall * 0.7, *wall, *wall * 1.4}, kWallRange_m,
+          "by the model");
+    }
+  }
+
+  const Span3 e = span_of(result.youngs_modulus_pa()), s = span_of(result.structure_coefficient());
+  if (!is_locked(result.deformation_resistance())) {
+    EstimatedValue& resistance = *result.mutable_deformation_resistance();
+    set(resistance,
+        {deformation_resistance(s.low * e.low), deformation_resistance(s.best * e.best),
+         deformation_resistance(s.high * e.high)},
+        kUnitRange, "from E* = s E by the paper's map");
+  }
+  result.set_behavior(answer.behavior);
+  result.set_behavior_reason(format_text("E* = s E = %.3g MPa; ", s.best * e.best * 1e-6) +
+                             model_says(answer));
+  result.set_fragile(answer.fragile);
+  if (answer.fragile && !is_locked(result.break_impulse_n_s())) {
+    // Falls of 0.2, 0.5 and 1.2 m, as the offline estimate has them.
+    const double kg = result.mass_kg().best();
+    set(*result.mutable_break_impulse_n_s(), {2.0 * kg, 3.1 * kg, 4.9 * kg}, {0, 5 * std::max(kg, kMassRange_kg.high)},
+        "a fall of about half a metre");
+  }
+  return result;
+}
+
+// What else it says of the object, for the person who reads the record: no value rests on it.
+std::vector<std::string> remarks_of(const Answer& answer, const ObjectFacts& facts) {
+  std::vector<std::string> remarks;
+  std::string name = "it took the object for \"" + answer.name + "\"";
+  if (answer.name_confidence) name += format_text(", sure of that to %.2g", *answer.name_confidence);
+  if (answer.replica) name += *answer.replica ? ", a toy or a fake of one" : ", a real one";
+  remarks.push_back(std::move(name));
+  const double stands_m = facts.mesh.size_m.maxCoeff();
+  if (answer.longest_side_m && stands_m > 0) {
+    std::string size = format_text("it took it to be %.3g m long; it stands %.3g m long", *answer.longest_side_m, stands_m);
+    if (std::abs(std::log(*answer.longest_side_m / stands_m)) > std::log(kFarFromSize)) {
+      size += facts.scale_known ? ", which was measured" : ", which is a guess: if the model is right, give the object a scale";
+    }
+    remarks.push_back(std::move(size));
+  }
+  if (!answer.kb_ids.empty()) {
+    std::string rows;
+    for (const std::string& id : answer.kb_ids) rows += (rows.empty() ? "" : ", ") + id;
+    remarks.push_back("it went by " + rows);
+  }
+  return remarks;
+}
+
+}  // namespace
+
+Judgement weigh_answer(const Answer& answer, const ObjectFacts& facts,
+                       const v1::PhysicalParameters& offline) {
+  Judgement judgement;
+  judgement.changes = answer.changes;
+  judgement.remarks = remarks_of(answer, facts);
+  judgement.proposal = fused(answer, facts, offline, judgement.changes);
+  judgement.message = far_from_prior(answer, facts, offline, judgement.proposal);
+  judgement.verdict = judgement.message.empty() ? Verdict::Accepted : Verdict::NeedsReview;
+  judgement.parameters = judgement.message.empty() ? judgement.proposal : offline;
+  return judgement;
+}
+
+}  // namespace livegs

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "analysis/gate/prior_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "analysis/gate/mass_bounds.h"
+#include "analysis/estimate/object_classes.h"
+#include "analysis/estimate/physics_values.h"
+#include "core/format_text.h"
+
+namespace livegs {
+namespace {
+
+using v1::EstimatedValue;
+using v1::Physics;
+
+constexpr double kFarFromPrior = 8.0;
+// Below this the estimate is by looks alone, and says nothing of the material.
+constexpr double kTellingConfidence = 0.399;
+// Above E* = 200 MPa all things are rigid, and how much above does not matter; below 1 MPa a hand deforms all. What
+// is of a kind between the two may be called either.
+constexpr double kRigid_pa = 200e6, kYields_pa = 1e6;
+// Above this the estimate takes things for rigid that are not soft by nature.
+constexpr double kStiff_pa = 20e6;
+// A part of less than this share of the mass holds nothing and names nothing.
+constexpr double kHoldingShare = 0.05, kTellingShare = 0.1;
+
+Span3 span_of(const EstimatedValue& value) { return {value.low(), value.best(), value.high()}; }
+
+Span3 product(const Span3& a, const Span3& b) { return {a.low * b.low, a.best * b.best, a.high * b.high}; }
+
+bool far(double value, const Span3& prior) {
+  const bool within = value >= prior.low && value <= prior.high;
+  return !within && !(std::abs(std::log(value / prior.best)) <= std::log(kFarFromPrior));
+}
+
+bool soft_by_nature(const std::string& material_class) {
+  for (const char* name : {"elastomer", "foam", "textile", "stuffed", "plant", "food"}) {
+    if (material_class == name) return true;
+  }
+  return false;
+}
+
+// One of the things that the name may mean.
+struct KnownKind {
+  std::vector<std::string> classes;  // of its material, then of its parts'
+  Span3 stiffness_pa;                // E* = s E
+};
+
+void add_class(KnownKind& kind, std::string_view material) {
+  if (const MaterialRow* row = find_material_row(material)) kind.classes.push_back(row->material_class);
+}
+
+bool means(const ObjectRow& name, const ObjectRow& thing) {
+  return &name == &thing || std::any_of(name.alternatives.begin(), name.alternatives.end(),
+                                        [&](const auto& other) { return other.label == thing.label; });
+}
+
+// Empty where the object is not known by a name. The scale is left out of it: it moves the mass, not the material.
+std::vector<KnownKind> known_kinds(const Kinds& found, const ObjectFacts& facts,
+                                   const v1::PhysicalParameters& offline) {
+  const bool named = found.match.row && found.match.tail == NameMatch::Tail::Nothing;
+  const double confidence = offline.confidence() / (facts.scale_known ? 1 : kGuessedScaleTrust);
+  if (!named && confidence < kTellingConfidence) return {};
+  std::vector<KnownKind> known;
+  KnownKind own;
+  add_class(own, offline.material());
+  for (const v1::MaterialPart& part : offline.parts()) add_class(own, part.material());
+  own.stiffness_pa = product(span_of(offline.structure_coefficient()), span_of(offline.youngs_modulus_pa()));
+  if (own.stiffness_pa.best > 0 && !own.classes.empty()) known.push_back(std::move(own));
+  if (!found.match.row || found.match.tail == NameMatch::Tail::AnotherThing) return known;
+
+  const auto material_of = [](const Kind& kind) -> const MaterialRow& {
+    return kind.material ? *kind.material : material_row(kind.row->material);
+  };
+  // A "wooden bowl" means none of steel, where it means any of wood.
+  const auto told = [&](const Kind& kind) {
+    return found.material.row && material_of(kind).material_class == found.material.row->material_class;
+  };
+  const bool any_told = std::any_of(found.kinds.begin(), found.kinds.end(), told);
+  for (const Kind& kind : found.kinds) {
+    if (found.kinds.size() > 1 && !means(*found.match.row, *kind.row)) continue;  // by its looks
+    if (any_told && !told(kind)) continue;
+    KnownKind one;
+    one.classes.push_back(material_of(kind).material_class);
+    for (const ObjectPart& part : kind.row->parts) add_class(one, part.material);
+    one.stiffness_pa = product(kind.row->structure_coefficient, material_of(kind).youngs_modulus_pa);
+    known.push_back(std::move(one));
+  }
+  return known;
+}
+
+// Whether what it is made of is what one of the kinds may be of. What is put together may be of anything; and that a thing
+// is of another hard or of another soft material than its name says is the model's to see, where it agrees on the thing.
+bool material_fits(const Answer& answer, const Kinds& found, const std::vector<KnownKind>& known) {
+  const auto fits = [&](const std::string& material_class, bool agreed) {
+    for (const KnownKind& kind : known) {
+      for (const std::string& one : kind.classes) {
+        if (one == material_class || one == "assembly") return true;
+      }
+      if (agreed && soft_by_nature(material_class) == soft_by_nature(kind.classes.front())) return true;
+    }
+    return false;
+  };
+  const auto any = [&](bool agreed) {
+    for (const AnswerPart& part : answer.parts) {
+      if (&part != &answer.parts.front() && part.share < kTellingShare) break;
+      if (fits(part.material->material_class, agreed)) return true;
+    }
+    return false;
+  };
+  if (any(false)) return true;
+  if (!found.match.row) return false;
+  const NameMatch named = match_name(answer.name);
+  const bool agreed = named.row && (means(*found.match.row, *named.row) || means(*named.row, *found.match.row));
+  return agreed && any(true);
+}
+
+// What is rigid is held by something that is; a crumb of stoneware in foam holds nothing.
+std::string rigid_at_odds(const Answer& answer, const v1::PhysicalParameters& proposal) {
+  if (proposal.behavior() != Physics::RIGID) return "";
+  double young = 0;
+  if (is_locked(proposal.youngs_modulus_pa())) {
+    young = proposal.youngs_modulus_pa().best();
+  } else if (answer.youngs_modulus_pa) {
+    young = answer.youngs_modulus_pa->best;
+  } else {
+    for (const AnswerPart& part : answer.parts) {
+      if (&part == &answer.parts.front() || part.share >= kHoldingShare)
+        young = std::max(young, part.material->youngs_modulus_pa.best);
+    }
+  }
+  const double stiffness = young * (answer.structure_coefficient ? answer.structure_coefficient->best : 1.0);
+  if (!(stiffness < kYields_pa)) return "";
+  return format_text("behaviour: rigid does not fit s E = %.3g MPa of %s, which a hand deforms (below %g MPa)",
+                     stiffness * 1e-6, materials_of(answer).c_str(), kYields_pa * 1e-6);
+}
+
+std::string behaviour_far(const v1::PhysicalParameters& proposal, const v1::PhysicalParameters& offline,
+                          const std::vector<KnownKind>& known) {
+  const bool rigid = proposal.behavior() == Physics::RIGID;
+  if (proposal.behavior() == offline.behavior()) return "";
+  for (const KnownKind& kind : known) {
+    if (rigid ? kind.stiffness_pa.best >= kYields_pa : kind.stiffness_pa.best <= kRigid_pa) return "";
+  }
+  return format_text("behaviour: %s, where a thing called \"%s\" is %s, with s E = %.3g MPa",
+                     rigid ? "rigid" : "elastic", offline.label().c_str(), rigid ? "elastic" : "rigid",
+                     known.front().stiffness_pa.best * 1e-6);
+}
+
+// Held against each other as E* = s E: what one calls thin, the other calls soft.
+std::string stiffness_far(const Answer& answer, const v1::PhysicalParameters& proposal,
+                          const std::vector<KnownKind>& known) {
+  const EstimatedValue& young = proposal.youngs_modulus_pa();
+  const EstimatedValue& structure = proposal.structure_coefficient();
+  if (is_locked(young) && is_locked(structure)) return "";
+  const auto fits = [&](double told) {
+    return std::any_of(known.begin(), known.end(), [&](const KnownKind& kind) {
+      const double stiff = soft_by_nature(kind.classes.front()) ? kRigid_pa : kStiff_pa;
+      return (told > kRigid_pa && kind.stiffness_pa.best > stiff) || !far(told, kind.stiffness_pa);
+    });
+  };
+  const double s = structure.best() > 0 ? structure.best() : 1.0;
+  const double fused = young.best() * s;
+  const double told = answer.youngs_modulus_pa && !is_locked(young) ? answer.youngs_modulus_pa->best * s : fused;
+  for (const double one : {told, fused}) {
+    if (fits(one)) continue;
+    return format_text("%s: s E = %.3g MPa is more than %g times away from the %.3g MPa that its kind suggests",
+                       answer.youngs_modulus_pa ? "young_mpa.best" : "structure_s", one * 1e-6, kFarFromPrior,
+                       known.front().stiffness_pa.best * 1e-6);
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string far_from_prior(const Answer& answer, const ObjectFacts& facts, const v1::PhysicalParameters& offline,
+                           const v1::PhysicalParameters& proposal) {
+  const EstimatedValue& mass = offline.mass_kg();
+  if (!is_locked(mass)) {
+    if (mass.best() > 0 && far(answer.mass_kg.best, span_of(mass))) {
+      return format_text(
+          "mass_g.best: %.4g g is more than %g times away from the %.4g g that size and kind suggest",
+          answer.mass_kg.best * 1e3, kFarFromPrior, mass.best() * 1e3);
+    }
+    if (auto why = mass_at_odds(answer, facts); !why.empty()) return why;
+  }
+  if (auto why = rigid_at_odds(answer, proposal); !why.empty()) return why;
+  const Kinds found = object_kinds(facts);
+  const std::vector<KnownKind> known = known_kinds(found, facts, offline);
+  if (known.empty()) return "";
+  if (auto why = behaviour_far(proposal, offline, known); !why.empty()) return why;
+  if (!material_fits(answer, found, known)) {
+    return format_text("parts: %s, where a thing called \"%s\" is of %s", materials_of(answer).c_str(),
+                       offline.label().c_str(), offline.material().c_str());
+  }
+  return stiffness_far(answer, proposal, known);
+}
+
+}  // namespace livegs

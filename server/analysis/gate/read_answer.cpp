@@ -1,0 +1,369 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "analysis/gate/answer.h"
+#include "analysis/gate/answer_object.h"
+#include "analysis/knowledge/tables.h"
+#include "analysis/knowledge/table_search.h"
+#include "analysis/knowledge/name_match.h"
+#include "analysis/text/prompt_text.h"
+
+// Steps 1 to 4 of the gate: parse, schema, order, hard ranges. The first thing that is wrong ends the
+// reading; what is merely odd is mended and noted.
+
+namespace livegs {
+namespace {
+
+using nlohmann::json;
+using v1::Physics;
+
+constexpr const char* kKnownFields[] = {"schema",          "description",      "evidence",   "name",
+                                        "name_confidence", "is_replica",       "fill",       "parts",
+                                        "behaviour",       "size_m",           "mass_g",     "young_mpa",
+                                        "structure_s",     "plasticity_level", "plasticity", "fragile",
+                                        "friction",        "restitution",      "confidence", "kb_ids",
+                                        "behavior"};
+
+std::string number_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
+}
+
+class Reader {
+ public:
+  Reader(const json& object, const PromptWords& words) : object_(object), words_(words) {}
+
+  // Each gives nothing and keeps the first error where the field will not do.
+  const json* find(const char* field) const {
+    const auto found = object_.find(field);
+    return found == object_.end() || found->is_null() ? nullptr : &*found;
+  }
+  const json* require(const char* field, const char* form) {
+    const json* value = find(field);
+    if (!value) fail("missing", {{"field", field}, {"form", words_.say(form)}});
+    return value;
+  }
+  std::optional<double> number(const json& value, const std::string& field, ValueRange range,
+                               double factor = 1) {
+    double number = 0;
+    if (value.is_number()) {
+      number = value.get<double>();
+    } else if (value.is_string()) {
+      const auto& text = value.get_ref<const std::string&>();
+      const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
+      if (text.empty() || parsed.ec != std::errc() || parsed.ptr != text.data() + text.size()) {
+        return fail("text_for_number", {{"field", field}}), std::nullopt;
+      }
+      answer.changes.push_back(field + ": the text \"" + shown_text(text, 24) + "\" was read as a number");
+    } else {
+      return other_type(value, field, "form_number"), std::nullopt;
+    }
+    if (!std::isfinite(number)) return fail("not_finite", {{"field", field}}), std::nullopt;
+    if (!range.holds(number * factor)) {
+      return fail("outside", {{"field", field},
+                              {"told", number_text(number)},
+                              {"low", number_text(range.low / factor)},
+                              {"high", number_text(range.high / factor)},
+                              {"unit", unit_of(field)}}),
+             std::nullopt;
+    }
+    return number * factor;
+  }
+  std::optional<double> optional_number(const char* field, ValueRange range) {
+    const json* value = find(field);
+    return value && !failed() ? number(*value, field, range) : std::nullopt;
+  }
+  // {low, best, high}; a bare number stands for all three.
+  std::optional<Span3> span(const json& value, const std::string& field, ValueRange range, double factor) {
+    if (value.is_number()) {
+      const auto one = number(value, field, range, factor);
+      if (!one) return std::nullopt;
+      answer.changes.push_back(field + ": a single number was read as its best value, without a range");
+      return Span3{*one, *one, *one};
+    }
+    if (!value.is_object()) return other_type(value, field, "form_range"), std::nullopt;
+    double numbers[3] = {};
+    constexpr const char* kNames[] = {"low", "best", "high"};
+    for (int i = 0; i < 3; ++i) {
+      const auto found = value.find(kNames[i]);
+      const std::string member = field + "." + kNames[i];
+      if (found == value.end())
+        return fail("missing", {{"field", member}, {"form", words_.say("form_number")}}), std::nullopt;
+      const auto one = number(*found, member, range, factor);
+      if (!one) return std::nullopt;
+      numbers[i] = *one;
+    }
+    if (!(numbers[0] <= numbers[1] && numbers[1] <= numbers[2])) {
+      const std::string unit = unit_of(field);
+      return fail("out_of_order", {{"field", field}, {"in_unit", unit.empty() ? "" : words_.say("in_unit", {{"unit", unit}})}}),
+             std::nullopt;
+    }
+    if (numbers[2] > kWidestRatio * numbers[0]) {
+      return fail("too_wide", {{"field", field}, {"most", number_text(kWidestRatio)}}), std::nullopt;
+    }
+    return Span3{numbers[0], numbers[1], numbers[2]};
+  }
+  std::string text(const char* field, size_t characters) const {
+    const json* value = find(field);
+    return value && value->is_string() ? shown_text(value->get_ref<const std::string&>(), characters) : "";
+  }
+  std::optional<bool> boolean(const char* field) {
+    const json* value = find(field);
+    if (!value || failed()) return std::nullopt;
+    if (!value->is_boolean()) return fail("no_boolean", {{"field", field}}), std::nullopt;
+    return value->get<bool>();
+  }
+
+  void fill() {
+    const json* value = require("fill", "form_fill");
+    if (!value || failed()) return;
+    const std::string word = value->is_string() ? value->get<std::string>() : "";
+    if (word == "solid")
+      answer.fill = Physics::SOLID;
+    else if (word == "shell")
+      answer.fill = Physics::SHELL;
+    else if (word == "open_shell")
+      answer.fill = Physics::OPEN_SHELL;
+    else if (word == "filled")
+      answer.fill = Physics::FILLED;
+    else if (word != "assembly")
+      fail("fill_word");
+  }
+  void behaviour() {
+    const json* value = find("behavior") ? find("behavior") : require("behaviour", "form_behaviour");
+    if (!value || failed()) return;
+    const std::string word = value->is_string() ? value->get<std::string>() : "";
+    if (word == "rigid")
+      answer.behavior = Physics::RIGID;
+    else if (word == "elastic")
+      answer.behavior = Physics::ELASTIC;
+    else
+      fail("behaviour_word");
+  }
+  void parts() {
+    const json* value = require("parts", "form_parts");
+    if (!value || failed()) return;
+    if (!value->is_array() || value->empty()) return fail("parts_none");
+    if (value->size() > kMaxAnswerParts) return fail("parts_many");
+    double sum = 0;
+    for (size_t i = 0; i < value->size() && !failed(); ++i) {
+      part((*value)[i], "parts[" + std::to_string(i) + "]");
+      if (!failed()) sum += answer.parts.back().share;
+    }
+    if (failed()) return;
+    if (!(sum > 0)) return fail("parts_no_share");
+    if (std::abs(sum - 1) > 0.02) {
+      answer.changes.push_back("parts: the shares added up to " + number_text(sum) +
+                               " and were brought to 1");
+    }
+    for (AnswerPart& part : answer.parts) part.share /= sum;
+    std::stable_sort(answer.parts.begin(), answer.parts.end(),
+                     [](const AnswerPart& a, const AnswerPart& b) { return a.share > b.share; });
+  }
+  void part(const json& value, const std::string& field) {
+    if (!value.is_object()) return fail("part_form", {{"field", field}});
+    AnswerPart part;
+    const auto name = value.find("name");
+    if (name != value.end() && name->is_string())
+      part.name = shown_text(name->get_ref<const std::string&>(), 40);
+    const auto id = value.find("material_id");
+    if (id == value.end() || !id->is_string()) return fail("part_material", {{"field", field}});
+    const auto& material = id->get_ref<const std::string&>();
+    part.material = find_material_row(material);
+    if (!part.material && material.size() <= 64) {
+      part.material = match_material(shown_text(material, 64)).row;
+      if (part.material) {
+        answer.changes.push_back(field + ".material_id: \"" + shown_text(material, 40) + "\" was read as " +
+                                 part.material->name);
+      }
+    }
+    if (!part.material) return fail("part_unknown", {{"field", field}, {"told", line_text(material, 40)}});
+    const auto share = value.find("share");
+    if (share == value.end() || share->is_null()) {
+      part.share = 1;
+    } else if (const auto number = this->number(*share, field + ".share", kUnitRange)) {
+      part.share = *number;
+    }
+    const auto thickness = value.find("thickness_mm");
+    if (!failed() && thickness != value.end() && !thickness->is_null()) {
+      // A solid part may well say 0.
+      if (thickness->is_number() && thickness->get<double>() == 0) {
+        answer.changes.push_back(field + ".thickness_mm: 0 was left out");
+      } else {
+        part.thickness_m = number(*thickness, field + ".thickness_mm", kWallRange_m, 1e-3);
+      }
+    }
+    if (!failed()) answer.parts.push_back(std::move(part));
+  }
+  void plasticity() {
+    answer.plasticity = optional_number("plasticity", kUnitRange);
+    const json* level = find("plasticity_level");
+    if (answer.plasticity || !level || failed()) return;
+    if (level->is_number()) {
+      answer.plasticity = number(*level, "plasticity_level", kUnitRange);
+    } else if (level->is_string()) {
+      if (const auto* one = find_plasticity_level(level->get_ref<const std::string&>())) answer.plasticity = one->plasticity;
+    }
+    if (!answer.plasticity && !failed())
+      answer.changes.push_back("plasticity_level: is not of the ladder, left out");
+  }
+  // No value rests on these four: what will not do of them is left out and the answer stands.
+  void size() {
+    const json* value = find("size_m");
+    if (!value || failed()) return;
+    double longest = 0;
+    bool sound = value->is_array() && value->size() == 3;
+    for (size_t i = 0; sound && i < 3; ++i) {
+      const json& side = (*value)[i];
+      sound = side.is_number() && kSizeRange_m.holds(side.get<double>());
+      if (sound) longest = std::max(longest, side.get<double>());
+    }
+    if (sound) {
+      answer.longest_side_m = longest;
+    } else {
+      answer.changes.push_back("size_m: is not three lengths in metres, left out");
+    }
+  }
+  void confidence() {
+    const json* value = find("confidence");
+    if (!value || failed()) return;
+    const double number = value->is_number() ? value->get<double>() : -1;
+    if (kUnitRange.holds(number)) {
+      answer.confidence = number;
+    } else {
+      answer.changes.push_back("confidence: is no number from 0 to 1, left out");
+    }
+  }
+  void name_confidence() {
+    const json* value = find("name_confidence");
+    if (!value || failed()) return;
+    const double number = value->is_number() ? value->get<double>() : -1;
+    if (kUnitRange.holds(number)) {
+      answer.name_confidence = number;
+    } else {
+      answer.changes.push_back("name_confidence: is no number from 0 to 1, left out");
+    }
+  }
+  void sources() {
+    const json* value = find("kb_ids");
+    if (!value || failed() || !value->is_array()) return;
+    size_t unknown = 0;
+    for (size_t i = 0; i < std::min(value->size(), kMaxAnswerSources); ++i) {
+      const json& one = (*value)[i];
+      const std::string id = one.is_string() ? shown_text(one.get_ref<const std::string&>(), 64) : "";
+      const KnowledgeHit row = find_knowledge(id);
+      if (row.material || row.object) {
+        answer.kb_ids.push_back(row.id);
+      } else {
+        ++unknown;
+      }
+    }
+    if (unknown > 0) answer.changes.push_back("kb_ids: " + std::to_string(unknown) + " of no row, left out");
+  }
+  void ignored_fields() {
+    size_t ignored = 0;
+    for (const auto& item : object_.items()) {
+      const std::string& field = item.key();
+      const bool known = std::any_of(std::begin(kKnownFields), std::end(kKnownFields),
+                                     [&](const char* one) { return field == one; });
+      if (!known && ++ignored <= 4)
+        answer.changes.push_back(shown_text(field, 32) + ": is no field, left out");
+    }
+  }
+
+  // By a line of prompts/complaints.json.
+  void fail(std::string_view line, std::initializer_list<std::pair<std::string_view, std::string_view>> slots = {}) {
+    if (!error_) error_ = invalid_data(words_.say(line, slots));
+  }
+  bool failed() const { return error_.has_value(); }
+  const Error& error() const { return *error_; }
+
+  Answer answer;
+
+ private:
+  void other_type(const json& value, const std::string& field, const char* form) {
+    fail("other_type", {{"field", field}, {"type", std::string("JSON ") + value.type_name()}, {"form", words_.say(form)}});
+  }
+  // Of a field's numbers.
+  std::string unit_of(const std::string& field) const {
+    if (field.starts_with("mass_g")) return words_.say("unit_mass");
+    return field.starts_with("young_mpa") ? words_.say("unit_young") : "";
+  }
+
+  const json& object_;
+  const PromptWords& words_;
+  std::optional<Error> error_;
+};
+
+}  // namespace
+
+std::string shown_text(std::string_view text, size_t characters) {
+  std::string shown;
+  size_t count = 0;
+  for (size_t i = 0; i < text.size() && count < characters;) {
+    const auto c = static_cast<unsigned char>(text[i]);
+    const size_t length = c < 0x80 ? 1 : c >= 0xf0 ? 4 : c >= 0xe0 ? 3 : c >= 0xc0 ? 2 : 0;
+    const bool control = c < 0x20 || c == 0x7f ||
+                         (c == 0xc2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xa0);
+    bool whole = length > 0 && i + length <= text.size();
+    for (size_t k = 1; whole && k < length; ++k)
+      whole = (static_cast<unsigned char>(text[i + k]) & 0xc0) == 0x80;
+    // U+200B … U+200F, U+2028 … U+202E and U+2066 … U+2069 hide text or turn it round.
+    const bool hides = whole && length == 3 && c == 0xe2 &&
+                       ((text[i + 1] == '\x80' && ((text[i + 2] >= '\x8b' && text[i + 2] <= '\x8f') ||
+                                                   (text[i + 2] >= '\xa8' && text[i + 2] <= '\xae'))) ||
+                        (text[i + 1] == '\x81' && text[i + 2] >= '\xa6' && text[i + 2] <= '\xa9'));
+    if (!whole) {
+      ++i;
+      continue;
+    }
+    if (control || hides) {
+      if (!shown.empty() && shown.back() != ' ') shown += ' ', ++count;
+    } else {
+      shown.append(text.substr(i, length));
+      ++count;
+    }
+    i += length;
+  }
+  return shown;
+}
+
+Result<Answer> read_answer(std::string_view text, const PromptWords& words) {
+  const auto object = answer_object(text, words);
+  if (!object) return object.error();
+  Reader read(*object, words);
+  Answer& answer = read.answer;
+  answer.name = read.text("name", 80);
+  answer.description = read.text("description", 240);
+  answer.evidence = read.text("evidence", 320);
+  read.fill();
+  read.behaviour();
+  read.parts();
+  if (const json* mass = read.require("mass_g", "form_mass"); mass && !read.failed()) {
+    answer.mass_kg = read.span(*mass, "mass_g", kMassRange_kg, 1e-3).value_or(Span3{});
+  }
+  if (const json* young = read.find("young_mpa"); young && !read.failed()) {
+    answer.youngs_modulus_pa = read.span(*young, "young_mpa", kYoungsRange_pa, 1e6);
+  }
+  if (const json* structure = read.find("structure_s"); structure && !read.failed()) {
+    answer.structure_coefficient = read.span(*structure, "structure_s", kStructureRange, 1);
+  }
+  read.plasticity();
+  if (read.require("fragile", "form_boolean") && !read.failed())
+    answer.fragile = read.boolean("fragile").value_or(false);
+  read.name_confidence();
+  answer.replica = read.boolean("is_replica");
+  answer.friction = read.optional_number("friction", kFrictionRange);
+  answer.restitution = read.optional_number("restitution", kUnitRange);
+  read.confidence();
+  read.size();
+  read.sources();
+  read.ignored_fields();
+  if (read.failed()) return read.error();
+  return std::move(answer);
+}
+
+}  // namespace livegs

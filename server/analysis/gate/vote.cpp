@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "analysis/gate/gate.h"
+#include "core/assert.h"
+#include "core/format_text.h"
+
+namespace livegs {
+namespace {
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const size_t middle = values.size() / 2;
+  return values.size() % 2 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+}
+
+double log_median(std::vector<double> values) {
+  for (double& value : values) value = std::log(value);
+  return std::exp(median(std::move(values)));
+}
+
+template <class Value>
+std::vector<Value> each(std::span<const Answer> answers, std::optional<Value> Answer::*member) {
+  std::vector<Value> found;
+  for (const Answer& answer : answers) {
+    if (answer.*member) found.push_back(*(answer.*member));
+  }
+  return found;
+}
+
+// Medians of the bests; the range reaches over all bests and the median ends.
+Span3 span_median(const std::vector<Span3>& spans) {
+  std::vector<double> low, best, high;
+  for (const Span3& span : spans) {
+    low.push_back(span.low);
+    best.push_back(span.best);
+    high.push_back(span.high);
+  }
+  return {std::min(log_median(low), *std::min_element(best.begin(), best.end())), log_median(best),
+          std::max(log_median(high), *std::max_element(best.begin(), best.end()))};
+}
+
+// What most say; of equals, what was said first.
+template <class Key, class Of>
+size_t majority(std::span<const Answer> answers, Of of) {
+  size_t first = 0, most = 0;
+  for (size_t i = 0; i < answers.size(); ++i) {
+    const Key key = of(answers[i]);
+    const auto votes = static_cast<size_t>(
+        std::count_if(answers.begin(), answers.end(), [&](const Answer& one) { return of(one) == key; }));
+    if (votes > most) {
+      most = votes;
+      first = i;
+    }
+  }
+  return first;
+}
+
+}  // namespace
+
+Answer vote(std::span<const Answer> answers) {
+  LIVEGS_ASSERT(!answers.empty());
+  if (answers.size() == 1) return answers.front();
+  // Parts, fill, behaviour and fragility are one judgement: they come together from one answer.
+  const size_t chosen = majority<std::string>(answers, [](const Answer& one) {
+    return one.parts.front().material->name + "/" + std::to_string(one.behavior) + std::to_string(one.fill) +
+           (one.fragile ? "!" : "");
+  });
+  Answer result = answers[chosen];
+  std::vector<Span3> masses;
+  for (const Answer& answer : answers) masses.push_back(answer.mass_kg);
+  result.mass_kg = span_median(masses);
+  // The moduli of different materials have no middle; only those of the chosen one are asked.
+  std::vector<Span3> young, structure;
+  for (const Answer& answer : answers) {
+    if (answer.parts.front().material != result.parts.front().material || answer.behavior != result.behavior)
+      continue;
+    if (answer.youngs_modulus_pa) young.push_back(*answer.youngs_modulus_pa);
+    if (answer.structure_coefficient) structure.push_back(*answer.structure_coefficient);
+  }
+  if (!young.empty()) result.youngs_modulus_pa = span_median(young);
+  if (!structure.empty()) result.structure_coefficient = span_median(structure);
+  const auto numbers = [&](std::optional<double> Answer::*member) {
+    const std::vector<double> found = each(answers, member);
+    if (!found.empty()) result.*member = median(found);
+  };
+  numbers(&Answer::plasticity);
+  numbers(&Answer::friction);
+  numbers(&Answer::restitution);
+  std::vector<double> confidences;
+  for (const Answer& answer : answers) confidences.push_back(answer.confidence);
+  result.confidence = median(confidences);
+  const auto [least, most] = std::minmax_element(
+      masses.begin(), masses.end(), [](const Span3& a, const Span3& b) { return a.best < b.best; });
+  result.changes.push_back(format_text("%zu views were asked; mass_g from %.4g to %.4g, their median is %.4g",
+                                       answers.size(), least->best * 1e3, most->best * 1e3,
+                                       result.mass_kg.best * 1e3));
+  return result;
+}
+
+}  // namespace livegs

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string_view>
+
+#include "analysis/text/message_templates.h"
+#include "core/result.h"
+
+namespace livegs {
+
+// A value in another unit of the same quantity: length, area, volume, mass, density, pressure, force. Units
+// as people write them: mm, in, cm3, l, oz, lb, g/cm3, psi. The error names the unit that is not known or
+// does not fit.
+Result<double> convert_unit(double value, std::string_view from, std::string_view to,
+                            const PromptWords& words = PromptWords::built_in());
+
+}  // namespace livegs

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "analysis/model/answer_cache.h"
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "core/log.h"
+
+namespace livegs {
+namespace {
+
+constexpr size_t kMaxCachedBytes = 1 << 20;
+
+nlohmann::json to_json(const RawAnswer& answer) {
+  return {{"json", answer.json},
+          {"model", answer.model},
+          {"prompt_version", answer.prompt_version},
+          {"prompt_tokens", answer.prompt_tokens},
+          {"completion_tokens", answer.completion_tokens},
+          {"cost_usd", answer.cost_usd},
+          {"wall_s", answer.wall_s},
+          {"transcript", answer.transcript},
+          {"warnings", answer.warnings}};
+}
+
+std::optional<RawAnswer> from_json(const nlohmann::json& json) {
+  if (!json.is_object() || !json.contains("json") || !json["json"].is_string()) return std::nullopt;
+  const auto text = [&](const char* name) {
+    const auto found = json.find(name);
+    return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
+  };
+  const auto number = [&](const char* name) {
+    const auto found = json.find(name);
+    return found != json.end() && found->is_number() ? found->get<double>() : 0.0;
+  };
+  RawAnswer answer;
+  answer.json = text("json");
+  answer.model = text("model");
+  answer.prompt_version = text("prompt_version");
+  answer.prompt_tokens = static_cast<std::int64_t>(number("prompt_tokens"));
+  answer.completion_tokens = static_cast<std::int64_t>(number("completion_tokens"));
+  answer.cost_usd = number("cost_usd");
+  answer.wall_s = number("wall_s");
+  answer.transcript = text("transcript");
+  if (const auto warnings = json.find("warnings"); warnings != json.end() && warnings->is_array()) {
+    for (const nlohmann::json& one : *warnings) {
+      if (one.is_string()) answer.warnings.push_back(one.get<std::string>());
+    }
+  }
+  return answer;
+}
+
+int64_t since_1970_ns() {
+  using std::chrono::duration_cast, std::chrono::nanoseconds, std::chrono::system_clock;
+  return duration_cast<nanoseconds>(system_clock::now().time_since_epoch()).count();
+}
+
+std::filesystem::path failure_path(const std::filesystem::path& folder, const std::string& key) {
+  return folder / (key + ".failed.json");
+}
+
+std::optional<std::pair<int64_t, std::string>> read_failure(const std::filesystem::path& path) {
+  const auto text = read_text_file(path, kMaxCachedBytes);
+  if (!text) return std::nullopt;
+  const nlohmann::json json = nlohmann::json::parse(*text, nullptr, false);
+  if (!json.is_object() || !json.contains("until_ns") || !json["until_ns"].is_number_integer() ||
+      !json.contains("message") || !json["message"].is_string()) {
+    return std::nullopt;
+  }
+  return std::pair(json["until_ns"].get<int64_t>(), json["message"].get<std::string>());
+}
+
+}  // namespace
+
+AnswerCache::AnswerCache(std::filesystem::path folder, std::function<int64_t()> clock_ns)
+    : folder_(std::move(folder)), clock_ns_(clock_ns ? std::move(clock_ns) : since_1970_ns) {}
+
+std::optional<RawAnswer> AnswerCache::answer(const std::string& key) const {
+  std::lock_guard lock(mutex_);
+  if (const auto found = answers_.find(key); found != answers_.end()) return found->second;
+  if (folder_.empty()) return std::nullopt;
+  const auto text = read_text_file(folder_ / (key + ".json"), kMaxCachedBytes);
+  if (!text) return std::nullopt;
+  auto answer = from_json(nlohmann::json::parse(*text, nullptr, false));
+  if (answer) answers_[key] = *answer;
+  return answer;
+}
+
+std::optional<std::string> AnswerCache::failure(const std::string& key) const {
+  std::lock_guard lock(mutex_);
+  auto found = failures_.find(key);
+  if (found == failures_.end()) {
+    auto failed = folder_.empty() ? std::nullopt : read_failure(failure_path(folder_, key));
+    if (!failed) return std::nullopt;
+    found = failures_.emplace(key, std::move(*failed)).first;
+  }
+  // A clock that was set back does not make ten minutes longer.
+  const int64_t left_ns = found->second.first - clock_ns_();
+  if (left_ns > 0 && left_ns <= kFailure_ns) return found->second.second;
+  failures_.erase(found);
+  std::error_code ignored;
+  if (!folder_.empty()) std::filesystem::remove(failure_path(folder_, key), ignored);
+  return std::nullopt;
+}
+
+void AnswerCache::keep(const std::string& key, const RawAnswer& answer) {
+  std::lock_guard lock(mutex_);
+  answers_[key] = answer;
+  failures_.erase(key);
+  if (folder_.empty()) return;
+  std::error_code ignored;
+  std::filesystem::remove(failure_path(folder_, key), ignored);
+  std::filesystem::create_directories(folder_, ignored);
+  const auto written_as = [](const RawAnswer& one) {
+    return to_json(one).dump(1, ' ', false, nlohmann::json::error_handler_t::replace);
+  };
+  std::string text = written_as(answer);
+  if (text.size() > kMaxCachedBytes) {
+    RawAnswer shorter = answer;
+    shorter.transcript.clear();
+    text = written_as(shorter);
+  }
+  if (auto written = write_file_atomically(folder_ / (key + ".json"), text); !written) {
+    log_debug("analysis: the answer is not kept for later: %s", written.error().message.c_str());
+  }
+}
+
+void AnswerCache::keep_failure(const std::string& key, const std::string& message) {
+  std::lock_guard lock(mutex_);
+  const int64_t until_ns = clock_ns_() + kFailure_ns;
+  failures_[key] = {until_ns, message};
+  if (folder_.empty()) return;
+  std::error_code ignored;
+  std::filesystem::create_directories(folder_, ignored);
+  const std::string text = nlohmann::json{{"until_ns", until_ns}, {"message", message}}.dump(
+      1, ' ', false, nlohmann::json::error_handler_t::replace);
+  if (auto written = write_file_atomically(failure_path(folder_, key), text); !written) {
+    log_debug("analysis: the failure is not kept for later: %s", written.error().message.c_str());
+  }
+}
+
+}  // namespace livegs

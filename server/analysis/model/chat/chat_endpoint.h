@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <atomic>
+#include <mutex>
+#include <set>
+#include <string>
+
+#include "analysis/model/chat/endpoint_quirks.h"
+#include "analysis/model/model_endpoint.h"
+#include "analysis/model/chat/model_server.h"
+#include "analysis/model/prompt_set.h"
+
+namespace livegs {
+
+// An endpoint that is a chat-completions server: what is known of it, shared by its exchanges.
+class ChatEndpoint final : public ModelEndpoint {
+ public:
+  ChatEndpoint(EndpointSettings settings, PromptSet prompts);
+
+  std::unique_ptr<Exchange> start(ToolBox tools) override;
+  EndpointState state() const override;
+  const PromptWords& words() const override { return prompts_.words(); }
+  void get_ready(std::stop_token stop) override {
+    if (model().empty()) (void)get_to_know(stop);
+  }
+
+  // Finds out once who the server is and what its model is called; at most probe_timeout_s. Fails without a
+  // model.
+  Result<void> get_to_know(std::stop_token stop);
+
+  const EndpointSettings& settings() const { return settings_; }
+  const PromptSet& prompts() const { return prompts_; }
+  ModelServer& server() { return server_; }
+  std::string model() const;
+  EndpointQuirks quirks() const;
+  void keep(const EndpointQuirks& quirks);  // they were found to work
+  int max_in_flight() const;
+  double deadline_s() const;
+  // The first time that something is said, and only then.
+  void warn_once(const std::string& warning);
+
+ private:
+  bool decodes_one_at_a_time() const;
+  std::string memory_key() const { return settings_.base_url + " " + model_; }
+
+  const EndpointSettings settings_;
+  const PromptSet prompts_;
+  QuirkMemory memory_;
+  std::mutex probing_;        // held by the one that asks the server who it is
+  mutable std::mutex mutex_;  // guards what follows
+  bool known_ = false;
+  std::string model_;
+  std::set<std::string> warned_;
+  EndpointQuirks quirks_;
+  ModelServer server_;
+};
+
+}  // namespace livegs

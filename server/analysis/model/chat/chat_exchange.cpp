@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "analysis/model/chat/chat_exchange.h"
+
+#include <algorithm>
+
+#include "analysis/text/prompt_text.h"
+#include "analysis/model/question_slots.h"
+#include "core/clock.h"
+#include "core/log.h"
+
+namespace livegs {
+namespace {
+
+using Kind = ServerAnswer::Kind;
+
+constexpr int kMostToolRounds = 4;
+constexpr std::size_t kMostToolCalls = 8;
+constexpr int kRoomForThoughts = 4;  // max_completion_tokens counts what a model thinks and does not show
+constexpr int kMostRefusals = 8;     // parts of a request that are given up in one exchange
+constexpr std::size_t kLongestSearch = 1500;
+constexpr std::int64_t kContexts[] = {2048, 4096, 8192};  // Ollama's defaults, where a longer prompt is cut
+
+Error cancelled() { return {ErrorCode::Unavailable, "cancelled"}; }
+
+}  // namespace
+
+ChatExchange::ChatExchange(ChatEndpoint& endpoint, ToolBox tools)
+    : endpoint_(endpoint), tools_(std::move(tools)), transcript_(endpoint.settings().api_key) {}
+
+Result<RawAnswer> ChatExchange::ask(const AnalysisQuestion& question, std::stop_token stop) {
+  answer_ = {};
+  repair_turn_.clear();
+  if (auto known = endpoint_.get_to_know(stop); !known) {
+    return stop.stop_requested() ? cancelled() : known.error();
+  }
+  slots_ = complete_slots(question, tools_);
+  images_ = question.images;
+  for (AnalysisImage& image : images_) image.caption = endpoint_.prompts().caption(image.caption);
+  return converse(stop, endpoint_.settings().tools);
+}
+
+Result<RawAnswer> ChatExchange::repair(std::string_view validator_message, std::stop_token stop) {
+  if (turns_.empty() || answer_.json.empty()) return invalid_argument("there is no answer to repair yet");
+  turns_.push_back({"assistant", answer_.json, {}, {}, ""});
+  repair_turn_ = endpoint_.prompts().repair(validator_message);
+  turns_.push_back({"user", repair_turn_, {}, {}, ""});
+  return converse(stop, false);
+}
+
+// One ask or repair: a place in the queue, the tools, the answer, the sums.
+Result<RawAnswer> ChatExchange::converse(std::stop_token stop, bool with_tools) {
+  const ModelServer::Slot slot = endpoint_.server().take_slot(endpoint_.max_in_flight(), stop);
+  if (!slot) return cancelled();
+  const std::int64_t begin_ns = now_ns();
+  deadline_ns_ = begin_ns + static_cast<std::int64_t>(endpoint_.deadline_s() * 1e9);
+  refusals_ = 0;
+  quirks_ = endpoint_.quirks();
+  max_tokens_ = endpoint_.settings().max_answer_tokens;
+  Result<Json> found = Json();
+  if (repair_turn_.empty()) {
+    if (endpoint_.settings().web_search && !quirks_.web_search) warn_of_no_search();
+    if (endpoint_.settings().web_search && quirks_.web_search) search(slots_, stop);
+    opening_ = endpoint_.prompts().user(slots_);
+    begin_turns();
+    if (with_tools && quirks_.tools) found = run_tools(stop);
+  }
+  if (found && found->is_null()) found = run_answer(stop);
+  answer_.wall_s += seconds_from_ns(now_ns() - begin_ns);
+  answer_.blind = !images_.empty() && !quirks_.images;
+  if (answer_.blind) {
+    warn("the model takes no pictures and is asked without them, by what was measured alone; set LIVEGS_MODEL to one "
+         "that sees");
+  }
+  answer_.transcript = transcript_.lines();
+  if (!found) return found.error();
+  answer_.json = transcript_.redact(dump_json(*found));
+  answer_.model = transcript_.redact(answer_.model.empty() ? endpoint_.model() : answer_.model);
+  answer_.prompt_version = endpoint_.prompts().version();
+  return answer_;
+}
+
+void ChatExchange::begin_turns() {
+  turns_.clear();
+  turns_.push_back({"system", endpoint_.prompts().system(quirks_.examples), {}, {}, ""});
+  turns_.push_back({"user", opening_, images_, {}, ""});
+  opening_turns_ = turns_.size();
+}
+
+// The last turn asks for the answer, in the words that the form needs.
+void ChatExchange::put_last_turn() {
+  const std::string words = endpoint_.prompts().answer_turn(quirks_.form != AnswerForm::JsonSchema);
+  if (!repair_turn_.empty()) {
+    turns_.back().text = repair_turn_ + (quirks_.form == AnswerForm::JsonSchema ? "" : "\n" + words);
+  } else if (turns_.size() == opening_turns_) {
+    turns_.back().text = opening_ + "\n" + words;
+  } else if (turns_.back().role == "user") {
+    turns_.back().text = words;
+  } else {
+    turns_.push_back({"user", words, {}, {}, ""});
+  }
+}
+
+ServerAnswer ChatExchange::send(Phase phase, std::stop_token stop) {
+  ChatRequest request;
+  request.model = endpoint_.model();
+  request.max_tokens =
+      max_tokens_ * (quirks_.limit_key == LimitKey::MaxCompletionTokens ? kRoomForThoughts : 1);
+  request.stream = endpoint_.settings().stream;
+  if (phase == Phase::Search) request.web_search = true;
+  if (phase == Phase::Tools) request.tools = &endpoint_.prompts().tools();
+  if (phase == Phase::Answer) request.answer_schema = &endpoint_.prompts().answer_schema();
+  const RequestFeatures features = features_of(request, turns_, quirks_);
+  transcript_.request(phase == Phase::Search  ? "search"
+                      : phase == Phase::Tools ? "tools"
+                                              : "answer",
+                      chat_request_body(request, turns_, quirks_, true));
+  const auto give_up_part = [&](const ServerError& refusal, bool named_only) {
+    if (++refusals_ > kMostRefusals) return false;
+    const bool tool_turns =
+        phase == Phase::Answer && repair_turn_.empty() && turns_.size() > opening_turns_ + 1;
+    std::string taken;
+    if (tool_turns && refusal.message.find("tool") != std::string::npos) {
+      // Some servers take no history of tools in a request without them.
+      turns_.resize(opening_turns_);
+      taken = "the turns with tools";
+    } else {
+      taken = learn_from_refusal(quirks_, refusal, features, named_only);
+    }
+    if (taken.empty()) return false;
+    if (features.web_search && !quirks_.web_search) warn_of_no_search();
+    transcript_.note("the server refused; left out from now on: " + taken);
+    return true;
+  };
+  ServerAnswer answer = endpoint_.server().chat(chat_request_body(request, turns_, quirks_), features.stream,
+                                                deadline_ns_, stop, give_up_part, transcript_);
+  if (answer.kind != Kind::Answered) return answer;
+  const ChatReply& reply = answer.reply;
+  const EndpointSettings& settings = endpoint_.settings();
+  answer_.prompt_tokens += reply.prompt_tokens;
+  answer_.completion_tokens += reply.completion_tokens;
+  answer_.cost_usd +=
+      reply.cost_usd > 0
+          ? reply.cost_usd
+          : 1e-6 *
+                (settings.usd_per_million_prompt_tokens * static_cast<double>(reply.prompt_tokens) +
+                 settings.usd_per_million_completion_tokens * static_cast<double>(reply.completion_tokens));
+  if (!reply.model.empty()) answer_.model = brief(reply.model, 100);
+  note_truncation(reply);
+  endpoint_.keep(quirks_);
+  return answer;
+}
+
+// A prompt that was cut has exactly as many tokens as the context, or has them together with its answer.
+void ChatExchange::note_truncation(const ChatReply& reply) {
+  if (quirks_.dialect != Dialect::Ollama && quirks_.dialect != Dialect::Unknown) return;
+  const std::int64_t all = reply.prompt_tokens + reply.completion_tokens;
+  const auto context = std::find_if(std::begin(kContexts), std::end(kContexts), [&](std::int64_t size) {
+    return size == all || size == reply.prompt_tokens;
+  });
+  if (context == std::end(kContexts)) return;
+  const std::string warning = "the server cut the prompt to its context of " + std::to_string(*context) +
+                              " tokens without saying so; start it with a longer one (Ollama: "
+                              "OLLAMA_CONTEXT_LENGTH=16384)";
+  warn(warning);
+  quirks_.examples = 0;  // what can be spared, from the next object on
+}
+
+void ChatExchange::warn_of_no_search() {
+  warn("--web-search: the server searches nothing for this model; its answers come without");
+}
+
+// Told in the answer and, the first time, in the log.
+void ChatExchange::warn(const std::string& warning) {
+  if (std::find(answer_.warnings.begin(), answer_.warnings.end(), warning) != answer_.warnings.end()) return;
+  answer_.warnings.push_back(warning);
+  transcript_.note(warning);
+  endpoint_.warn_once(warning);
+}
+
+void ChatExchange::search(std::map<std::string, std::string>& slots, std::stop_token stop) {
+  turns_ = {{"user", endpoint_.prompts().search(slots), {}, {}, ""}};
+  const ServerAnswer found = send(Phase::Search, stop);
+  if (found.kind == Kind::Answered) slots["search"] = quoted_text(found.reply.content, kLongestSearch);
+  if (found.kind == Kind::Refused) endpoint_.keep(quirks_);
+  if (found.kind == Kind::Failed) warn("--web-search: " + transcript_.redact(found.error.message));
+}
+
+Result<Json> ChatExchange::run_tools(std::stop_token stop) {
+  std::size_t calls_left = kMostToolCalls;
+  turns_.back().text = opening_ + "\n" + endpoint_.prompts().tools_turn();
+  for (int round = 0; round < kMostToolRounds && calls_left > 0;) {
+    ServerAnswer said = send(Phase::Tools, stop);
+    if (said.kind == Kind::Refused) {
+      if (quirks_.tools) continue;
+      begin_turns();
+      return Json();
+    }
+    if (said.kind != Kind::Answered) return said.error;
+    ++round;
+    ChatReply& reply = said.reply;
+    if (reply.tool_calls.empty()) {
+      // With every field, it is left to the gate to judge, as an answer of the second phase would be.
+      const std::vector<std::string>& fields = endpoint_.prompts().answer_fields();
+      const auto early = find_json_object(reply.content, fields);
+      if (early && reply.finish_reason != "length" &&
+          std::all_of(fields.begin(), fields.end(),
+                      [&](const std::string& one) { return early->contains(one); })) {
+        return *early;
+      }
+      if (!reply.content.empty()) turns_.push_back({"assistant", brief(reply.content, 2000), {}, {}, ""});
+      return Json();
+    }
+    if (reply.tool_calls.size() > calls_left) reply.tool_calls.resize(calls_left);
+    calls_left -= reply.tool_calls.size();
+    turns_.push_back({"assistant", reply.content, {}, reply.tool_calls, ""});
+    for (const ToolCall& call : reply.tool_calls) {
+      const std::string result = tools_.call(call.name, call.arguments);
+      transcript_.tool(call.name, call.arguments, result);
+      turns_.push_back({"tool", result, {}, {}, call.id});
+    }
+  }
+  return Json();
+}
+
+Result<Json> ChatExchange::run_answer(std::stop_token stop) {
+  for (bool lengthened = false;;) {
+    put_last_turn();
+    const ServerAnswer said = send(Phase::Answer, stop);
+    if (said.kind == Kind::Refused) continue;
+    if (said.kind != Kind::Answered) return said.error;
+    const ChatReply& reply = said.reply;
+    if (!reply.refusal.empty()) {
+      return unsupported("the model declined: " + transcript_.redact(brief(reply.refusal)));
+    }
+    if (reply.finish_reason == "content_filter") {
+      return unsupported("the server's content filter stopped the answer; other views may pass");
+    }
+    if (reply.finish_reason == "length") {
+      if (lengthened) {
+        return Error{ErrorCode::TooLarge, "the answer did not end within " + std::to_string(max_tokens_) +
+                                              " tokens; the model writes too much, another may not"};
+      }
+      lengthened = true;
+      max_tokens_ *= 2;
+      continue;
+    }
+    if (auto object = find_json_object(reply.content, endpoint_.prompts().answer_fields()))
+      return std::move(*object);
+    if (quirks_.form == AnswerForm::Text) {
+      return invalid_data("the model's answer holds no JSON object: " +
+                          transcript_.redact(brief(reply.content, 120)));
+    }
+    // Asked for a form and given none: the server passes over what it does not know.
+    quirks_.form = quirks_.form == AnswerForm::JsonSchema ? AnswerForm::JsonObject : AnswerForm::Text;
+    transcript_.note("no JSON object came; the form is asked for in words from now on");
+  }
+}
+
+}  // namespace livegs

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "analysis/model/chat/chat_endpoint.h"
+#include "analysis/model/chat/chat_request.h"
+#include "analysis/model/chat/transcript.h"
+
+namespace livegs {
+
+// A conversation in two phases, never mixed in one request: first tools, while the model wants any and at
+// most a few times; then the answer alone, in as strict a form as the server has. A whole answer that is
+// given instead of a tool call is taken. What the server refuses is left out from then on.
+class ChatExchange final : public Exchange {
+ public:
+  ChatExchange(ChatEndpoint& endpoint, ToolBox tools);
+  Result<RawAnswer> ask(const AnalysisQuestion& question, std::stop_token stop) override;
+  Result<RawAnswer> repair(std::string_view validator_message, std::stop_token stop) override;
+
+ private:
+  enum class Phase { Search, Tools, Answer };
+  Result<RawAnswer> converse(std::stop_token stop, bool with_tools);
+  Result<Json> run_tools(std::stop_token stop);  // a whole answer, or null when the tools are done with
+  Result<Json> run_answer(std::stop_token stop);
+  void search(std::map<std::string, std::string>& slots, std::stop_token stop);
+  ServerAnswer send(Phase phase, std::stop_token stop);
+  void begin_turns();
+  void put_last_turn();
+  void note_truncation(const ChatReply& reply);
+  void warn_of_no_search();
+  void warn(const std::string& warning);
+
+  ChatEndpoint& endpoint_;
+  ToolBox tools_;
+  EndpointQuirks quirks_;
+  Transcript transcript_;
+  std::map<std::string, std::string> slots_;
+  std::vector<AnalysisImage> images_;
+  std::vector<ChatTurn> turns_;
+  std::string opening_;            // the user's first turn without what it is asked to do
+  std::string repair_turn_;        // what stands in place of the answer turn
+  std::size_t opening_turns_ = 0;  // what stands before any tool
+  std::int64_t deadline_ns_ = 0, max_tokens_ = 0;
+  int refusals_ = 0;
+  RawAnswer answer_;  // sums so far
+};
+
+}  // namespace livegs

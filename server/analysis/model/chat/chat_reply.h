@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "analysis/text/json_text.h"
+#include "core/result.h"
+
+// What a chat-completions server sent back, read leniently: OpenAI, vLLM, llama.cpp and Ollama differ in
+// small ways, and gateways in more. Any bytes give a value or an error.
+
+namespace livegs {
+
+struct ToolCall {
+  std::string id, name, arguments;  // arguments as the model wrote them: JSON, if all went well
+};
+
+// {"error": {...}}, {"error": "text"} or {"object": "error", ...}.
+struct ServerError {
+  std::string code, type, param, message;
+};
+
+struct ChatReply {
+  std::string content, refusal, finish_reason, model;
+  std::vector<ToolCall> tool_calls;  // at most 32
+  bool has_choice = false;
+  std::int64_t prompt_tokens = 0, completion_tokens = 0;
+  double cost_usd = 0;
+  std::optional<ServerError> error;  // also with status 200
+};
+
+// The body of a reply of any status: one object, or an event stream.
+Result<ChatReply> decode_chat_reply(std::string_view body, bool event_stream);
+
+// An event stream, event by event.
+class ChatStream {
+ public:
+  void add(std::string_view data);
+  bool ended() const { return ended_; }  // [DONE] was seen, or an error
+  ChatReply take();
+
+ private:
+  ChatReply reply_;
+  std::vector<std::pair<int, ToolCall>> calls_;  // by the server's index
+  bool ended_ = false;
+};
+
+// The first line of what a server wrote, short enough for a log.
+std::string brief(std::string_view text, std::size_t longest = 200);
+
+}  // namespace livegs

@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "analysis/model/chat/http_client.h"
+
+#include <curl/curl.h>
+#include <string.h>
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "core/assert.h"
+#include "core/clock.h"
+
+namespace livegs {
+namespace {
+
+constexpr int kLongestPoll_ms = 1000;
+
+std::int64_t ns_from_seconds(double seconds) { return static_cast<std::int64_t>(seconds * 1e9); }
+long ms_from_seconds(double seconds) { return std::max(1L, static_cast<long>(seconds * 1e3)); }
+
+// One request under way. It stands on the stack of send(); the worker lets go of it before it says `done`.
+struct Transfer {
+  const HttpRequest* request = nullptr;
+  HttpReply reply;
+  CURL* easy = nullptr;
+  curl_slist* headers = nullptr;
+  std::int64_t begin_ns = 0, last_byte_ns = 0;
+  bool any_byte = false, too_large = false, satisfied = false;
+  std::atomic<bool> cancelled = false;
+  bool done = false;  // guarded by the worker's mutex
+};
+
+std::size_t receive_body(char* bytes, std::size_t, std::size_t count, void* user) {
+  auto& transfer = *static_cast<Transfer*>(user);
+  transfer.any_byte = true;
+  transfer.last_byte_ns = now_ns();
+  if (transfer.reply.body.size() + count > transfer.request->max_bytes) {
+    transfer.too_large = true;
+    return CURL_WRITEFUNC_ERROR;
+  }
+  transfer.reply.body.append(bytes, count);
+  long status = 0;
+  curl_easy_getinfo(transfer.easy, CURLINFO_RESPONSE_CODE, &status);
+  if (status == 200 && transfer.request->on_body && !transfer.request->on_body({bytes, count})) {
+    transfer.satisfied = true;
+    return CURL_WRITEFUNC_ERROR;
+  }
+  return count;
+}
+
+void wipe_headers(curl_slist* headers) {
+  for (curl_slist* line = headers; line; line = line->next)
+    ::explicit_bzero(line->data, ::strlen(line->data));
+  curl_slist_free_all(headers);
+}
+
+void prepare(Transfer& transfer) {
+  const HttpRequest& request = *transfer.request;
+  CURL* easy = transfer.easy = curl_easy_init();
+  LIVEGS_ASSERT(easy);
+  const auto add = [&](const char* line) { transfer.headers = curl_slist_append(transfer.headers, line); };
+  add("Expect:");  // the body goes at once, not after a 100 Continue
+  add(request.event_stream ? "Accept: text/event-stream, application/json" : "Accept: application/json");
+  if (!request.body.empty()) add("Content-Type: application/json");
+  if (request.bearer && !request.bearer->empty()) {
+    std::string line = "Authorization: Bearer ";
+    line.reserve(line.size() + request.bearer->reveal().size() +
+                 1);  // one buffer, so that one wipe is enough
+    line += request.bearer->reveal();
+    add(line.c_str());
+    wipe(line);
+  }
+  curl_easy_setopt(easy, CURLOPT_URL, request.url.c_str());
+  curl_easy_setopt(easy, CURLOPT_HTTPHEADER, transfer.headers);
+  if (!request.body.empty()) {
+    curl_easy_setopt(easy, CURLOPT_POST, 1L);
+    curl_easy_setopt(easy, CURLOPT_POSTFIELDS, request.body.data());
+    curl_easy_setopt(easy, CURLOPT_POSTFIELDSIZE_LARGE, static_cast<curl_off_t>(request.body.size()));
+  }
+  curl_easy_setopt(easy, CURLOPT_USERAGENT, "LiveGS");
+  curl_easy_setopt(easy, CURLOPT_PROTOCOLS_STR, "http,https");
+  curl_easy_setopt(easy, CURLOPT_FOLLOWLOCATION, 0L);
+  curl_easy_setopt(easy, CURLOPT_SSL_VERIFYPEER, 1L);
+  curl_easy_setopt(easy, CURLOPT_SSL_VERIFYHOST, 2L);
+  curl_easy_setopt(easy, CURLOPT_NOSIGNAL, 1L);
+  curl_easy_setopt(easy, CURLOPT_QUICK_EXIT, 1L);  // a cancel does not wait for a name server
+  curl_easy_setopt(easy, CURLOPT_CONNECTTIMEOUT_MS, ms_from_seconds(request.connect_timeout_s));
+  curl_easy_setopt(easy, CURLOPT_TIMEOUT_MS, ms_from_seconds(request.total_timeout_s));
+  if (is_loopback_url(request.url)) curl_easy_setopt(easy, CURLOPT_PROXY, "");
+  curl_easy_setopt(easy, CURLOPT_WRITEFUNCTION, receive_body);
+  curl_easy_setopt(easy, CURLOPT_WRITEDATA, &transfer);
+  curl_easy_setopt(easy, CURLOPT_PRIVATE, &transfer);
+}
+
+void set_end(Transfer& transfer, HttpReply::End end, std::string message) {
+  transfer.reply.end = end;
+  transfer.reply.message = std::move(message);
+}
+
+// What libcurl says at the end, as an End.
+void read_end(Transfer& transfer, CURLcode code) {
+  CURL* easy = transfer.easy;
+  long status = 0;
+  curl_easy_getinfo(easy, CURLINFO_RESPONSE_CODE, &status);
+  transfer.reply.status = static_cast<int>(status);
+  const char* type = nullptr;
+  if (curl_easy_getinfo(easy, CURLINFO_CONTENT_TYPE, &type) == CURLE_OK && type)
+    transfer.reply.content_type = type;
+  curl_off_t retry_after = 0;
+  if (curl_easy_getinfo(easy, CURLINFO_RETRY_AFTER, &retry_after) == CURLE_OK && retry_after > 0) {
+    transfer.reply.retry_after_s = static_cast<double>(retry_after);
+  }
+  // A connection that is used again was made in no time; that it was there, the moment of sending tells.
+  curl_off_t connect_us = 0, send_us = 0;
+  curl_easy_getinfo(easy, CURLINFO_CONNECT_TIME_T, &connect_us);
+  curl_easy_getinfo(easy, CURLINFO_PRETRANSFER_TIME_T, &send_us);
+  using End = HttpReply::End;
+  const char* text = curl_easy_strerror(code);
+  switch (code) {
+    case CURLE_OK:
+      return;
+    case CURLE_WRITE_ERROR:
+      if (transfer.satisfied) return;
+      if (transfer.too_large) {
+        return set_end(transfer, End::TooLarge,
+                       "the reply is larger than " + std::to_string(transfer.request->max_bytes) + " bytes");
+      }
+      return set_end(transfer, End::Cut, text);
+    case CURLE_OPERATION_TIMEDOUT:
+      if (connect_us == 0 && send_us == 0) return set_end(transfer, End::NotConnected, "no connection in time");
+      return set_end(transfer, End::Deadline, "no complete reply in time");
+    case CURLE_COULDNT_RESOLVE_HOST:
+    case CURLE_COULDNT_RESOLVE_PROXY:
+    case CURLE_COULDNT_CONNECT:
+      return set_end(transfer, End::NotConnected, text);
+    case CURLE_PEER_FAILED_VERIFICATION:
+    case CURLE_SSL_CONNECT_ERROR:
+    case CURLE_SSL_CACERT_BADFILE:
+    case CURLE_SSL_ISSUER_ERROR:
+      return set_end(transfer, End::BadTls, text);
+    case CURLE_UNSUPPORTED_PROTOCOL:
+    case CURLE_URL_MALFORMAT:
+      return set_end(transfer, End::BadUrl, text);
+    default:
+      return set_end(transfer, End::Cut, text);
+  }
+}
+
+}  // namespace
+
+struct HttpClient::Worker {
+  Worker() {
+    static const CURLcode ready = curl_global_init(CURL_GLOBAL_DEFAULT);
+    LIVEGS_ASSERT(ready == CURLE_OK);
+    multi = curl_multi_init();
+    LIVEGS_ASSERT(multi);
+    thread = std::thread([this] { run(); });
+  }
+  ~Worker() {
+    stopping = true;
+    curl_multi_wakeup(multi);
+    thread.join();
+    curl_multi_cleanup(multi);
+  }
+
+  void run();
+  void take_new();
+  void finish(Transfer& transfer);
+  int check_limits();  // ends what is over a limit; milliseconds until the next limit
+
+  CURLM* multi = nullptr;
+  std::thread thread;
+  std::atomic<bool> stopping = false;
+  std::vector<Transfer*> active;  // the worker's thread only
+  std::mutex mutex;               // guards arrivals and Transfer::done
+  std::condition_variable ended;
+  std::vector<Transfer*> arrivals;
+};
+
+void HttpClient::Worker::take_new() {
+  std::vector<Transfer*> fresh;
+  {
+    std::lock_guard lock(mutex);
+    fresh.swap(arrivals);
+  }
+  for (Transfer* transfer : fresh) {
+    transfer->begin_ns = transfer->last_byte_ns = now_ns();
+    prepare(*transfer);
+    curl_multi_add_handle(multi, transfer->easy);
+    active.push_back(transfer);
+  }
+}
+
+void HttpClient::Worker::finish(Transfer& transfer) {
+  curl_multi_remove_handle(multi, transfer.easy);
+  curl_easy_cleanup(transfer.easy);
+  wipe_headers(transfer.headers);
+  std::erase(active, &transfer);
+  std::lock_guard lock(mutex);
+  transfer.done = true;
+  ended.notify_all();
+}
+
+int HttpClient::Worker::check_limits() {
+  using End = HttpReply::End;
+  const std::int64_t now = now_ns();
+  std::int64_t next = now + std::int64_t{kLongestPoll_ms} * 1000000;
+  const auto passed = [&](std::int64_t moment) {
+    next = std::min(next, moment);
+    return now >= moment;
+  };
+  for (const std::vector<Transfer*> all = active; Transfer * transfer : all) {
+    const HttpRequest& request = *transfer->request;
+    if (transfer->cancelled || stopping) {
+      set_end(*transfer, End::Cancelled, "cancelled");
+      finish(*transfer);
+    } else if (!transfer->any_byte && request.first_byte_timeout_s > 0 &&
+               passed(transfer->begin_ns + ns_from_seconds(request.first_byte_timeout_s))) {
+      set_end(*transfer, End::Late, "no first byte in time");
+      finish(*transfer);
+    } else if (transfer->any_byte && request.stall_timeout_s > 0 &&
+               passed(transfer->last_byte_ns + ns_from_seconds(request.stall_timeout_s))) {
+      set_end(*transfer, End::Stalled, "the reply stalled");
+      finish(*transfer);
+    }
+  }
+  return static_cast<int>(std::clamp<std::int64_t>((next - now) / 1000000 + 1, 1, kLongestPoll_ms));
+}
+
+void HttpClient::Worker::run() {
+  while (!stopping || !active.empty()) {
+    take_new();
+    int running = 0;
+    curl_multi_perform(multi, &running);
+    int left = 0;
+    while (CURLMsg* message = curl_multi_info_read(multi, &left)) {
+      if (message->msg != CURLMSG_DONE) continue;
+      Transfer* transfer = nullptr;
+      const CURLcode code = message->data.result;
+      curl_easy_getinfo(message->easy_handle, CURLINFO_PRIVATE, &transfer);
+      read_end(*transfer, code);
+      finish(*transfer);
+    }
+    const int wait_ms = check_limits();
+    if (!stopping) curl_multi_poll(multi, nullptr, 0, wait_ms, nullptr);
+  }
+}
+
+HttpClient::HttpClient() : worker_(std::make_unique<Worker>()) {}
+HttpClient::~HttpClient() = default;
+
+HttpReply HttpClient::send(const HttpRequest& request, std::stop_token stop) {
+  Transfer transfer;
+  transfer.request = &request;
+  if (stop.stop_requested()) {
+    set_end(transfer, HttpReply::End::Cancelled, "cancelled");
+    return std::move(transfer.reply);
+  }
+  {
+    std::lock_guard lock(worker_->mutex);
+    worker_->arrivals.push_back(&transfer);
+  }
+  curl_multi_wakeup(worker_->multi);
+  const std::stop_callback on_stop(stop, [&] {
+    transfer.cancelled = true;
+    curl_multi_wakeup(worker_->multi);
+  });
+  std::unique_lock lock(worker_->mutex);
+  worker_->ended.wait(lock, [&] { return transfer.done; });
+  return std::move(transfer.reply);
+}
+
+bool is_loopback_url(std::string_view url) {
+  const std::size_t scheme = url.find("://");
+  std::string_view host = scheme == std::string_view::npos ? url : url.substr(scheme + 3);
+  host = host.substr(0, host.find_first_of("/?#"));
+  if (host.starts_with('[')) return host.starts_with("[::1]");
+  host = host.substr(0, host.find(':'));
+  return host == "localhost" || host.starts_with("127.");
+}
+
+}  // namespace livegs

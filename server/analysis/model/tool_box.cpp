@@ -1,0 +1,393 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "analysis/model/tool_box.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/text/json_text.h"
+#include "analysis/knowledge/table_search.h"
+#include "analysis/text/prompt_text.h"
+#include "analysis/knowledge/unit_conversion.h"
+#include "core/format_text.h"
+
+namespace livegs {
+namespace {
+
+constexpr std::size_t kLongestArguments = 16 << 10, kLongestResult = 4 << 10;
+constexpr std::size_t kMostParts = 32, kMostHits = 8, kMostSceneObjects = 12;
+constexpr double kLongest_m = 100, kHeaviest_kg_m3 = 23000;
+
+using Answer = OrderedJson;
+
+// Four digits: what a range from a table is good for, and short.
+double rounded(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return std::strtod(text, nullptr);
+}
+
+Answer range(double low, double best, double high, double factor = 1.0) {
+  return {{"low", rounded(low * factor)}, {"best", rounded(best * factor)}, {"high", rounded(high * factor)}};
+}
+Answer range(const Span3& span, double factor = 1.0) { return range(span.low, span.best, span.high, factor); }
+Answer range(const v1::EstimatedValue& value, double factor = 1.0) {
+  return range(value.low(), value.best(), value.high(), factor);
+}
+
+std::string fill_name(v1::Physics::Fill fill) {
+  switch (fill) {
+    case v1::Physics::SOLID:
+      return "solid";
+    case v1::Physics::SHELL:
+      return "shell";
+    case v1::Physics::OPEN_SHELL:
+      return "open_shell";
+    case v1::Physics::FILLED:
+      return "filled";
+    default:
+      return "unknown";
+  }
+}
+
+Answer describe(const KnowledgeHit& hit) {
+  if (hit.material) {
+    const MaterialRow& row = *hit.material;
+    return {{"id", hit.id},
+            {"class", row.material_class},
+            {"density_kg_m3", range(row.density_kg_m3)},
+            {"young_mpa", range(row.youngs_modulus_pa, 1e-6)},
+            {"plasticity", row.plasticity},
+            {"friction", row.friction},
+            {"restitution", row.restitution},
+            {"fragile", row.fragile}};
+  }
+  const ObjectRow& row = *hit.object;
+  return {{"id", hit.id},
+          {"material_id", row.material},
+          {"fill", fill_name(row.fill)},
+          {"wall_mm", range(row.wall_m, 1e3)},
+          {"longest_side_m", range(row.size_m)},
+          {"structure_s", range(row.structure_coefficient)}};
+}
+
+// The arguments of one call, read with guards; the first thing that is wrong is kept for the answer.
+class Arguments {
+ public:
+  Arguments(const Json& object, const PromptWords& words) : object_(object), words_(words) {}
+
+  // A number in low … high; also one written as text, as small models do.
+  double number(const char* name, double low, double high) {
+    const std::optional<double> value = optional_number(name, low, high);
+    if (!value) wrong("number_needed", {{"argument", name}});
+    return value.value_or(low);
+  }
+  std::optional<double> optional_number(const char* name, double low, double high) {
+    const Json* value = member(object_, name);
+    if (!value || value->is_null()) return std::nullopt;
+    double read = NAN;
+    if (value->is_number()) read = value->get<double>();
+    if (value->is_string()) {
+      const std::string text = value->get<std::string>();
+      char* end = nullptr;
+      read = std::strtod(text.c_str(), &end);
+      if (end == text.c_str() || *end != '\0') read = NAN;
+    }
+    if (std::isfinite(read) && read >= low && read <= high) return read;
+    wrong("number_outside",
+          {{"argument", name}, {"low", format_text("%g", low)}, {"high", format_text("%g", high)}});
+    return std::nullopt;
+  }
+  std::string text(const char* name) {
+    const std::string value = text_member(object_, name);
+    if (value.empty()) wrong("text_needed", {{"argument", name}});
+    return value.substr(0, 200);
+  }
+  const Json* array(const char* name) {
+    const Json* value = member(object_, name);
+    if (value && value->is_array()) return value;
+    wrong("array_needed", {{"argument", name}});
+    return nullptr;
+  }
+  // By a line of prompts/tool_words.json.
+  void wrong(std::string_view line, std::initializer_list<std::pair<std::string_view, std::string_view>> slots = {}) {
+    if (error_.empty()) error_ = words_.say(line, slots);
+  }
+  void wrong_as(std::string text) {
+    if (error_.empty()) error_ = std::move(text);
+  }
+  const std::string& error() const { return error_; }
+
+ private:
+  const Json& object_;
+  const PromptWords& words_;
+  std::string error_;
+};
+
+Answer material_search(const ToolBox&, Arguments& in) {
+  const std::string query = in.text("query");
+  const double count = in.optional_number("k", 1, kMostHits).value_or(3);
+  Answer hits = Answer::array();
+  for (const KnowledgeHit& hit : search_knowledge(query, static_cast<std::size_t>(count))) {
+    hits.push_back(describe(hit));
+  }
+  return {{"hits", hits}};
+}
+
+Answer kb_get(const ToolBox&, Arguments& in) {
+  const KnowledgeHit hit = find_knowledge(in.text("id"));
+  if (!hit.material && !hit.object) {
+    in.wrong("no_row");
+    return {};
+  }
+  return describe(hit);
+}
+
+Answer category_prior(const ToolBox& box, Arguments& in) {
+  ObjectFacts facts = box.object();
+  facts.name = in.text("name");
+  const std::optional<double> sizes[3] = {in.optional_number("length_m", 1e-4, kLongest_m),
+                                          in.optional_number("width_m", 1e-4, kLongest_m),
+                                          in.optional_number("height_m", 1e-4, kLongest_m)};
+  const SizePrior usual = size_prior(facts.name);
+  const bool measured = facts.mesh.volume_m3 > 0 && facts.mesh.area_m2 > 0;
+  if (sizes[0] && sizes[1] && sizes[2]) {
+    // What was measured, brought to the size that is asked about; without a mesh, the box itself.
+    const double asked = *sizes[0] * *sizes[1] * *sizes[2];
+    const double box_volume = facts.mesh.size_m.prod();
+    if (measured && box_volume > 0) {
+      const double scale = std::cbrt(asked / box_volume);
+      facts.mesh.size_m *= scale;
+      facts.mesh.principal_size_m *= scale;
+      facts.mesh.area_m2 *= scale * scale;
+      facts.mesh.volume_m3 *= scale * scale * scale;
+      facts.mesh.hull_volume_m3 *= scale * scale * scale;
+      facts.mesh.mean_wall_m *= scale;
+    } else {
+      const double l = *sizes[0], w = *sizes[1], h = *sizes[2];
+      facts.mesh.size_m = facts.mesh.principal_size_m = {l, w, h};
+      facts.mesh.volume_m3 = facts.mesh.hull_volume_m3 = asked;
+      facts.mesh.area_m2 = 2 * (l * w + w * h + h * l);
+      facts.mesh.mean_wall_m = 2 * asked / facts.mesh.area_m2;
+      facts.mesh.solidity = 1;
+    }
+    facts.scale_known = true;
+  } else if (!measured) {
+    in.wrong("no_size");
+    return {};
+  }
+  const v1::PhysicalParameters estimate = estimate_offline(facts);
+  Answer answer = {{"taken_for", estimate.label()},
+                   {"material_id", estimate.material()},
+                   {"fill", fill_name(estimate.fill())},
+                   {"mass_g", range(estimate.mass_kg(), 1e3)},
+                   {"young_mpa", range(estimate.youngs_modulus_pa(), 1e-6)},
+                   {"structure_s", range(estimate.structure_coefficient())},
+                   {"fragile", estimate.fragile()},
+                   {"confidence", rounded(estimate.confidence())}};
+  if (estimate.wall_thickness_m().best() > 0) answer["wall_mm"] = range(estimate.wall_thickness_m(), 1e3);
+  if (usual.best_m > 0) answer["usual_longest_side_m"] = range(usual.low_m, usual.best_m, usual.high_m);
+  return answer;
+}
+
+Answer mass_from_parts(const ToolBox& box, Arguments& in) {
+  const Json* parts = in.array("parts");
+  if (!parts) return {};
+  if (parts->empty() || parts->size() > kMostParts) {
+    in.wrong("part_count", {{"most", std::to_string(kMostParts)}});
+    return {};
+  }
+  Answer list = Answer::array();
+  Span3 total;
+  for (std::size_t i = 0; i < parts->size(); ++i) {
+    Arguments part((*parts)[i], box.words());
+    const KnowledgeHit hit = find_knowledge(part.text("material_id"));
+    if (!hit.material) part.wrong("no_material");
+    const std::optional<double> volume_cm3 = part.optional_number("volume_cm3", 0, 1e9);
+    const std::optional<double> area_cm2 = part.optional_number("area_cm2", 0, 1e7);
+    const std::optional<double> thickness_mm = part.optional_number("thickness_mm", 0, 1e4);
+    if (!volume_cm3 && !(area_cm2 && thickness_mm))
+      part.wrong("part_no_volume");
+    if (!part.error().empty()) {
+      in.wrong("part_wrong", {{"index", std::to_string(i)}, {"problem", part.error()}});
+      return {};
+    }
+    const double volume_m3 = volume_cm3 ? *volume_cm3 * 1e-6 : *area_cm2 * 1e-4 * *thickness_mm * 1e-3;
+    const Span3& density = hit.material->density_kg_m3;
+    const Span3 mass_kg{density.low * volume_m3, density.best * volume_m3, density.high * volume_m3};
+    total = {total.low + mass_kg.low, total.best + mass_kg.best, total.high + mass_kg.high};
+    list.push_back({{"material_id", hit.material->name}, {"mass_g", range(mass_kg, 1e3)}});
+  }
+  return {{"mass_g", range(total, 1e3)}, {"parts", list}};
+}
+
+Answer shell_mass(const ToolBox&, Arguments& in) {
+  const double area_m2 = in.number("area_m2", 0, 1e4);
+  const double thickness_mm = in.number("thickness_mm", 0, 1e4);
+  const double density_kg_m3 = in.number("density_kg_m3", 1, kHeaviest_kg_m3);
+  return {{"mass_g", rounded(area_m2 * thickness_mm * 1e-3 * density_kg_m3 * 1e3)}};
+}
+
+Answer convert_units(const ToolBox& box, Arguments& in) {
+  const double value = in.number("value", -1e15, 1e15);
+  const std::string from = in.text("from"), to = in.text("to");
+  if (!in.error().empty()) return {};
+  const Result<double> converted = convert_unit(value, from, to, box.words());
+  if (!converted) {
+    in.wrong_as(converted.error().message);
+    return {};
+  }
+  return {{"value", *converted}, {"unit", to}};
+}
+
+Answer resistance(const ToolBox&, Arguments& in) {
+  const double young_mpa = in.number("young_mpa", 0, 3e5);
+  const double s = in.optional_number("structure_s", 0, 1).value_or(1.0);
+  const double effective_pa = young_mpa * 1e6 * s;
+  return {{"deformation_resistance", rounded(deformation_resistance(effective_pa))},
+          {"effective_young_mpa", rounded(effective_pa * 1e-6)},
+          {"rigid", effective_pa > 200e6}};
+}
+
+Answer mesh_facts_of(const ToolBox& box, Arguments& in) {
+  const MeshFacts& mesh = box.object().mesh;
+  if (!(mesh.volume_m3 > 0)) {
+    in.wrong("not_measured");
+    return {};
+  }
+  return {{"size_m", {rounded(mesh.size_m.x()), rounded(mesh.size_m.y()), rounded(mesh.size_m.z())}},
+          {"scale", box.words().say(box.object().scale_known ? "measured_scale_known" : "measured_scale_guessed")},
+          {"enclosed_volume_cm3", rounded(mesh.volume_m3 * 1e6)},
+          {"hull_volume_cm3", rounded(mesh.hull_volume_m3 * 1e6)},
+          {"area_cm2", rounded(mesh.area_m2 * 1e4)},
+          {"mean_wall_mm", rounded(mesh.mean_wall_m * 1e3)},
+          {"solidity", rounded(mesh.solidity)},
+          {"openness", rounded(mesh.openness)},
+          {"thin_sheet", rounded(mesh.thin_sheet)},
+          {"rod", rounded(mesh.rod)}};
+}
+
+Answer list_scene_objects(const ToolBox& box, Arguments&) {
+  Answer list = Answer::array();
+  const auto& scene = box.scene();
+  // The newest are the last.
+  for (std::size_t i = scene.size() - std::min(scene.size(), kMostSceneObjects); i < scene.size(); ++i) {
+    const SceneObjectFacts& object = scene[i];
+    Answer line = {{"name", quoted_text(object.name)}};
+    if (!object.material.empty()) line["material"] = plain_text(object.material, 60);
+    if (!object.behavior.empty()) line["behaviour"] = plain_text(object.behavior, 20);
+    if (object.mass_kg > 0 && std::isfinite(object.mass_kg)) line["mass_g"] = rounded(object.mass_kg * 1e3);
+    if (object.size_m.allFinite() && object.size_m.maxCoeff() > 0) {
+      line["size_m"] = {rounded(object.size_m.x()), rounded(object.size_m.y()), rounded(object.size_m.z())};
+    }
+    if (std::isfinite(object.distance_m)) line["distance_m"] = rounded(object.distance_m);
+    line["source"] = box.words().say(object.analysed ? "object_analysed" : "object_estimated");
+    list.push_back(std::move(line));
+  }
+  return {{"objects", list}, {"count", scene.size()}};
+}
+
+// --- the one place where a tool is declared
+// ---------------------------------------------------------------------
+
+enum class Kind { Number, OptionalNumber, Text, Parts };
+struct Parameter {
+  const char* name;
+  Kind kind;
+};
+struct Tool {
+  const char* name;
+  std::vector<Parameter> parameters;
+  Answer (*function)(const ToolBox&, Arguments&);
+};
+
+const std::vector<Tool>& tools() {
+  static const std::vector<Tool> all = {
+      {"material_search", {{"query", Kind::Text}, {"k", Kind::OptionalNumber}}, material_search},
+      {"kb_get", {{"id", Kind::Text}}, kb_get},
+      {"category_prior",
+       {{"name", Kind::Text},
+        {"length_m", Kind::OptionalNumber},
+        {"width_m", Kind::OptionalNumber},
+        {"height_m", Kind::OptionalNumber}},
+       category_prior},
+      {"mass_from_parts", {{"parts", Kind::Parts}}, mass_from_parts},
+      {"shell_mass",
+       {{"area_m2", Kind::Number}, {"thickness_mm", Kind::Number}, {"density_kg_m3", Kind::Number}},
+       shell_mass},
+      {"convert_units", {{"value", Kind::Number}, {"from", Kind::Text}, {"to", Kind::Text}}, convert_units},
+      {"deformation_resistance",
+       {{"young_mpa", Kind::Number}, {"structure_s", Kind::OptionalNumber}},
+       resistance},
+      {"mesh_facts", {}, mesh_facts_of},
+      {"list_scene_objects", {}, list_scene_objects}};
+  return all;
+}
+
+OrderedJson schema_of(const std::vector<Parameter>& parameters) {
+  OrderedJson properties = OrderedJson::object(), required = OrderedJson::array();
+  for (const Parameter& parameter : parameters) {
+    required.push_back(parameter.name);
+    switch (parameter.kind) {
+      case Kind::Number:
+        properties[parameter.name] = {{"type", "number"}};
+        break;
+      case Kind::OptionalNumber:
+        properties[parameter.name] = {{"type", {"number", "null"}}};
+        break;
+      case Kind::Text:
+        properties[parameter.name] = {{"type", "string"}};
+        break;
+      case Kind::Parts:
+        properties[parameter.name] = {{"type", "array"},
+                                      {"items", schema_of({{"material_id", Kind::Text},
+                                                           {"volume_cm3", Kind::OptionalNumber},
+                                                           {"area_cm2", Kind::OptionalNumber},
+                                                           {"thickness_mm", Kind::OptionalNumber}})}};
+        break;
+    }
+  }
+  return {{"type", "object"},
+          {"properties", properties},
+          {"required", required},
+          {"additionalProperties", false}};
+}
+
+std::string error_text(const std::string& what) { return dump_json(OrderedJson{{"error", what}}); }
+
+}  // namespace
+
+ToolBox::ToolBox(ObjectFacts object, std::vector<SceneObjectFacts> scene, const PromptWords& words)
+    : object_(std::move(object)), scene_(std::move(scene)), words_(&words) {}
+
+const std::vector<ToolDescriptor>& ToolBox::descriptors() {
+  static const std::vector<ToolDescriptor> all = [] {
+    std::vector<ToolDescriptor> list;
+    for (const Tool& tool : tools()) list.push_back({tool.name, dump_json(schema_of(tool.parameters))});
+    return list;
+  }();
+  return all;
+}
+
+std::string ToolBox::call(std::string_view name, std::string_view arguments) const {
+  const auto tool =
+      std::find_if(tools().begin(), tools().end(), [&](const Tool& one) { return one.name == name; });
+  if (tool == tools().end()) {
+    std::string known;
+    for (const Tool& one : tools()) known += (known.empty() ? "" : ", ") + std::string(one.name);
+    return error_text(words_->say("no_tool", {{"tools", known}}));
+  }
+  if (arguments.size() > kLongestArguments) return error_text(words_->say("arguments_too_long"));
+  Result<Json> parsed = arguments.empty() ? Result<Json>(Json::object()) : parse_json(arguments);
+  if (parsed && parsed->is_null()) parsed = Json::object();
+  // Some servers wrap the object in one more text.
+  if (parsed && parsed->is_string()) parsed = parse_json(parsed->get<std::string>());
+  if (!parsed || !parsed->is_object()) return error_text(words_->say("arguments_no_object"));
+  Arguments in(*parsed, *words_);
+  const Answer answer = tool->function(*this, in);
+  if (!in.error().empty()) return error_text(in.error());
+  std::string result = dump_json(answer);
+  if (result.size() > kLongestResult) return error_text(words_->say("result_too_long"));
+  return result;
+}
+
+}  // namespace livegs

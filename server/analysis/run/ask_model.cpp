@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "analysis/run/ask_model.h"
+
+#include <algorithm>
+
+#include "analysis/model/fact_slots.h"
+#include "core/content_hash.h"
+
+namespace livegs {
+namespace {
+
+constexpr const char* kSchema = "livegs.analysis/1";
+
+std::string hash_of(const std::string& text) {
+  return content_hash(std::as_bytes(std::span(text.data(), text.size())));
+}
+
+std::string three_digits(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+// Every part with its length before it, so that no two questions spell the same.
+void add(std::string& text, const std::string& part) {
+  text += std::to_string(part.size()) + ":" + part + "\n";
+}
+
+// Everything the answer may depend on.
+std::string question_hash(const AnalysisQuestion& question, const AnalysisTarget& target,
+                          const std::vector<SceneObjectFacts>& neighbours, const EndpointState& endpoint,
+                          const std::string& prompt_version) {
+  std::string text;
+  for (const std::string& part : {std::string(kSchema), prompt_version, endpoint.name, endpoint.model})
+    add(text, part);
+  for (const auto& [slot, value] : question.slots) {
+    add(text, slot);
+    add(text, value);
+  }
+  for (const AnalysisImage& image : question.images) {
+    add(text, image.caption);
+    add(text, hash_of(image.bytes));
+  }
+  const MeshFacts& mesh = target.facts->mesh;
+  for (const double value :
+       {mesh.volume_m3, mesh.area_m2, mesh.mean_wall_m, mesh.hull_volume_m3, mesh.openness}) {
+    add(text, three_digits(value));
+  }
+  for (const SceneObjectFacts& one : neighbours) {
+    add(text, one.name + "/" + one.material + "/" + one.behavior + "/" + three_digits(one.mass_kg) + "/" +
+                  three_digits(one.distance_m));
+  }
+  return hash_of(text);
+}
+
+void add_to(v1::AnalysisRecord& record, const RawAnswer& answer) {
+  record.set_model(shown_text(answer.model, 80));
+  record.set_prompt_version(shown_text(answer.prompt_version, 80));
+  record.set_prompt_tokens(record.prompt_tokens() + answer.prompt_tokens);
+  record.set_completion_tokens(record.completion_tokens() + answer.completion_tokens);
+  record.set_cost_usd(record.cost_usd() + answer.cost_usd);
+  record.set_wall_s(record.wall_s() + answer.wall_s);
+}
+
+// Steps 1 to 7 of the gate.
+Result<Answer> read_and_examine(const std::string& json, const AnalysisTarget& target, const PromptWords& words) {
+  auto answer = read_answer(json, words);
+  if (!answer) return answer.error();
+  return examine_answer(std::move(*answer), *target.facts, target.offline, words);
+}
+
+}  // namespace
+
+void ask_model(const AnalysisTarget& target, const std::vector<SceneObjectFacts>& neighbours,
+               ModelEndpoint& endpoint, const EndpointState& state, const TargetViews& views,
+               const AnalysisOptions& options, const std::function<void(AnalysisStage)>& staged,
+               std::stop_token stop, AnalysisUpdate& update) {
+  update.parameters = update.judgement.parameters = target.offline;
+  update.record.Clear();
+  const auto give_up = [&](std::string message) {
+    if (update.judgement.message.empty()) update.judgement.message = std::move(message);
+  };
+  auto looks = views(target.object_id, options.views, stop);
+  if (!looks) return give_up("views: " + looks.error().message);
+  update.record.set_endpoint(state.name);
+  std::vector<Answer> answers;
+  std::string question_hashes, answer_hashes;
+  bool all_cached = !looks->empty();
+  for (const TargetView& look : *looks) {
+    if (stop.stop_requested()) break;
+    AnalysisQuestion question;
+    question.slots = fact_slots(*target.facts, target.offline, neighbours, endpoint.words());
+    question.slots.insert(look.slots.begin(), look.slots.end());
+    question.images = look.images;
+    const std::string key = question_hash(question, target, neighbours, state, options.prompt_version);
+    question_hashes += key;
+
+    const auto take = [&](const RawAnswer& raw, std::string repair, AnalysisQuestion asked) -> bool {
+      AnalysisTurn turn;
+      turn.question = std::move(asked);
+      turn.repair = std::move(repair);
+      turn.answer = raw;
+      auto answer = read_and_examine(raw.json, target, endpoint.words());
+      if (!answer) turn.error = answer.error().message;
+      if (answer && raw.blind) {
+        answer->blind = true;
+        answer->changes.push_back("pictures: the model takes none and was asked without");
+      }
+      update.turns.push_back(std::move(turn));
+      if (!answer) return false;
+      answers.push_back(std::move(*answer));
+      answer_hashes += hash_of(raw.json);
+      return true;
+    };
+
+    // Of a model that is not known nothing can be told again.
+    AnswerCache* const cache = state.model.empty() ? nullptr : options.cache;
+    if (cache) {
+      if (const auto failed = cache->failure(key)) {
+        give_up(*failed);
+        continue;
+      }
+      if (const auto kept = cache->answer(key)) {
+        if (take(*kept, "", question)) {
+          update.record.set_model(shown_text(kept->model, 80));
+          update.record.set_prompt_version(shown_text(kept->prompt_version, 80));
+          update.record.set_views(update.record.views() + 1);
+          continue;
+        }
+        update.turns.pop_back();  // the gate has changed since
+      }
+    }
+    all_cached = false;
+    staged(AnalysisStage::Asked);
+    const auto exchange = endpoint.start(ToolBox(*target.facts, neighbours, endpoint.words()));
+    auto raw = exchange->ask(question, stop);
+    if (!raw) {
+      update.cancelled = stop.stop_requested();
+      give_up(raw.error().message);
+      continue;
+    }
+    add_to(update.record, *raw);
+    if (!raw->blind) update.record.set_views(update.record.views() + 1);
+    bool taken = take(*raw, "", question);
+    if (!taken && !stop.stop_requested()) {
+      staged(AnalysisStage::Repaired);
+      const std::string wrong = update.turns.back().error;
+      // Tokens and time of a repair are those of the whole conversation so far; it is counted once.
+      v1::AnalysisRecord before = update.record;
+      auto again = exchange->repair(wrong, stop);
+      if (again) {
+        before.set_prompt_tokens(before.prompt_tokens() - raw->prompt_tokens);
+        before.set_completion_tokens(before.completion_tokens() - raw->completion_tokens);
+        before.set_cost_usd(before.cost_usd() - raw->cost_usd);
+        before.set_wall_s(before.wall_s() - raw->wall_s);
+        update.record = before;
+        add_to(update.record, *again);
+        raw = std::move(again);
+        taken = take(*raw, wrong, {});
+      }
+    }
+    if (taken) {
+      // One that was given blind is not worth keeping: the server may see the next time.
+      if (cache && !raw->blind) cache->keep(key, *raw);
+    } else {
+      const std::string why = "the answer would not do: " + update.turns.back().error;
+      if (cache && !raw->blind && !stop.stop_requested()) cache->keep_failure(key, why);
+      give_up(why);
+    }
+  }
+  update.cancelled = update.cancelled || (stop.stop_requested() && answers.empty());
+  if (answers.empty()) return;
+  update.cached = all_cached;
+  update.judgement = weigh_answer(vote(answers), *target.facts, target.offline);
+  update.parameters = update.judgement.parameters;
+  update.record.set_question_hash(hash_of(question_hashes));
+  update.record.set_answer_hash(hash_of(answer_hashes));
+  for (const std::string& change : update.judgement.changes) update.record.add_gate(change);
+  for (const std::string& remark : update.judgement.remarks) update.record.add_gate(remark);
+  if (update.judgement.verdict == Verdict::NeedsReview) update.record.set_review(update.judgement.message);
+}
+
+}  // namespace livegs

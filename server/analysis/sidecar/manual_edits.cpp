@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "analysis/sidecar/manual_edits.h"
+
+#include <google/protobuf/message.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <vector>
+
+#include "analysis/estimate.h"
+#include "analysis/physics_file.h"
+#include "analysis/estimate/physics_values.h"
+
+namespace livegs {
+namespace {
+
+using v1::Physics;
+
+std::string exact(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.17g", value);
+  return text;
+}
+
+// Behaviour, fill and fragility as one text each.
+std::string behavior_text(const v1::PhysicalParameters& p) { return std::to_string(p.behavior()); }
+std::string fill_text(const v1::PhysicalParameters& p) { return std::to_string(p.fill()); }
+std::string fragile_text(const v1::PhysicalParameters& p) { return p.fragile() ? "true" : "false"; }
+
+}  // namespace
+
+void seal(v1::PhysicsFile& file) {
+  auto& decided = *file.mutable_as_decided();
+  decided.clear();
+  if (!file.has_physics()) return;
+  const v1::PhysicalParameters& p = file.physics();
+  for (const PhysicsValue& value : physics_values()) {
+    if ((p.*value.has)()) decided[value.name] = exact((p.*value.get)().best());
+  }
+  decided["label"] = p.label();
+  decided["behavior"] = behavior_text(p);
+  decided["fill"] = fill_text(p);
+  decided["fragile"] = fragile_text(p);
+}
+
+Result<bool> take_hand_edits(v1::PhysicsFile& file) {
+  if (!file.has_physics()) return false;
+  const bool by_hand = file.as_decided().empty();
+  v1::PhysicalParameters& p = *file.mutable_physics();
+  const auto& decided = file.as_decided();
+  const auto differs = [&](const char* name, const std::string& now) {
+    const auto before = decided.find(name);
+    return before == decided.end() || before->second != now;
+  };
+  Physics edits;
+  for (const PhysicsValue& value : physics_values()) {
+    if (!(p.*value.has)()) continue;
+    const double best = (p.*value.get)().best();
+    if (!differs(value.name, exact(best))) continue;
+    (edits.*value.tell)(best);
+    // Alone, so that the message names the very field.
+    Physics alone;
+    (alone.*value.tell)(best);
+    if (auto checked = check_scene_physics(alone); !checked) {
+      const std::string& what = checked.error().message;
+      return invalid_argument("physics." + std::string(value.name) + ".best" + what.substr(what.find(':')));
+    }
+    const auto before = decided.find(value.name);
+    if (before != decided.end()) {
+      (p.*value.mutable_value)()->set_best(std::strtod(before->second.c_str(), nullptr));
+    } else if (!by_hand) {
+      (p.*value.mutable_value)()->Clear();
+    }
+  }
+  // A modulus and the resistance that follows from it are one statement.
+  if (edits.has_youngs_modulus_pa()) edits.clear_deformation_resistance();
+  if (!Physics::Behavior_IsValid(p.behavior())) {
+    return invalid_argument("physics.behavior: is " + behavior_text(p) + "; give STATIC, RIGID or ELASTIC");
+  }
+  if (!Physics::Fill_IsValid(p.fill())) {
+    return invalid_argument("physics.fill: is " + fill_text(p) + "; give SOLID, SHELL, OPEN_SHELL or FILLED");
+  }
+  bool renamed = false;
+  const auto number = [&](const char* name) { return std::atoi(decided.at(name).c_str()); };
+  if (by_hand) {
+    edits.set_behavior(p.behavior());
+    edits.set_fill(p.fill());
+    if (p.fragile()) edits.set_fragile(true);
+    if (!p.label().empty()) file.set_name(p.label()), renamed = true;
+    file.clear_physics();
+  } else {
+    if (decided.contains("behavior") && differs("behavior", behavior_text(p))) {
+      edits.set_behavior(p.behavior());
+      p.set_behavior(static_cast<Physics::Behavior>(number("behavior")));
+    }
+    if (decided.contains("fill") && differs("fill", fill_text(p))) {
+      edits.set_fill(p.fill());
+      p.set_fill(static_cast<Physics::Fill>(number("fill")));
+    }
+    if (decided.contains("fragile") && differs("fragile", fragile_text(p))) {
+      edits.set_fragile(p.fragile());
+      p.set_fragile(!p.fragile());
+    }
+    if (decided.contains("label") && differs("label", p.label())) {
+      file.set_name(p.label());
+      p.set_label(decided.at("label"));
+      renamed = true;
+    }
+    if (!Physics::Behavior_IsValid(p.behavior()) || !Physics::Fill_IsValid(p.fill())) {
+      return invalid_argument("as_decided: was changed by hand; delete the file, or undo the change");
+    }
+  }
+  const bool any = renamed || edits.ByteSizeLong() > 0;
+  if (any) merge_edits(*file.mutable_edits(), edits);
+  return any;
+}
+
+std::string unheard_edits(const Physics& edits, const Physics& written) {
+  const auto told = [](const Physics& physics) {
+    std::vector<const google::protobuf::FieldDescriptor*> fields;
+    physics.GetReflection()->ListFields(physics, &fields);  // by number
+    return fields;
+  };
+  const auto by_author = told(written);
+  std::string names;
+  for (const auto* field : told(edits)) {
+    if (std::find(by_author.begin(), by_author.end(), field) == by_author.end()) continue;
+    names += (names.empty() ? "" : ", ") + field->name();
+  }
+  if (names.empty()) return {};
+  return "the edit of " + names + " has no effect, because the scene file writes it; take it out of there to edit it here";
+}
+
+}  // namespace livegs

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "analysis/physics_file.h"
+
+#include <google/protobuf/util/json_util.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "analysis/gate/answer.h"
+#include "analysis/sidecar/manual_edits.h"
+#include "analysis/text/json_text.h"
+#include "analysis/sidecar/sidecar_state.h"
+#include "analysis/estimate/physics_values.h"
+#include "core/content_hash.h"
+#include "core/format_text.h"
+
+namespace livegs {
+namespace {
+
+namespace fs = std::filesystem;
+using v1::PhysicsLogRecord;
+
+constexpr size_t kMaxLogBytes = 64 << 20;
+// Sizes that differ by more than this are not the same thing any more.
+constexpr double kSameSize = 1.05;
+
+// What counts where the file of one object is not there: mug.physics.json for mug.physics.left.json; empty for others.
+fs::path default_path(const fs::path& sidecar) {
+  const std::string name = sidecar.stem().string();  // without .json
+  const size_t dot = name.rfind('.');
+  constexpr std::string_view kEnding = ".physics";
+  if (dot == std::string::npos || name.substr(dot) == kEnding) return {};
+  const std::string before = name.substr(0, dot);
+  return before.ends_with(kEnding) ? sidecar.parent_path() / (before + ".json") : fs::path();
+}
+
+std::string one_line(std::string text) {
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+  }
+  return text;
+}
+
+Error newer(double version) {
+  return {ErrorCode::Unsupported,
+          format_text("a newer LiveGS wrote it (layout %.0f, this one reads up to %u): update this one, or move it and its .log away to "
+                      "go on without them; nothing in them is changed",
+                      version, kPhysicsLayout)};
+}
+
+Result<v1::PhysicsFile> parse_file(const std::string& text) {
+  const Result<Json> json = parse_commented_json(text);
+  if (!json) return json.error();
+  if (!json->is_object()) return invalid_data("must hold one JSON object");
+  // Before what such a file may hold that nobody here knows.
+  if (const auto version = number_member(*json, "version"); version && *version > kPhysicsLayout) return newer(*version);
+  v1::PhysicsFile file;
+  const auto status = google::protobuf::util::JsonStringToMessage(dump_json(*json), &file);
+  if (!status.ok()) {
+    return invalid_data(one_line(std::string(status.message())) +
+                        " (field names are those of PhysicsFile in proto/livegs/v1/physics.proto)");
+  }
+  if (file.version() > kPhysicsLayout) return newer(file.version());  // written as text
+  if (auto checked = check_scene_physics(file.edits()); !checked) {
+    return invalid_argument("edits." + checked.error().message);
+  }
+  return file;
+}
+
+// Who deletes a sidecar forgets what its log says. The log only grows, so the next one begins with a TAKEN_OVER: of the
+// asset's sidecar, or of nothing.
+std::vector<PhysicsLogRecord> since_begun(std::vector<PhysicsLogRecord> log) {
+  const auto begun = std::find_if(log.rbegin(), log.rend(), [](const PhysicsLogRecord& record) {
+    return record.action() == PhysicsLogRecord::TAKEN_OVER;
+  });
+  if (begun != log.rend()) log.erase(log.begin(), std::prev(begun.base()));
+  return log;
+}
+
+bool same_content(v1::PhysicsFile a, v1::PhysicsFile b) {
+  for (v1::PhysicsFile* file : {&a, &b}) {
+    file->clear_revision();
+    file->clear_version();
+    file->clear_as_decided();
+  }
+  return a.SerializeAsString() == b.SerializeAsString();
+}
+
+}  // namespace
+
+fs::path log_path(const fs::path& sidecar) {
+  fs::path path = sidecar;
+  return path.replace_extension(".log");
+}
+
+Result<PhysicsKept> read_kept(const fs::path& path) {
+  PhysicsKept kept;
+  kept.log = read_physics_log(path);
+  for (const PhysicsLogRecord& record : kept.log) kept.newest = std::max(kept.newest, record.file().revision());
+  auto text = read_text_file(path, kMaxPhysicsFileBytes);
+  if (!text && text.error().code != ErrorCode::NotFound) return text.error();
+  const auto in_file = [&](const Error& error) {
+    const char* remedy = error.code == ErrorCode::Unsupported ? "" : "; mend it, or delete the file to forget it";
+    return Error{error.code, path.string() + ": " + error.message + remedy};
+  };
+  if (text) {
+    auto file = parse_file(*text);
+    if (!file) return in_file(file.error());
+    kept.file = std::move(*file);
+    kept.there = true;
+    kept.on_disk = kept.file.revision();
+    auto edited = take_hand_edits(kept.file);
+    if (!edited) return in_file(edited.error());
+    kept.edited_by_hand = *edited;
+  }
+  if (!kept.there) {
+    // Gone, it was deleted, whatever its log says.
+    kept.forgotten = !kept.log.empty();
+    kept.log.clear();
+    if (const fs::path other = default_path(path); !other.empty()) {
+      auto instead = read_kept(other);
+      if (!instead) return instead.error();
+      kept.file = std::move(instead->file);
+      kept.taken_over = kept.file.has_physics() || kept.file.has_edits() || !kept.file.name().empty();
+      kept.file.set_revision(0);
+    }
+    return kept;
+  }
+  kept.log = since_begun(std::move(kept.log));
+  // Ended between the log and the sidecar: the last change is in the log only.
+  const PhysicsLogRecord *newest = nullptr, *before = nullptr;
+  for (const PhysicsLogRecord& record : kept.log) {
+    if (is_revision(record)) before = std::exchange(newest, &record);
+  }
+  if (!newest) return kept;
+  if (!kept.edited_by_hand) {
+    if (newest->previous() == kept.on_disk && newest->file().revision() != kept.on_disk) kept.file = newest->file();
+    return kept;
+  }
+  // What was edited by hand may be in the log already, and the change that it was found by after it.
+  const auto holds_edit = [&](const PhysicsLogRecord& record) {
+    return record.action() == PhysicsLogRecord::EDIT_BY_HAND && record.previous() == kept.on_disk &&
+           same_content(record.file(), kept.file);
+  };
+  if (holds_edit(*newest) ||
+      (before && holds_edit(*before) && newest->previous() == before->file().revision())) {
+    kept.file = newest->file();
+    kept.edited_by_hand = false;
+  }
+  return kept;
+}
+
+fs::path physics_file_path(const fs::path& asset) {
+  fs::path path = asset;
+  if (path.filename() == "meta.json" || path.filename().empty()) path = path.parent_path();
+  std::string name = path.filename().string();
+  for (const std::string_view ending : {".compressed.ply", ".ply", ".spz", ".sog", ".splat", ".csv"}) {
+    if (name.size() > ending.size() && name.ends_with(ending)) {
+      name.erase(name.size() - ending.size());
+      break;
+    }
+  }
+  return path.parent_path() / (name + ".physics.json");
+}
+
+std::string object_file_name(std::string_view object) {
+  constexpr char kHex[] = "0123456789ABCDEF";
+  std::string name;
+  for (const char c : object) {
+    const bool plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-' || c == '_';
+    const auto byte = static_cast<unsigned char>(c);
+    // "physics" itself would read as an asset's own sidecar.
+    if (plain && !(name.empty() && object == "physics")) {
+      name += c;
+    } else {
+      name += {'%', kHex[byte >> 4], kHex[byte & 15]};
+    }
+  }
+  // A file's name has 255 bytes at most, and a Chinese letter takes nine here.
+  constexpr size_t kMost = 150, kKept = 100, kHashDigits = 16;
+  if (name.size() <= kMost) return name;
+  size_t kept = kKept;
+  while (name[kept - 1] == '%' || name[kept - 2] == '%') --kept;
+  return name.substr(0, kept) + "-" + content_hash(std::as_bytes(std::span(object))).substr(0, kHashDigits);
+}
+
+fs::path physics_file_path(const fs::path& asset, std::string_view object) {
+  const fs::path all = physics_file_path(asset);
+  return all.parent_path() / (all.stem().string() + "." + object_file_name(object) + ".json");
+}
+
+std::vector<PhysicsLogRecord> read_physics_log(const fs::path& path) {
+  std::vector<PhysicsLogRecord> records;
+  const auto text = read_text_file(log_path(path), kMaxLogBytes);
+  if (!text) return records;
+  for (size_t begin = 0, end; (end = text->find('\n', begin)) != std::string::npos; begin = end + 1) {
+    PhysicsLogRecord record;
+    google::protobuf::util::JsonParseOptions parse;
+    parse.ignore_unknown_fields = true;
+    const auto status =
+        google::protobuf::util::JsonStringToMessage(text->substr(begin, end - begin), &record, parse);
+    if (status.ok() && record.action() != PhysicsLogRecord::ACTION_UNKNOWN)
+      records.push_back(std::move(record));
+  }
+  return records;
+}
+
+std::vector<PhysicsLogRecord> read_decisions(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) return {};
+  return since_begun(read_physics_log(path));
+}
+
+Result<v1::PhysicsFile> read_physics_file(const fs::path& path) {
+  auto kept = read_kept(path);
+  if (!kept) return kept.error();
+  return std::move(kept->file);
+}
+
+std::optional<v1::PhysicsFile> open_proposal(std::span<const PhysicsLogRecord> log) {
+  for (auto record = log.rbegin(); record != log.rend(); ++record) {
+    // An edit that comes after it is another answer than the model's. One by hand comes into the log with whatever
+    // follows it, perhaps the acceptance.
+    if (record->action() == PhysicsLogRecord::ANALYSIS || record->action() == PhysicsLogRecord::EDIT) break;
+    if (record->action() != PhysicsLogRecord::PROPOSAL) continue;
+    if (record->file().has_physics()) return record->file();
+    break;  // declined
+  }
+  return std::nullopt;
+}
+
+bool answer_undone(std::span<const PhysicsLogRecord> log) {
+  bool held = false, undone = false, waits = false;
+  for (const PhysicsLogRecord& record : log) {
+    if (!is_revision(record)) {
+      const bool declined = !record.file().has_physics();
+      if (waits || !declined) undone = declined;
+      waits = !declined;
+      continue;
+    }
+    if (record.action() == PhysicsLogRecord::EDIT && std::exchange(waits, false)) undone = true;
+    if (record.action() == PhysicsLogRecord::ANALYSIS) waits = false;
+    const bool holds = !record.file().analysis().model().empty();
+    if (holds) undone = false;
+    if (held && !holds) undone = record.action() == PhysicsLogRecord::UNDO;
+    held = holds;
+  }
+  return undone;
+}
+
+std::string physics_name(std::string_view name) { return shown_text(name, 80); }
+
+void merge_edits(v1::Physics& edits, const v1::Physics& later) {
+  if (later.has_mass_kg()) edits.clear_density_kg_m3();
+  if (later.has_density_kg_m3()) edits.clear_mass_kg();
+  if (later.has_youngs_modulus_pa()) edits.clear_deformation_resistance();
+  if (later.has_deformation_resistance()) edits.clear_youngs_modulus_pa();
+  edits.MergeFrom(later);
+}
+
+Result<v1::PhysicalParameters> with_physics_file(const v1::PhysicalParameters& offline,
+                                                 const v1::PhysicsFile& file, const ObjectFacts& facts,
+                                                 std::string& note) {
+  v1::PhysicalParameters physics = offline;
+  if (file.has_physics()) {
+    physics = file.physics();
+    // What a person or a scene had told when it was asked is theirs, and holds only while they say it.
+    for (const PhysicsValue& value : physics_values()) {
+      if (is_locked((physics.*value.get)())) *(physics.*value.mutable_value)() = (offline.*value.get)();
+    }
+    const double analysed_m = file.physics().longest_side_m().best(), now_m = facts.mesh.size_m.maxCoeff();
+    if (analysed_m > 0 && now_m > 0 && std::abs(std::log(now_m / analysed_m)) > std::log(kSameSize)) {
+      *physics.mutable_mass_kg() = offline.mass_kg();
+      *physics.mutable_wall_thickness_m() = offline.wall_thickness_m();
+      *physics.mutable_break_impulse_n_s() = offline.break_impulse_n_s();
+      char line[160];
+      std::snprintf(
+          line, sizeof line,
+          "was analysed %.3g m long and stands %.3g m long: its mass is estimated anew; analyze it again",
+          analysed_m, now_m);
+      note = line;
+    }
+  }
+  return merge_scene_physics(physics, file.edits(), facts, v1::EstimatedValue::PERSON);
+}
+
+}  // namespace livegs

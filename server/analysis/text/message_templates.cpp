@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "analysis/text/message_templates.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "analysis/text/prompt_slots.h"
+#include "analysis/text/prompt_text.h"
+#include "complaints.json.h"
+#include "core/assert.h"
+#include "facts.json.h"
+#include "mass_reasons.json.h"
+#include "tool_words.json.h"
+
+namespace livegs {
+namespace {
+
+constexpr const char* kBuiltIn[] = {kFactsPrompt, kComplaintsPrompt, kToolWordsPrompt};  // in the order of kFiles
+
+}  // namespace
+
+Result<PromptWords> PromptWords::read(const std::map<std::string, std::string>& texts,
+                                      const std::filesystem::path& folder) {
+  PromptWords words;
+  for (size_t i = 0; i < std::size(kFiles); ++i) {
+    const std::string path = (folder / kFiles[i]).string() + ": ";
+    const auto given = texts.find(kFiles[i]);
+    const auto own = nlohmann::json::parse(kBuiltIn[i], nullptr, false);
+    const auto json = given == texts.end() ? own : nlohmann::json::parse(given->second, nullptr, false);
+    if (!json.is_object()) return invalid_data(path + "not a JSON object");
+    for (const auto& [name, text] : json.items()) {
+      if (!text.is_string()) return invalid_data(path + name + " is no text");
+      if (!own.contains(name)) return invalid_data(path + name + " is no line that is ever said");
+      if (!words.lines_.emplace(name, text.get<std::string>()).second)
+        return invalid_data(path + name + " stands in another file already");
+      const SlotNames known = slots_of(own[name].get<std::string>());
+      if (auto checked = check_slots(text.get<std::string>(), known); !checked)
+        return invalid_data(path + name + ", " + checked.error().message);
+    }
+    for (const auto& [name, text] : own.items()) {
+      if (!json.contains(name)) return invalid_data(path + "has no line " + name);
+    }
+  }
+  return words;
+}
+
+const PromptWords& PromptWords::built_in() {
+  static const PromptWords words = [] {
+    auto read = PromptWords::read({});
+    LIVEGS_ASSERT(read);  // a test reads them
+    return std::move(*read);
+  }();
+  return words;
+}
+
+const PromptWords& PromptWords::reasons() {
+  static const PromptWords words = [] {
+    PromptWords read;
+    const auto json = nlohmann::json::parse(kMassReasons, nullptr, false);
+    for (const auto& [name, text] : json.items()) read.lines_.emplace(name, text.get<std::string>());
+    return read;
+  }();
+  return words;
+}
+
+std::string PromptWords::say(std::string_view line,
+                             std::initializer_list<std::pair<std::string_view, std::string_view>> slots) const {
+  const auto found = lines_.find(line);
+  if (found == lines_.end()) return std::string(line);
+  return fill_line(found->second, [&](std::string_view slot) {
+    const auto told = std::find_if(slots.begin(), slots.end(), [&](const auto& one) { return one.first == slot; });
+    return told == slots.end() ? std::string() : std::string(told->second);
+  });
+}
+
+}  // namespace livegs

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "analysis/text/prompt_slots.h"
+
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
+#include "analysis/text/prompt_text.h"
+
+namespace livegs {
+namespace {
+
+constexpr std::size_t kLongestShown = 40;
+
+// Levenshtein's, with two neighbours that changed places as one step.
+std::size_t steps_between(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), now(b.size() + 1);
+  std::iota(last.begin(), last.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    now[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      now[j] = std::min({last[j] + 1, now[j - 1] + 1, last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) now[j] = std::min(now[j], before[j - 2] + 1);
+    }
+    before = std::exchange(last, now);
+  }
+  return last[b.size()];
+}
+
+bool lower_case(std::string_view slot) {
+  return !slot.empty() && std::all_of(slot.begin(), slot.end(), [](char c) { return (c >= 'a' && c <= 'z') || c == '_'; });
+}
+
+std::string braced(std::string_view slot) { return "{{" + std::string(slot) + "}}"; }
+
+std::string list_of(const SlotNames& known) {
+  std::string list;
+  for (const std::string& slot : known) list += (list.empty() ? "" : ", ") + braced(slot);
+  return list;
+}
+
+std::string remedy(std::string_view slot, const SlotNames& known) {
+  if (known.empty()) return "nothing in this text is filled: take it out";
+  if (const std::string meant = meant_word(slot, known); !meant.empty()) return "write " + braced(meant) + " or take it out";
+  return "take it out or write one of " + list_of(known);
+}
+
+}  // namespace
+
+SlotNames slots_of(std::string_view text) {
+  SlotNames slots;
+  fill_line(text, [&](std::string_view slot) {
+    slots.emplace(slot);
+    return std::string();
+  });
+  return slots;
+}
+
+Result<void> check_slots(std::string_view text, const SlotNames& known) {
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    const std::string at = "line " + std::to_string(number) + ": ";
+    for (std::size_t open = 0; (open = line.find("{{", open)) != std::string_view::npos;) {
+      const std::string_view rest = line.substr(open + 2);
+      const std::size_t close = rest.find("}}");
+      const std::string_view slot = rest.substr(0, std::min(close, rest.find('}')));
+      open += 2;
+      if (known.empty() && !(lower_case(slot) && close == slot.size())) continue;
+      const std::string shown = line_text(slot, kLongestShown);
+      if (close != slot.size()) return invalid_data(at + "{{" + shown + " has no end: write it as {{slot}}, on one line");
+      if (slot.empty()) return invalid_data(at + "{{}} names no slot: " + remedy(slot, known));
+      if (!known.contains(slot)) return invalid_data(at + braced(shown) + " is filled by nothing: " + remedy(slot, known));
+      open += slot.size() + 2;
+    }
+  }
+  return {};
+}
+
+std::string meant_word(std::string_view word, const SlotNames& known) {
+  std::string meant;
+  std::size_t least = 3 + word.size() / 8;
+  for (const std::string& one : known) {
+    const std::size_t steps = steps_between(word, one);
+    if (steps < std::min(least, one.size())) {
+      least = steps;
+      meant = one;
+    }
+  }
+  return meant;
+}
+
+}  // namespace livegs

@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "analysis/views/object_views.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "analysis/views/coverage_mask.h"
+#include "analysis/views/outline.h"
+#include "core/format_text.h"
+#include "splat/rasterise.h"
+
+namespace livegs {
+namespace {
+
+constexpr double kVerticalFov_rad = 0.7;
+constexpr double kFilled =
+    0.7;  // of the picture's height, by the ball around the target: what stands around it shows too
+constexpr int kThumbnail_px = 160;  // long side of the pictures by which cameras are judged
+constexpr double kUprightElevation_rad = 0.35, kSteepElevation_rad = 0.8;
+constexpr double kSteepBonus = 0.85;  // people see and photograph most things from a little above
+constexpr double kCloseRing = 0.5;    // of the distance: inside what stands close around the target
+constexpr double kHidden = 0.3;       // visible share of the best camera under which the close ring is tried
+constexpr double kApart_rad = 0.9;    // between views of one object
+// Kernels that the thumbnails are drawn with: of the target, of everything else.
+constexpr size_t kTargetKernels = 30'000, kOtherKernels = 120'000;
+
+struct Ring {
+  Eigen::Vector3d target_m;
+  double distance_m;
+};
+
+struct Candidate {
+  ViewCandidate judged;
+  double distance_m = 0;
+};
+
+Eigen::Vector3d direction_of(double azimuth_rad, double elevation_rad) {
+  return {std::sin(azimuth_rad) * std::cos(elevation_rad), std::sin(elevation_rad),
+          std::cos(azimuth_rad) * std::cos(elevation_rad)};
+}
+
+Camera camera_at(const Ring& ring, double azimuth_rad, double elevation_rad, int width, int height) {
+  Camera camera = look_at(ring.target_m + ring.distance_m * direction_of(azimuth_rad, elevation_rad),
+                          ring.target_m, Eigen::Vector3d::UnitY(), kVerticalFov_rad, width, height);
+  camera.near_m = std::min(camera.near_m, 0.02 * ring.distance_m);
+  return camera;
+}
+
+// Of light that reaches the camera from the target, in pixels.
+double sum_of(const Image& image, int channel) {
+  double sum = 0;
+  for (size_t i = static_cast<size_t>(channel); i < image.pixels.size(); i += 4) sum += image.pixels[i];
+  return sum;
+}
+
+// The middle of the target and the radius of the ball around it, a 500th of its kernels left out on each
+// side.
+Eigen::AlignedBox3d bounds_of(std::span<const DrawnObject> target) {
+  std::array<std::vector<double>, 3> places;
+  for (const DrawnObject& object : target) {
+    for (size_t i = 0; i < object.kernels->positions_m.size(); ++i) {
+      const Eigen::Vector3f& place = object.kernels->positions_m[i];
+      if (object.asset->opacity_logits[i] < -2.2f || !place.allFinite()) continue;  // opacity 0.1
+      for (int d = 0; d < 3; ++d) places[d].push_back(place[d]);
+    }
+  }
+  Eigen::AlignedBox3d bounds;
+  if (places[0].empty()) return bounds;
+  Eigen::Vector3d low, high;
+  const size_t spare = places[0].size() / 500;
+  for (int d = 0; d < 3; ++d) {
+    std::sort(places[d].begin(), places[d].end());
+    low[d] = places[d][spare];
+    high[d] = places[d][places[d].size() - 1 - spare];
+  }
+  bounds.extend(low);
+  bounds.extend(high);
+  return bounds;
+}
+
+std::vector<Candidate> judge_ring(const OneHotScene& thin, const Ring& ring, int width, int height,
+                                  Rasteriser& rasteriser, const std::stop_token& stop) {
+  std::vector<Candidate> ring_candidates;
+  RasterisedView view;
+  RasteriseOptions options;
+  for (int i = 0; i < 12 && !stop.stop_requested(); ++i) {
+    const bool steep = i >= 8;
+    Candidate candidate;
+    candidate.distance_m = ring.distance_m;
+    ViewCandidate& judged = candidate.judged;
+    judged.azimuth_rad = steep ? (i - 8 + 0.5) * std::numbers::pi / 2 : i * std::numbers::pi / 4;
+    judged.elevation_rad = steep ? kSteepElevation_rad : kUprightElevation_rad;
+    const Camera camera = camera_at(ring, judged.azimuth_rad, judged.elevation_rad, width, height);
+    rasteriser.draw(thin.target(), camera, options, view);
+    const double alone = sum_of(view.image, 0);
+    if (alone > 0) {
+      rasteriser.draw(thin.seen_by(camera), camera, options, view);
+      const double visible = sum_of(view.image, 0);
+      judged.visible_share = std::clamp(visible / alone, 0.0, 1.0);
+      judged.area_share = visible / (static_cast<double>(width) * height);
+      judged.score =
+          alone / (static_cast<double>(width) * height) * judged.visible_share * (steep ? kSteepBonus : 1.0);
+    }
+    ring_candidates.push_back(candidate);
+  }
+  return ring_candidates;
+}
+
+// The best, then the best of those that look from elsewhere.
+std::vector<Candidate> choose(std::vector<Candidate> candidates, size_t count) {
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.judged.score > b.judged.score; });
+  std::vector<Candidate> chosen, passed_over;
+  for (const Candidate& candidate : candidates) {
+    const auto direction = [](const Candidate& c) {
+      return direction_of(c.judged.azimuth_rad, c.judged.elevation_rad);
+    };
+    const bool near = std::any_of(chosen.begin(), chosen.end(), [&](const Candidate& other) {
+      return direction(candidate).dot(direction(other)) > std::cos(kApart_rad);
+    });
+    (near ? passed_over : chosen).push_back(candidate);
+  }
+  chosen.insert(chosen.end(), passed_over.begin(), passed_over.end());
+  chosen.resize(std::min(chosen.size(), count));
+  std::stable_sort(chosen.begin(), chosen.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.judged.score > b.judged.score; });
+  return chosen;
+}
+
+// The camera with a longer lens, so that what `silhouette` shows fills the picture.
+Camera close_up(const Camera& camera, const Image& silhouette, int long_side_px) {
+  int left = silhouette.width, right = -1, top = silhouette.height, bottom = -1;
+  for (int y = 0; y < silhouette.height; ++y) {
+    for (int x = 0; x < silhouette.width; ++x) {
+      if (silhouette.at(x, y)[0] < 0.1f) continue;
+      left = std::min(left, x);
+      right = std::max(right, x);
+      top = std::min(top, y);
+      bottom = std::max(bottom, y);
+    }
+  }
+  if (right < 0) return camera;
+  // A twentieth more on each side, and a pixel of the thumbnail.
+  const double scale = static_cast<double>(camera.width) / silhouette.width;
+  const double wide = 1.1 * (right - left + 3) * scale, high = 1.1 * (bottom - top + 3) * scale;
+  const double zoom = long_side_px / std::max(wide, high);
+  Camera close = camera;
+  close.width = std::max(16, static_cast<int>(std::lround(zoom * wide)));
+  close.height = std::max(16, static_cast<int>(std::lround(zoom * high)));
+  close.focal_x_px *= zoom;
+  close.focal_y_px *= zoom;
+  close.centre_x_px = 0.5 * close.width + zoom * (camera.centre_x_px - 0.5 * scale * (left + right + 1));
+  close.centre_y_px = 0.5 * close.height + zoom * (camera.centre_y_px - 0.5 * scale * (top + bottom + 1));
+  return close;
+}
+
+// One channel of `from` in all three, fully opaque.
+Image grey(const Image& from) {
+  Image image = from;
+  for (size_t i = 0; i < image.pixels.size(); i += 4) {
+    const float value = std::clamp(from.pixels[i], 0.0f, 1.0f);
+    image.pixels[i] = image.pixels[i + 1] = image.pixels[i + 2] = value;
+    image.pixels[i + 3] = 1.0f;
+  }
+  return image;
+}
+
+Result<void> check(const ViewOptions& options) {
+  if (options.long_side_px < 32 || options.long_side_px > 4096) {
+    return invalid_argument("long_side_px: " + std::to_string(options.long_side_px) +
+                            " is not in 32 to 4096");
+  }
+  if (options.view_count < 1 || options.view_count > 12) {
+    return invalid_argument("view_count: " + std::to_string(options.view_count) + " is not in 1 to 12");
+  }
+  if (!(options.aspect >= 0.5 && options.aspect <= 2.0)) {
+    return invalid_argument("aspect: " + std::to_string(options.aspect) + " is not in 0.5 to 2");
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<std::vector<ObjectView>> object_views(std::span<const DrawnObject> scene, uint32_t object_id,
+                                             const ViewOptions& options,
+                                             std::vector<ViewCandidate>* candidates) {
+  if (auto checked = check(options); !checked) return checked.error();
+  std::vector<DrawnObject> target;
+  for (const DrawnObject& object : scene) {
+    if (object.object_id == object_id) target.push_back(object);
+  }
+  if (target.empty()) {
+    return invalid_argument("object " + std::to_string(object_id) + " is not among the scene's objects");
+  }
+  const Eigen::AlignedBox3d bounds = bounds_of(target);
+  if (bounds.isEmpty()) {
+    return invalid_argument("object " + std::to_string(object_id) +
+                            " has no kernel with an opacity of 0.1 or more");
+  }
+  const auto size = [&](int long_side) {
+    const double wide = std::min(1.0, options.aspect), high = std::min(1.0, 1 / options.aspect);
+    return std::pair(
+        std::max(8, static_cast<int>(std::lround(long_side * (options.aspect < 1 ? wide : 1.0)))),
+        std::max(8, static_cast<int>(std::lround(long_side * (options.aspect < 1 ? 1.0 : high)))));
+  };
+  const double radius_m = std::max(0.5 * bounds.sizes().norm(), 1e-3);
+  const Ring ring{bounds.center(), radius_m / (kFilled * std::tan(0.5 * kVerticalFov_rad)) /
+                                       std::max(1.0, std::min(1.0, options.aspect))};
+
+  Rasteriser rasteriser;
+  const auto [thumb_width, thumb_height] = size(kThumbnail_px);
+  const OneHotScene thin(scene, object_id, kTargetKernels, kOtherKernels);
+  std::vector<Candidate> tried = judge_ring(thin, ring, thumb_width, thumb_height, rasteriser, options.stop);
+  const bool hidden = std::none_of(tried.begin(), tried.end(),
+                                   [](const Candidate& c) { return c.judged.visible_share > kHidden; });
+  if (hidden) {
+    const Ring close{ring.target_m, kCloseRing * ring.distance_m};
+    for (Candidate& candidate :
+         judge_ring(thin, close, thumb_width, thumb_height, rasteriser, options.stop)) {
+      candidate.judged.score *= kCloseRing * kCloseRing;  // the area it would have on the wide ring
+      tried.push_back(candidate);
+    }
+  }
+  const Error cancelled{ErrorCode::Unavailable, "cancelled"};
+  if (options.stop.stop_requested()) return cancelled;
+  if (candidates) {
+    candidates->clear();
+    for (const Candidate& candidate : tried) candidates->push_back(candidate.judged);
+  }
+
+  const auto [width, height] = size(options.long_side_px);
+  const OneHotScene whole(scene, object_id);
+  std::vector<ObjectView> views;
+  for (const Candidate& chosen : choose(std::move(tried), static_cast<size_t>(options.view_count))) {
+    ObjectView view;
+    const Ring at{ring.target_m, chosen.distance_m};
+    view.camera = camera_at(at, chosen.judged.azimuth_rad, chosen.judged.elevation_rad, width, height);
+    view.target_m = ring.target_m;
+    view.distance_m = chosen.distance_m;
+    view.azimuth_rad = chosen.judged.azimuth_rad;
+    view.elevation_rad = chosen.judged.elevation_rad;
+    view.score = chosen.judged.score;
+    RasterisedView drawn;
+    RasteriseOptions grey_ground;
+    grey_ground.background = Eigen::Vector3f::Constant(0.5f);
+    if (options.stop.stop_requested()) return cancelled;
+    rasteriser.draw(whole.coloured_seen_by(view.camera), view.camera, grey_ground, drawn);
+    view.scene = std::move(drawn.image);
+    if (options.stop.stop_requested()) return cancelled;
+    rasteriser.draw(whole.seen_by(view.camera), view.camera, {}, drawn);
+    view.mask = grey(drawn.image);
+    const double visible = sum_of(view.mask, 0);
+    rasteriser.draw(whole.target(), view.camera, {}, drawn);
+    const double alone = sum_of(drawn.image, 0);
+    view.visible_share = alone > 0 ? std::clamp(visible / alone, 0.0, 1.0) : 0.0;
+    view.area_share = visible / (static_cast<double>(width) * height);
+    view.outlined = outlined(view.scene, view.mask, std::max(1, options.long_side_px / 256));
+    RasteriseOptions white_ground;
+    white_ground.background = Eigen::Vector3f::Ones();
+    if (options.stop.stop_requested()) return cancelled;
+    const Camera close = close_up(view.camera, drawn.image, options.long_side_px);
+    rasteriser.draw(target, close, white_ground, drawn);
+    view.cutout = std::move(drawn.image);
+    views.push_back(std::move(view));
+  }
+  return views;
+}
+
+std::map<std::string, std::string> camera_slots(const ObjectView& view) {
+  const auto place = [](const Eigen::Vector3d& at_m) {
+    return format_text("%.3g, %.3g, %.3g", at_m.x(), at_m.y(), at_m.z());
+  };
+  const auto degrees = [](double rad) { return format_text("%.0f", rad * 180 / std::numbers::pi); };
+  return {{"camera_position", place(view.camera.world_from_camera.position_m)},
+          {"target_position", place(view.target_m)},
+          {"camera_distance", format_text("%.3g", view.distance_m)},
+          {"camera_azimuth", degrees(view.azimuth_rad)},
+          {"camera_elevation", degrees(view.elevation_rad)},
+          {"camera_seen", format_text("%.0f", 100 * view.visible_share)}};
+}
+
+std::string describe_camera(const ObjectView& view) {
+  static constexpr const char* kSides[] = {"the front", "the front right", "the right", "the back right",
+                                           "the back",  "the back left",   "the left",  "the front left"};
+  const long eighth = std::lround(view.azimuth_rad / (std::numbers::pi / 4));
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "from %s, %.0f degrees above the horizon, %.3g m from its centre; %.0f %% of it is seen",
+                kSides[((eighth % 8) + 8) % 8], view.elevation_rad * 180 / std::numbers::pi, view.distance_m,
+                100 * view.visible_share);
+  return text;
+}
+
+}  // namespace livegs

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "analysis/gate/gate.h"
+#include "server/analysis/gate/answer_fixtures.h"
+
+namespace livegs {
+
+// One answer through the whole gate, by the steps that ask_model takes: read, examine, vote (of one), weigh.
+// `offline` is what the object has now.
+inline Judgement judge_answer(std::string_view raw, const ObjectFacts& facts,
+                              const v1::PhysicalParameters& offline) {
+  auto answer = read_answer(raw);
+  if (answer) answer = examine_answer(std::move(*answer), facts, offline);
+  if (answer) return weigh_answer(vote(std::span(&*answer, 1)), facts, offline);
+  Judgement refused;
+  refused.parameters = offline;
+  refused.message = answer.error().message;
+  return refused;
+}
+
+// Of an object that nobody has said anything of.
+inline Judgement judge(const nlohmann::json& answer, const ObjectFacts& facts = mug_facts()) {
+  return judge_answer(answer.dump(), facts, estimate_offline(facts));
+}
+
+inline bool same(const google::protobuf::Message& a, const google::protobuf::Message& b) {
+  return a.SerializeAsString() == b.SerializeAsString();
+}
+
+}  // namespace livegs

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "analysis/text/json_text.h"
+#include "analysis/model/model_endpoint.h"
+#include "server/analysis/model/chat/test_model_server.h"
+
+// What a server may do to a client, as a table: what it says, what the client makes of it.
+
+namespace livegs {
+
+inline constexpr const char* kTestKey = "sk-live-7QmZr4T9xVb2LwK8pYc3NdHs";
+
+// A whole answer, the first example of prompts/examples.json; its mass_g.best is 730.
+const std::string& sound_answer();
+
+// Chat replies as OpenAI writes them.
+Reply says(const std::string& content, const char* finish_reason = "stop");
+Reply calls(const std::vector<std::pair<std::string, std::string>>& names_and_arguments);
+Reply fails(int status, const Json& error);  // {"error": ...}
+Reply streams(const std::vector<std::string>& events, bool done = true);
+std::vector<std::string> streamed_answer(const std::string& content);  // its events
+
+Json body_of(const SeenRequest& request);
+std::string last_text(const SeenRequest& request);  // of the last message
+
+// The four dialects and the plainest server, each with what it refuses.
+TestModelServer::Handler openai_server();
+TestModelServer::Handler vllm_server();
+TestModelServer::Handler llama_cpp_server();
+TestModelServer::Handler ollama_server();
+TestModelServer::Handler plain_server();
+
+struct EndpointCase {
+  std::string name;
+  TestModelServer::Handler server;
+  std::string error;  // what the message holds; empty: an answer comes
+  int posts = -1;     // how many requests it takes; -1: any number
+  std::function<void(EndpointSettings&)> settings = {};
+  std::function<void(const std::vector<SeenRequest>& posts, const RawAnswer& answer)> check = {};
+  Reply models = not_found_reply();
+};
+const std::vector<EndpointCase>& endpoint_cases();
+
+// The settings of every case: this server, the test key, waits of milliseconds.
+EndpointSettings test_settings(const std::string& base_url);
+
+// Replies one after the other, the last one again and again.
+TestModelServer::Handler in_turn(std::vector<Reply> replies);
+
+}  // namespace livegs

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "analysis/views/object_views.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "analysis/model/fact_slots.h"
+#include "analysis/views/outline.h"
+
+namespace livegs {
+namespace {
+
+constexpr uint32_t kTarget = 7, kScreen = 8;
+
+// Round kernels on a grid over a rectangle, so dense that it is opaque.
+struct Sheet {
+  GaussianAsset asset;
+  PosedKernels kernels;
+};
+
+Sheet sheet(const Eigen::Vector3d& corner_m, const Eigen::Vector3d& across_m, const Eigen::Vector3d& up_m,
+            const Eigen::Vector3f& rgb, int count = 60) {
+  Sheet made;
+  const double spacing_m = std::max(across_m.norm(), up_m.norm()) / count;
+  const auto columns = std::lround(across_m.norm() / spacing_m), rows = std::lround(up_m.norm() / spacing_m);
+  const auto variance = static_cast<float>(0.5 * spacing_m * spacing_m);
+  made.asset.resize(columns * rows);
+  made.kernels.resize(columns * rows);
+  for (long i = 0; i < columns * rows; ++i) {
+    const double u = (i % columns + 0.5) / columns, v = (i / columns + 0.5) / rows;
+    made.kernels.positions_m[i] = (corner_m + u * across_m + v * up_m).cast<float>();
+    made.kernels.covariances_m2[i] = {variance, 0, 0, variance, 0, variance};
+    made.kernels.world_from_asset[i].setIdentity();
+    made.asset.positions[i] = made.kernels.positions_m[i];
+    made.asset.opacity_logits[i] = 4.0f;
+    made.asset.sh_dc[i] = (rgb.array() - 0.5f).matrix() / 0.28209479f;
+  }
+  return made;
+}
+
+// A red board of 0.4 x 0.4 m that faces the front, and before it a grey screen that hides its right half from
+// there.
+class HalfHiddenBoard : public testing::Test {
+ protected:
+  Sheet board = sheet({-0.2, 0, 0}, {0.4, 0, 0}, {0, 0.4, 0}, {0.9f, 0.1f, 0.1f});
+  Sheet screen = sheet({0, -0.4, 0.3}, {0.8, 0, 0}, {0, 1.2, 0}, {0.4f, 0.4f, 0.4f}, 120);
+  std::vector<DrawnObject> both = {{&board.asset, &board.kernels, kTarget},
+                                   {&screen.asset, &screen.kernels, kScreen}};
+};
+
+double mean(const Image& image) {
+  double sum = 0;
+  for (size_t i = 0; i < image.pixels.size(); i += 4) sum += image.pixels[i];
+  return sum / (static_cast<double>(image.width) * image.height);
+}
+
+TEST_F(HalfHiddenBoard, IsMaskedWhereItIsSeenAndNowhereElse) {
+  const auto views = object_views(both, kTarget, {256, 1, 4.0 / 3});
+  ASSERT_TRUE(views) << views.error().message;
+  const ObjectView& view = views->front();
+  EXPECT_EQ(view.scene.width, 256);
+  EXPECT_EQ(view.scene.height, 192);
+  // The board is red and nothing else is: the scene's own colours say where it is seen.
+  int wrong = 0, seen = 0;
+  for (int y = 0; y < view.mask.height; ++y) {
+    for (int x = 0; x < view.mask.width; ++x) {
+      const float* rgb = view.scene.at(x, y);
+      const bool red = rgb[0] - rgb[1] > 0.4f, masked = view.mask.at(x, y)[0] >= 0.5f;
+      wrong += red != masked;
+      seen += masked;
+    }
+  }
+  EXPECT_GT(seen, 500);
+  EXPECT_LE(wrong, seen / 50);  // pixels of the rim, where neither is more
+}
+
+// From straight ahead a camera that looks past the screen's edge sees what is left of it: by the theorem of
+// rays, from distance d of the board's middle the edge at 0.3 m before it hides all to the right of x = 0, a
+// half.
+TEST_F(HalfHiddenBoard, IsSeenByTheShareThatGeometryGives) {
+  std::vector<ViewCandidate> ring;
+  ASSERT_TRUE(object_views(both, kTarget, {128, 1, 4.0 / 3}, &ring));
+  ASSERT_EQ(ring.size(), 12u);
+  EXPECT_EQ(ring[0].azimuth_rad, 0.0);
+  EXPECT_NEAR(ring[0].visible_share, 0.5, 0.03);
+  EXPECT_NEAR(ring[4].visible_share, 1.0, 0.01);  // from behind nothing is in the way
+}
+
+TEST_F(HalfHiddenBoard, IsShownFromWhereMostOfItIsSeen) {
+  std::vector<ViewCandidate> ring;
+  const auto views = object_views(both, kTarget, {256, 3, 4.0 / 3}, &ring);
+  ASSERT_TRUE(views);
+  ASSERT_EQ(views->size(), 3u);
+  std::vector<double> seen;
+  for (const ViewCandidate& candidate : ring) seen.push_back(candidate.area_share);
+  std::sort(seen.begin(), seen.end());
+  EXPECT_GT((*views)[0].area_share, 1.3 * seen[seen.size() / 2]);
+  EXPECT_GT((*views)[0].visible_share, 0.95);
+  EXPECT_GE((*views)[0].score, (*views)[1].score);
+  for (size_t i = 0; i < 3; ++i) {
+    for (size_t k = 0; k < i; ++k) {
+      EXPECT_GT(
+          ((*views)[i].camera.world_from_camera.position_m - (*views)[k].camera.world_from_camera.position_m)
+              .norm(),
+          0.8 * (*views)[i].distance_m);
+    }
+  }
+}
+
+TEST_F(HalfHiddenBoard, IsOutlinedAllAround) {
+  const auto views = object_views(both, kTarget, {256, 1, 4.0 / 3});
+  ASSERT_TRUE(views);
+  const ObjectView& view = views->front();
+  const auto masked = [&](int x, int y) { return view.mask.at(x, y)[0] >= 0.5f; };
+  const auto line = [&](int x, int y) {
+    return std::equal(kOutline_rgb, kOutline_rgb + 3, view.outlined.at(x, y));
+  };
+  int border = 0;
+  for (int y = 1; y + 1 < view.mask.height; ++y) {
+    for (int x = 1; x + 1 < view.mask.width; ++x) {
+      EXPECT_FALSE(masked(x, y) && line(x, y)) << x << ' ' << y;
+      if (masked(x, y)) {
+        EXPECT_EQ(view.outlined.at(x, y)[0], view.scene.at(x, y)[0]);
+        continue;
+      }
+      if (!masked(x - 1, y) && !masked(x + 1, y) && !masked(x, y - 1) && !masked(x, y + 1)) continue;
+      ++border;
+      EXPECT_TRUE(line(x, y)) << x << ' ' << y;
+    }
+  }
+  EXPECT_GT(border, 50);
+}
+
+TEST_F(HalfHiddenBoard, IsCutOutWholeAndFillsThePicture) {
+  const auto views = object_views(both, kTarget, {256, 1, 4.0 / 3});
+  ASSERT_TRUE(views);
+  const Image& cutout = views->front().cutout;
+  EXPECT_EQ(std::max(cutout.width, cutout.height), 256);
+  int red = 0, grey = 0;
+  for (size_t i = 0; i < cutout.pixels.size(); i += 4) {
+    red += cutout.pixels[i] - cutout.pixels[i + 1] > 0.4f;
+    grey += std::abs(cutout.pixels[i] - 0.4f) < 0.1f && std::abs(cutout.pixels[i + 1] - 0.4f) < 0.1f;
+  }
+  EXPECT_GT(red, cutout.width * cutout.height / 2);
+  EXPECT_LT(grey, cutout.width * cutout.height / 100);
+}
+
+TEST_F(HalfHiddenBoard, LooksTheSameEveryTime) {
+  const auto one = object_views(both, kTarget, {128, 2, 4.0 / 3}),
+             other = object_views(both, kTarget, {128, 2, 4.0 / 3});
+  ASSERT_TRUE(one && other);
+  for (size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ((*one)[i].outlined.pixels, (*other)[i].outlined.pixels);
+    EXPECT_EQ((*one)[i].mask.pixels, (*other)[i].mask.pixels);
+    EXPECT_EQ((*one)[i].cutout.pixels, (*other)[i].cutout.pixels);
+  }
+}
+
+TEST_F(HalfHiddenBoard, WhatIsFarAsideChangesNothing) {
+  const auto before = object_views(both, kTarget, {128, 1, 4.0 / 3});
+  Sheet aside = sheet({50, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 1, 0});
+  both.push_back({&aside.asset, &aside.kernels, 9});
+  const auto after = object_views(both, kTarget, {128, 1, 4.0 / 3});
+  ASSERT_TRUE(before && after);
+  EXPECT_EQ(before->front().scene.pixels, after->front().scene.pixels);
+}
+
+TEST_F(HalfHiddenBoard, SmallThingsAreNotFadedByTheNearPlane) {
+  Sheet coin = sheet({0, 0, 0}, {0.01, 0, 0}, {0, 0.01, 0}, {0.8f, 0.6f, 0.2f});
+  const DrawnObject small[] = {{&coin.asset, &coin.kernels, kTarget}};
+  const auto views = object_views(small, kTarget, {128, 1, 4.0 / 3});
+  ASSERT_TRUE(views);
+  EXPECT_GT(*std::max_element(views->front().mask.pixels.begin(), views->front().mask.pixels.end()), 0.98f);
+  EXPECT_GT(mean(views->front().mask), 0.05);
+}
+
+TEST_F(HalfHiddenBoard, AStopEndsTheDrawing) {
+  std::stop_source stop;
+  ViewOptions options;
+  options.stop = stop.get_token();
+  options.long_side_px = 64;
+  ASSERT_TRUE(object_views(both, kTarget, options));
+  stop.request_stop();
+  const auto views = object_views(both, kTarget, options);
+  ASSERT_FALSE(views);
+  EXPECT_EQ(views.error().message, "cancelled");
+}
+
+TEST_F(HalfHiddenBoard, WrongRequestsAreToldWhatIsWrong) {
+  const auto nobody = object_views(both, 99);
+  ASSERT_FALSE(nobody);
+  EXPECT_NE(nobody.error().message.find("99"), std::string::npos);
+  EXPECT_FALSE(object_views(both, kTarget, {8, 1, 1.0}));
+  EXPECT_FALSE(object_views(both, kTarget, {256, 0, 1.0}));
+  EXPECT_FALSE(object_views(both, kTarget, {256, 1, 9.0}));
+  GaussianAsset nothing;
+  PosedKernels none;
+  const DrawnObject empty[] = {{&nothing, &none, kTarget}};
+  EXPECT_FALSE(object_views(empty, kTarget));
+}
+
+// A low block that shows a little more of itself from steep above than from the side: it is seen from where people
+// stand all the same. A lower one, of which the side shows next to nothing, is seen from above.
+TEST(ObjectViews, UprightnessCounts) {
+  const auto block = [](double height_m) {
+    const Eigen::Vector3d x(0.2, 0, 0), y(0, height_m, 0), z(0, 0, 0.2);
+    const Eigen::Vector3f rgb(0.6f, 0.5f, 0.4f);
+    std::vector<Sheet> faces;
+    faces.push_back(sheet({0, 0, 0}, x, y, rgb));
+    faces.push_back(sheet({0, 0, 0.2}, x, y, rgb));
+    faces.push_back(sheet({0, 0, 0}, z, y, rgb));
+    faces.push_back(sheet({0.2, 0, 0}, z, y, rgb));
+    faces.push_back(sheet({0, height_m, 0}, x, z, rgb));
+    return faces;
+  };
+  struct Seen {
+    double upright = 0, steep = 0;  // the largest part of the picture from either height
+    double chosen_elevation_rad = 0;
+  };
+  const auto look_at_block = [&](double height_m) {
+    const std::vector<Sheet> faces = block(height_m);
+    std::vector<DrawnObject> drawn;
+    for (const Sheet& face : faces) drawn.push_back({&face.asset, &face.kernels, kTarget});
+    std::vector<ViewCandidate> candidates;
+    const auto views = object_views(drawn, kTarget, {128, 1, 1.0}, &candidates);
+    EXPECT_TRUE(views);
+    Seen seen;
+    for (const ViewCandidate& one : candidates) {
+      double& most = one.elevation_rad > 0.6 ? seen.steep : seen.upright;
+      most = std::max(most, one.area_share);
+    }
+    seen.chosen_elevation_rad = views->front().elevation_rad;
+    return seen;
+  };
+  const Seen low = look_at_block(0.16), flat = look_at_block(0.03);
+  EXPECT_GT(low.steep, 1.02 * low.upright);
+  EXPECT_LT(low.steep, 1.17 * low.upright);  // 1 / 0.85
+  EXPECT_LT(low.chosen_elevation_rad, 0.6);
+  EXPECT_GT(flat.steep, 1.2 * flat.upright);
+  EXPECT_GT(flat.chosen_elevation_rad, 0.6);
+}
+
+TEST_F(HalfHiddenBoard, TheFactsNameWhatTheyShow) {
+  const auto views = object_views(both, kTarget, {64, 1, 4.0 / 3});
+  ASSERT_TRUE(views);
+  ObjectFacts facts;
+  facts.name = "red board";
+  facts.mesh.size_m = facts.mesh.box_m = {0.4, 0.4, 0.01};
+  facts.mesh.volume_m3 = 1.6e-3;
+  facts.mesh.area_m2 = 0.336;
+  facts.mesh.mean_wall_m = 0.0095;
+  std::vector<SceneObjectFacts> neighbours(20);
+  for (size_t i = 0; i < neighbours.size(); ++i) neighbours[i].name = "thing " + std::to_string(i);
+  const auto slots = fact_slots(facts, estimate_offline(facts), neighbours);
+  for (const char* slot : {"name", "size", "scale_off", "mesh", "neighbours", "materials", "offline"}) {
+    EXPECT_FALSE(slots.at(slot).empty()) << slot;
+  }
+  const std::string& told = slots.at("neighbours");
+  EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 11);  // twelve lines
+  EXPECT_NE(told.find("thing 19"), std::string::npos);
+  EXPECT_EQ(told.find("thing 7:"), std::string::npos);
+  EXPECT_EQ(slots.count("scale"), 0u);  // it is a guess
+  EXPECT_NE(describe_camera(views->front()).find("m from its centre"), std::string::npos);
+  // Camera, target and distance fit together, to the three digits they are told in.
+  const auto camera = camera_slots(views->front());
+  double at[6] = {};
+  ASSERT_EQ(std::sscanf((camera.at("camera_position") + ", " + camera.at("target_position")).c_str(),
+                        "%lf, %lf, %lf, %lf, %lf, %lf", &at[0], &at[1], &at[2], &at[3], &at[4], &at[5]),
+            6);
+  EXPECT_NEAR(std::hypot(at[0] - at[3], at[1] - at[4], at[2] - at[5]), std::stod(camera.at("camera_distance")), 0.02);
+}
+
+}  // namespace
+}  // namespace livegs
