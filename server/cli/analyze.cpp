@@ -23,7 +23,7 @@
 #include "cli/parameters_table.h"
 #include "core/file.h"
 #include "core/log.h"
-#include "scene/scene_analysis.h"
+#include "scene/views/scene_analysis.h"
 
 namespace livegs {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "core/file.h"
 #include "livegs/v1/scene.pb.h"
-#include "scene/scene_values.h"
+#include "scene/values/scene_values.h"
 
 namespace livegs {
 

@@ -7,8 +7,8 @@
 #include "analysis/gate/answer.h"
 #include "analysis/physics_file.h"
 #include "cli/commands.h"
-#include "scene/check_object.h"
-#include "scene/sidecar_paths.h"
+#include "scene/check/check_object.h"
+#include "scene/check/sidecar_paths.h"
 
 namespace livegs {
 namespace {

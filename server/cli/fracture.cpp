@@ -11,7 +11,7 @@
 #include "geometry/piece_kernels.h"
 #include "geometry/reconstruct_surface.h"
 #include "geometry/voronoi_pieces.h"
-#include "scene/place_asset.h"
+#include "scene/build/place_asset.h"
 #include "skin/skin_kernels.h"
 #include "splat/frame_bounds.h"
 #include "splat/rasterise.h"

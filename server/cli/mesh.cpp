@@ -6,7 +6,7 @@
 #include "core/file.h"
 #include "geometry/mass_properties.h"
 #include "geometry/reconstruct_surface.h"
-#include "scene/place_asset.h"
+#include "scene/build/place_asset.h"
 
 namespace livegs {
 namespace {

@@ -15,7 +15,7 @@
 #include "core/file.h"
 #include "core/log.h"
 #include "core/parallel_for.h"
-#include "scene/elastic_report.h"
+#include "scene/build/elastic_report.h"
 #include "splat/frame_bounds.h"
 #include "splat/rasterise.h"
 

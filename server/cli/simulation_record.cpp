@@ -2,7 +2,7 @@
 #include "cli/simulation_record.h"
 
 #include "geometry/piece_kernels.h"
-#include "scene/fragile_object.h"
+#include "scene/build/fragile_object.h"
 
 namespace livegs {
 namespace {

@@ -7,7 +7,7 @@
 #include "cli/csv_file.h"
 #include "core/result.h"
 #include "scene/scene.h"
-#include "scene/scene_drawing.h"
+#include "scene/views/scene_drawing.h"
 
 namespace livegs {
 

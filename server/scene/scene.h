@@ -18,8 +18,8 @@
 #include "gaussian/gaussian_asset.h"
 #include "livegs/v1/scene.pb.h"
 #include "physics/world.h"
-#include "scene/built_as.h"
-#include "scene/scripted_grabs.h"
+#include "scene/build/body_type_lock.h"
+#include "scene/run/scripted_grabs.h"
 #include "skin/rest_body.h"
 
 // From a scene file, or a folder of assets, to a world that can be stepped and objects that can be drawn.

@@ -14,7 +14,7 @@
 #include "bench/made_up_endpoint.h"
 #include "core/clock.h"
 #include "core/log.h"
-#include "scene/scene_analysis.h"
+#include "scene/views/scene_analysis.h"
 
 using namespace livegs;
 

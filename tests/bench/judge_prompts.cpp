@@ -8,7 +8,7 @@
 #include "analysis/model/endpoint_choice.h"
 #include "core/file.h"
 #include "core/log.h"
-#include "scene/scene_analysis.h"
+#include "scene/views/scene_analysis.h"
 #include "server/analysis/estimate/known_objects.h"
 #include "server/analysis/model/prompt_judgement.h"
 

@@ -24,7 +24,7 @@
 #include "gaussian/asset_file.h"
 #include "sample/sample_scene.h"
 #include "scene/scene.h"
-#include "scene/scripted_grabs.h"
+#include "scene/run/scripted_grabs.h"
 #include "scratch_folder.h"
 
 using namespace livegs;

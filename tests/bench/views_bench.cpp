@@ -10,7 +10,7 @@
 #include "analysis/views/object_views.h"
 #include "bench/time_of.h"
 #include "scene/scene.h"
-#include "scene/scene_drawing.h"
+#include "scene/views/scene_drawing.h"
 
 using namespace livegs;
 

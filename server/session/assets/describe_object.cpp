@@ -3,8 +3,8 @@
 
 #include <numbers>
 
-#include "scene/elastic_report.h"
-#include "scene/fragile_object.h"
+#include "scene/build/elastic_report.h"
+#include "scene/build/fragile_object.h"
 #include "wire/rest_body_codec.h"
 
 namespace livegs {

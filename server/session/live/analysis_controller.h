@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "analysis/model/answer_cache.h"
-#include "scene/scene_analysis.h"
+#include "scene/views/scene_analysis.h"
 #include "session/tick/analysis_control.h"
 #include "session/live/physics_overrides.h"
 #include "session/simulation/simulation_loop.h"

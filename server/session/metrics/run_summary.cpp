@@ -3,7 +3,7 @@
 
 #include "analysis/estimate/physics_values.h"
 #include "core/format_text.h"
-#include "scene/elastic_report.h"
+#include "scene/build/elastic_report.h"
 
 namespace livegs {
 namespace {

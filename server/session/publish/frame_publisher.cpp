@@ -11,7 +11,7 @@
 
 #include "core/clock.h"
 #include "core/log.h"
-#include "scene/fragile_object.h"
+#include "scene/build/fragile_object.h"
 #include "session/assets/describe_object.h"
 
 namespace livegs {

@@ -12,7 +12,7 @@
 #include <mutex>
 
 #include "core/log.h"
-#include "scene/fragile_object.h"
+#include "scene/build/fragile_object.h"
 #include "session/rpc/admin_service.h"
 #include "session/access/call_authorizer.h"
 #include "session/access/connection_limiter.h"

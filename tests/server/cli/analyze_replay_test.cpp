@@ -14,7 +14,7 @@
 #include "gaussian/asset_file.h"
 #include "geometry/shape_mesh.h"
 #include "scene/scene.h"
-#include "scene/shape_asset.h"
+#include "scene/build/shape_asset.h"
 #include "scratch_folder.h"
 #include "server/analysis/model/chat/model_endpoint_cases.h"
 #include "system/program.h"

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-#include "scene/fragile_object.h"
+#include "scene/build/fragile_object.h"
 #include "scene/scene.h"
 
 namespace livegs {

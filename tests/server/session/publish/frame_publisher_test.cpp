@@ -10,7 +10,7 @@
 #include "common/gaussian/synthetic_asset.h"
 #include "core/clock.h"
 #include "patience.h"
-#include "scene/fragile_object.h"
+#include "scene/build/fragile_object.h"
 #include "scenes/box_scene.h"
 #include "session/assets/describe_object.h"
 

@@ -13,7 +13,7 @@
 #include "gaussian/asset_file.h"
 #include "patience.h"
 #include "recording/recording_reader.h"
-#include "scene/fragile_object.h"
+#include "scene/build/fragile_object.h"
 #include "scratch_folder.h"
 #include "scenes/box_scene.h"
 #include "server/session/simulation/tick_log.h"

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/build/body_type_lock.h"
+
+#include "scene/build/fracture_warning.h"
+
+namespace livegs {
+
+std::vector<std::string> hold_as_built(const BuiltAs& built, v1::PhysicalParameters& physics) {
+  std::vector<std::string> later;
+  const auto never = unbreakable(physics);
+  if (physics.behavior() != built.behavior) {
+    later.push_back("behavior: it stays " + v1::Physics::Behavior_Name(built.behavior) +
+                    " until the scene is loaded anew, then it is " +
+                    v1::Physics::Behavior_Name(physics.behavior()));
+    physics.set_behavior(built.behavior);
+    physics.set_behavior_reason(later.back());
+  }
+  if (physics.fragile() && !built.can_break) {
+    later.push_back(never.value_or("fragile: it cannot break until the scene is loaded anew"));
+  }
+  return later;
+}
+
+}  // namespace livegs

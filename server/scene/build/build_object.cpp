@@ -1,0 +1,356 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/build/build_object.h"
+
+#include "analysis/sidecar/manual_edits.h"
+#include "analysis/physics_file.h"
+#include "core/clock.h"
+#include "geometry/hollow_mesh.h"
+#include "geometry/mesh_facts.h"
+#include "geometry/reconstruct_surface.h"
+#include "geometry/sample_particles.h"
+#include "geometry/shape_mesh.h"
+#include "physics/mesh_collider.h"
+#include "scene/check/check_object.h"
+#include "scene/build/place_asset.h"
+#include "scene/values/points_file.h"
+#include "scene/values/region_value.h"
+#include "scene/build/too_stiff_for_lattice.h"
+#include "scene/values/scene_values.h"
+#include "scene/build/shape_asset.h"
+#include "scene/build/fracture_warning.h"
+
+namespace livegs {
+namespace {
+
+// What all three forms come down to.
+struct Form {
+  std::shared_ptr<const GaussianAsset> asset;
+  Similarity object_from_asset;
+  std::vector<Eigen::Vector3d> points_m;  // for surfaces; empty for shapes
+  TriangleMesh mesh;                      // fine surface, object frame
+  ParticleSet particles;                  // points only
+  std::vector<Eigen::Vector3d> particle_velocities_m_s;
+  std::string surface_note;
+  bool scale_known = true;
+  std::string scale_reason = "told by the scene";
+};
+
+TriangleMesh mesh_of(const v1::Shape& shape) {
+  switch (shape.kind_case()) {
+    case v1::Shape::kSphere:
+      return sphere_mesh(shape.sphere().radius_m(), 3);
+    case v1::Shape::kCylinder:
+      return cylinder_mesh(shape.cylinder().radius_m(), shape.cylinder().height_m());
+    case v1::Shape::kCapsule:
+      return capsule_mesh(shape.capsule().radius_m(), shape.capsule().height_m());
+    default: {
+      const Numbers& size = shape.box().size_m();
+      return box_mesh(Eigen::Vector3d(size[0], size[1], size[2]));
+    }
+  }
+}
+
+Result<Form> form_of_points(const v1::Object& object, const std::filesystem::path& folder, int index) {
+  auto list = read_points_file(folder / object.points());
+  if (!list) return list.error();
+  auto surface = reconstruct_surface(list->positions_m, elastic_surface_options());
+  if (!surface) return surface.error();
+  Form form;
+  form.mesh = std::move(surface->mesh);  // its note is of no interest: the points are the body
+  ParticleSet& particles = form.particles;
+  particles.spacing_m =
+      object.has_spacing_m() ? object.spacing_m() : filling_spacing_m(list->positions_m, form.mesh);
+  if (!(particles.spacing_m > 0)) {
+    return invalid_data(object.points() +
+                        ": the spacing of its points is zero; give spacing_m or points that differ");
+  }
+  const double volume = particles.spacing_m * particles.spacing_m * particles.spacing_m;
+  const size_t count = list->positions_m.size();
+  particles.positions_m = std::move(list->positions_m);
+  particles.volumes_m3.assign(count, volume);
+  particles.on_surface.assign(count, true);
+  form.particle_velocities_m_s = std::move(list->velocities_m_s);
+  form.points_m = particles.positions_m;
+  const bool kernel_per_point = !object.has_kernel_per_point() || object.kernel_per_point();
+  form.asset = std::make_shared<GaussianAsset>(
+      kernel_per_point ? point_asset(particles.positions_m, particles.spacing_m, palette_rgb(index))
+                       : mesh_asset(form.mesh, palette_rgb(index)));
+  return form;
+}
+
+Result<Form> form_of(const v1::Object& object, const std::filesystem::path& folder, int index,
+                     const std::string& name, const std::string& field) {
+  if (object.form_case() == v1::Object::kPoints) return form_of_points(object, folder, index);
+  Form form;
+  if (object.form_case() == v1::Object::kShape) {
+    form.mesh = mesh_of(object.shape());
+    form.asset = std::make_shared<GaussianAsset>(mesh_asset(form.mesh, palette_rgb(index)));
+    return form;
+  }
+  const auto scale = object.has_scale() ? std::optional(object.scale()) : std::nullopt;
+  auto placed = place_asset(folder / object.asset(), name, scale, object.up(), field);
+  if (!placed) return placed.error();
+  auto surface = reconstruct_surface(placed->body_points_m, elastic_surface_options());
+  if (!surface) return surface.error();
+  form.asset = std::move(placed->asset);
+  form.object_from_asset = placed->object_from_asset;
+  form.points_m = std::move(placed->body_points_m);
+  form.mesh = std::move(surface->mesh);
+  form.surface_note = std::move(surface->note);
+  form.scale_known = placed->scale_known;
+  form.scale_reason = std::move(placed->scale_reason);
+  return form;
+}
+
+// The volume of a list of points is its particles'; of everything else, what its surface encloses.
+ObjectFacts facts_of(const Form& form, const std::string& name, bool captured) {
+  ObjectFacts facts;
+  facts.name = name;
+  facts.scale_known = form.scale_known;
+  facts.solid = !captured;
+  facts.appearance = appearance_facts(*form.asset);
+  facts.mesh = mesh_facts(form.mesh);
+  if (!form.particles.volumes_m3.empty()) {
+    facts.mesh.volume_m3 = 0;
+    for (double volume : form.particles.volumes_m3) facts.mesh.volume_m3 += volume;
+  }
+  return facts;
+}
+
+// A rigid asset collides as LIVE-GS's coarse mesh; shapes as themselves, and what can break as the fine surface that is
+// cut: its pieces have crisp edges, and their masses add up to the whole's.
+Result<TriangleMesh> rigid_mesh(const Form& form, bool fine) {
+  if (fine) return form.mesh;
+  auto surface = reconstruct_surface(form.points_m, rigid_surface_options());
+  if (!surface) return surface.error();
+  return std::move(surface->mesh);
+}
+
+MassProperties properties_of(const TriangleMesh& mesh, Fill fill) {
+  const bool shell = (fill == Fill::Shell || fill == Fill::OpenShell) && !has_hollow(mesh);
+  return shell ? shell_mass_properties(mesh) : solid_mass_properties(mesh);
+}
+
+// Where the object's material is, at rest.
+Eigen::AlignedBox3d material_bounds(const ParticleSet& particles, const TriangleMesh& mesh, bool points) {
+  Eigen::AlignedBox3d bounds;
+  for (const Eigen::Vector3d& vertex : points ? particles.positions_m : mesh.vertices_m)
+    bounds.extend(vertex);
+  const Eigen::Vector3d half = Eigen::Vector3d::Constant(points ? 0.5 * particles.spacing_m : 0.0);
+  return {bounds.min() - half, bounds.max() + half};
+}
+
+// A region that misses the object would silently do nothing.
+Result<void> check_reach(const BodyRegion& region, const Eigen::AlignedBox3d& material,
+                         const std::string& field) {
+  const double slack = 1e-6 * material.sizes().maxCoeff();
+  // A traction or a material needs a volume, a plane is enough to hold or move what it touches.
+  const bool plane_will_do = !region.material && region.traction_pa.isZero(0.0);
+  const Eigen::Array3d overlap =
+      region.max_m.cwiseMin(material.max()).array() - region.min_m.cwiseMax(material.min()).array();
+  if (region.boundary || (overlap >= (plane_will_do ? -slack : slack)).all()) return {};
+  char message[200];
+  std::snprintf(
+      message, sizeof message,
+      ": holds nothing of the object, which reaches from (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g) m at rest",
+      material.min().x(), material.min().y(), material.min().z(), material.max().x(), material.max().y(),
+      material.max().z());
+  return invalid_argument((region.name.empty() ? "" : "region \"" + region.name + "\": ") + field + ".box" +
+                          message);
+}
+
+Result<ElasticBodyDescription> elastic_description(const v1::Object& object, Form& form,
+                                                   const std::string& field) {
+  ElasticBodyDescription body;
+  const bool points = object.form_case() == v1::Object::kPoints;
+  body.particles = points ? std::move(form.particles)
+                          : sample_particles(form.mesh, kDefaultSamplingDensity, object.spacing_m());
+  body.particle_velocities_m_s = std::move(form.particle_velocities_m_s);
+  body.initial_deformation =
+      matrix_value(object.initial_deformation(), field + ".initial_deformation").value();
+  const Eigen::AlignedBox3d material = material_bounds(body.particles, form.mesh, points);
+  for (int i = 0; i < object.regions_size(); ++i) {
+    const std::string name = field + ".regions[" + std::to_string(i) + "]";
+    body.regions.push_back(region_value(object.regions(i), name).value());  // checked when the file was read
+    if (auto reached = check_reach(body.regions.back(), material, name); !reached) return reached.error();
+  }
+  return body;
+}
+
+// Empty, or why the spacing that the scene gives its particles is taken for a slip: so few of them say next to nothing of
+// the shape, and particles of a list that are given more than the room between them weigh more than the body.
+std::string doubtful_spacing(const v1::Object& object, const ParticleSet& particles, const TriangleMesh& mesh,
+                             double longest_side_m) {
+  constexpr double kFewestAlong = 4.0, kMostOfItsVolume = 2.0;
+  if (!object.has_spacing_m()) return "";
+  char text[200] = "";
+  if (object.form_case() == v1::Object::kPoints) {
+    const double fitting_m = filling_spacing_m(particles.positions_m, mesh);
+    const double ratio = std::pow(object.spacing_m() / fitting_m, 3);
+    if (fitting_m > 0.0 && ratio > kMostOfItsVolume) {
+      std::snprintf(text, sizeof text,
+                    "spacing_m: %.4g m lets its points fill %.3g times the volume they lie in; leave it out, or give "
+                    "about %.4g",
+                    object.spacing_m(), ratio, fitting_m);
+    }
+    return text;
+  }
+  const double most_m = longest_side_m / kFewestAlong;
+  if (object.spacing_m() > most_m * (1.0 + 1e-9)) {
+    std::snprintf(text, sizeof text,
+                  "spacing_m: %.4g m is more than a quarter of its longest side, so that %zu particles are all it is known "
+                  "by; leave it out, or give at most %.4g",
+                  object.spacing_m(), particles.positions_m.size(), most_m);
+  }
+  return text;
+}
+
+// What only something that deforms can have; empty when there is none of it.
+std::string needs_elastic(const v1::Object& object, const Form& form) {
+  if (object.regions_size() > 0) return "regions";
+  if (!object.initial_deformation().empty()) return "initial_deformation";
+  if (!form.particle_velocities_m_s.empty()) return "points";
+  return "";
+}
+
+}  // namespace
+
+Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem::path& folder, int index,
+                                 const std::string& field, const WorldSettings& settings,
+                                 const ObjectSidecar& sidecar) {
+  const int64_t started_ns = now_ns();
+  const auto fail = [&](const Error& error) {
+    return Error{error.code, error.message.starts_with(field) ? error.message : field + ": " + error.message};
+  };
+  const std::string name = object_name(object, index);
+  const bool shape = object.form_case() == v1::Object::kShape;
+  auto form = form_of(object, folder, index, name, field);
+  if (!form) return fail(form.error());
+  ObjectFacts facts = facts_of(*form, name, object.form_case() == v1::Object::kAsset);
+  const std::filesystem::path& kept_in = sidecar.path;
+  v1::PhysicsFile kept;
+  if (sidecar.told) {
+    kept = *sidecar.told;
+  } else if (!kept_in.empty()) {
+    auto file = read_physics_file(kept_in);
+    if (!file) return fail(file.error());
+    kept = std::move(*file);
+  }
+  if (!kept.name().empty()) facts.name = kept.name();
+  const v1::PhysicalParameters offline = estimate_offline(facts);
+  std::string kept_note;
+  auto before = with_physics_file(offline, kept, facts, kept_note);
+  if (!before) {
+    return fail({before.error().code, kept_in.string() + ": edits." + before.error().message +
+                                          "; mend it, or delete the file to forget it"});
+  }
+  const v1::PhysicalParameters estimated = std::move(*before);
+  auto parameters = merge_scene_physics(estimated, object.physics(), facts);
+  if (!parameters) return Error{parameters.error().code, field + ".physics." + parameters.error().message};
+  v1::EstimatedValue& side = *parameters->mutable_longest_side_m();
+  side.set_best(facts.mesh.size_m.maxCoeff());
+  side.set_low(side.best() * (form->scale_known ? 1.0 : 0.5));
+  side.set_high(side.best() * (form->scale_known ? 1.0 : 2.0));
+  side.set_source(form->scale_known ? v1::EstimatedValue::SCENE : v1::EstimatedValue::OFFLINE);
+  side.set_reason(form->scale_reason);
+
+  BuiltObject built;
+  for (const std::string& doubt : doubtful_physics(estimated, object.physics(), *parameters, facts)) {
+    built.drawn.warnings.push_back("physics." + doubt);
+  }
+  if (!form->surface_note.empty()) built.drawn.warnings.push_back(form->surface_note);
+  if (!kept_note.empty()) built.drawn.warnings.push_back(kept_note);
+  if (const std::string unheard = unheard_edits(kept.edits(), object.physics()); !unheard.empty()) {
+    built.drawn.warnings.push_back(kept_in.string() + ": " + unheard);
+  }
+  Material material = to_material(*parameters);
+  const std::string elastic_only = needs_elastic(object, *form);
+  if (material.behavior != Behavior::Elastic && !elastic_only.empty()) {
+    return invalid_argument(
+        field + "." + elastic_only + ": " + (elastic_only == "points" ? "have velocities, which are" : "is") +
+        " for elastic objects, and this one is " + v1::Physics::Behavior_Name(parameters->behavior()) +
+        "; set physics.behavior to ELASTIC");
+  }
+  std::optional<ElasticBodyDescription> elastic;
+  if (material.behavior == Behavior::Elastic) {
+    auto described = elastic_description(object, *form, field);
+    if (!described) return described.error();
+    elastic = std::move(*described);
+    if (const std::string doubt = doubtful_spacing(object, elastic->particles, form->mesh, facts.mesh.size_m.maxCoeff());
+        !doubt.empty()) {
+      built.drawn.warnings.push_back(doubt);
+    }
+    elastic->material = material;
+    // Only where nobody said that it is elastic, and nothing needs it to be.
+    if (object.physics().behavior() == v1::Physics::AUTO && kept.edits().behavior() == v1::Physics::AUTO &&
+        elastic_only.empty()) {
+      if (const auto reason = rigid_in_disguise(*elastic, settings.rate_hz, settings.substeps)) {
+        elastic.reset();
+        material.behavior = Behavior::Rigid;
+        parameters->set_behavior(v1::Physics::RIGID);
+        parameters->set_behavior_reason(*reason);
+        built.drawn.warnings.push_back(*reason);
+      }
+    }
+  }
+  if (const auto why = unbreakable(*parameters); why && object.physics().fragile()) {
+    built.drawn.warnings.push_back("physics." + *why);
+  }
+  const auto place = [&](auto& body) {
+    body.material = material;
+    body.world_from_object =
+        pose_value(object.pose(), field + ".pose").value();  // checked when the file was read
+    body.velocity_m_s = vector_value(object.velocity_m_s(), Eigen::Vector3d::Zero(), field).value();
+    body.angular_velocity_rad_s =
+        vector_value(object.angular_velocity_rad_s(), Eigen::Vector3d::Zero(), field).value();
+  };
+  switch (material.behavior) {
+    case Behavior::Elastic: {
+      place(*elastic);
+      built.drawn.rest_particles_m = elastic->particles.positions_m;
+      built.body = std::move(*elastic);
+      break;
+    }
+    case Behavior::Static: {
+      built.body =
+          StaticBodyDescription{pose_value(object.pose(), field + ".pose").value(),
+                                mesh_collider(form->mesh), material.friction, material.restitution};
+      break;
+    }
+    default: {
+      RigidBodyDescription body;
+      auto mesh = rigid_mesh(*form, shape || material.fragile);
+      if (!mesh) return fail(mesh.error());
+      body.mesh = std::move(*mesh);
+      built.cut_mesh = std::make_shared<const TriangleMesh>(body.mesh);
+      built.fine_mesh = shape || material.fragile ? built.cut_mesh : std::make_shared<const TriangleMesh>(form->mesh);
+      // Closed all round, it is known from outside only: the wall is made for it.
+      if (material.fragile && material.fill == Fill::Shell && !has_hollow(body.mesh)) {
+        if (auto hollow = hollow_mesh(body.mesh, material.wall_thickness_m)) {
+          built.cut_mesh = built.fine_mesh = std::make_shared<const TriangleMesh>(std::move(*hollow));
+        } else {
+          built.drawn.warnings.push_back("physics.fill: it breaks as a solid: " + hollow.error().message);
+        }
+      }
+      body.properties = properties_of(*built.cut_mesh, material.fill);
+      if (shape && object.shape().has_sphere()) body.sphere_radius_m = object.shape().sphere().radius_m();
+      place(body);
+      built.body = std::move(body);
+    }
+  }
+  built.drawn.name = name;
+  built.drawn.asset = std::move(form->asset);
+  built.drawn.physics = std::move(*parameters);
+  built.drawn.written = object.physics();
+  built.drawn.physics_file = kept_in;
+  if (kept.ByteSizeLong() > 0) built.drawn.sidecar = std::make_shared<const v1::PhysicsFile>(kept);
+  built.drawn.mass_kg = material.behavior == Behavior::Static ? 0.0 : material.mass_kg;
+  built.drawn.surface_note = std::move(form->surface_note);
+  built.drawn.facts = std::make_shared<const ObjectFacts>(std::move(facts));
+  built.object_from_asset = form->object_from_asset;
+  built.body_points_m = shape ? std::move(form->mesh.vertices_m) : std::move(form->points_m);
+  built.build_ms = milliseconds_from_ns(now_ns() - started_ns);
+  return built;
+}
+
+}  // namespace livegs

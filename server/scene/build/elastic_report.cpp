@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/build/elastic_report.h"
+
+#include "core/format_text.h"
+#include "physics/elastic/resolution/lattice_resolution.h"
+
+namespace livegs {
+namespace {
+
+// Of the strain by its own weight. A cube of 0.5 stands.
+constexpr double kMostSag = 0.7;
+constexpr double kTold = 1.02;  // so much stiffer across than along
+
+v1::ElasticAccuracy::Band band_message(ElasticBand band) {
+  switch (band) {
+    case ElasticBand::Exact:
+      return v1::ElasticAccuracy::EXACT;
+    case ElasticBand::Band:
+      return v1::ElasticAccuracy::BAND;
+    case ElasticBand::Clipped:
+      return v1::ElasticAccuracy::CLIPPED;
+    case ElasticBand::Unknown:
+      break;
+  }
+  return v1::ElasticAccuracy::UNKNOWN;
+}
+
+std::string material_text(const MaterialAccuracy& material) {
+  std::string text = format_text("E %.3g Pa %s", material.youngs_modulus_pa, name_of(material.band));
+  if (material.clipped) text += format_text(" to %.3g Pa", material.reached_youngs_modulus_pa);
+  if (material.modulus_ratio_high > 0) {
+    text += format_text(" (%.3g to %.3g of it", material.modulus_ratio_low, material.modulus_ratio_high);
+    if (material.modulus_ratio_across > kTold * material.modulus_ratio_high) {
+      text += format_text("; across its shortest side up to %.3g", material.modulus_ratio_across);
+    }
+    text += ')';
+  }
+  return text;
+}
+
+}  // namespace
+
+v1::ElasticAccuracy accuracy_message(const ElasticAccuracy& accuracy) {
+  v1::ElasticAccuracy message;
+  message.set_cell_width_m(accuracy.cell_width_m);
+  message.set_substeps(static_cast<uint32_t>(accuracy.substeps));
+  message.set_courant(accuracy.courant);
+  message.set_band(band_message(accuracy.band));
+  message.set_youngs_modulus_pa(accuracy.youngs_modulus_pa);
+  message.set_reached_youngs_modulus_pa(accuracy.reached_youngs_modulus_pa);
+  message.set_modulus_ratio_low(accuracy.modulus_ratio_low);
+  message.set_modulus_ratio_high(accuracy.modulus_ratio_high);
+  message.set_modulus_ratio_across(accuracy.modulus_ratio_across);
+  message.set_nodes(accuracy.nodes);
+  message.set_cells(accuracy.cells);
+  message.set_particles(accuracy.particles);
+  message.set_bytes(accuracy.bytes);
+  message.set_node_substeps(accuracy.node_substeps);
+  message.set_alone_cell_width_m(accuracy.alone_cell_width_m);
+  message.set_alone_reached_youngs_modulus_pa(accuracy.alone_reached_pa);
+  return message;
+}
+
+std::string accuracy_line(const ElasticAccuracy& accuracy) {
+  std::string line = material_text(accuracy);
+  for (const RegionAccuracy& region : accuracy.regions) {
+    line += "; in " + region.name + ' ' + material_text(region);
+  }
+  if (accuracy.cell_width_m > 0) line += format_text("; cells %.3g mm", 1e3 * accuracy.cell_width_m);
+  line += format_text("%s %d substeps", accuracy.cell_width_m > 0 ? "," : ";", accuracy.substeps);
+  if (accuracy.cell_width_m > 0) line += format_text(", Courant %.2f", accuracy.courant);
+  line += format_text("; %zu nodes, %zu particles, %.0f kB", accuracy.nodes, accuracy.particles,
+                      1e-3 * static_cast<double>(accuracy.bytes));
+  return line;
+}
+
+std::vector<std::string> accuracy_warnings(const ElasticAccuracy& accuracy) {
+  std::vector<std::string> warnings;
+  const auto warn = [&](const MaterialAccuracy& material, const std::string& where) {
+    if (!material.clipped) return;
+    warnings.push_back(where + format_text("stiffness clipped from %.3g to %.3g Pa, the most that cells of %.3g mm reach in %d "
+                                           "substeps; a higher rate or a rigid body would be stiffer",
+                                           material.youngs_modulus_pa, material.reached_youngs_modulus_pa,
+                                           1e3 * accuracy.cell_width_m, accuracy.substeps));
+  };
+  warn(accuracy, "");
+  if (accuracy.thin_part > kMostThinPart) {
+    warnings.push_back(format_text("%.0f %% of it is sheets or cords thinner than half a cell of %.3g mm that do not lie along the "
+                                   "cells: such things measured %.2g to %.2g of the stiffness they should have in bending",
+                                   100.0 * accuracy.thin_part, 1e3 * accuracy.cell_width_m, kThinBendsFrom, kThinBendsTo));
+  }
+  if (accuracy.over_budget) {
+    warnings.push_back(format_text("so thin and wide that its %zu nodes in cells of %.3g mm are the most that a frame has time for: it bends, "
+                                   "folds and touches more coarsely than it should; make it smaller, thicker or of several objects",
+                                   accuracy.nodes, 1e3 * accuracy.cell_width_m));
+  }
+  if (accuracy.alone_cell_width_m > 0) {
+    warnings.push_back(format_text("its part of the scene's elastic budget leaves it cells of %.3g mm and %d substeps; alone it would "
+                                   "have cells of %.3g mm and reach %.3g Pa: fewer or smaller elastic objects, or a larger "
+                                   "elastic_budget_ms, give it more",
+                                   1e3 * accuracy.cell_width_m, accuracy.substeps, 1e3 * accuracy.alone_cell_width_m,
+                                   accuracy.alone_reached_pa));
+  }
+  if (accuracy.sag > kMostSag) {
+    warnings.push_back(format_text("too soft to carry itself: its own weight strains it by %.2g, and what is inside may hang through "
+                                   "what it lies on; %.2g Pa would strain it by a tenth",
+                                   accuracy.sag, 10.0 * accuracy.sag * accuracy.youngs_modulus_pa));
+  }
+  if (accuracy.put_back > 0) {
+    warnings.push_back(format_text("its motion ran out of bounds: it was put back at rest, in its rest shape, %d time%s",
+                                   accuracy.put_back, accuracy.put_back == 1 ? "" : "s"));
+  }
+  for (const RegionAccuracy& region : accuracy.regions) warn(region, region.name + ": ");
+  return warnings;
+}
+
+}  // namespace livegs

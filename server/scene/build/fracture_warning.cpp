@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/build/fracture_warning.h"
+
+namespace livegs {
+
+std::optional<std::string> unbreakable(const v1::PhysicalParameters& physics) {
+  if (!physics.fragile() || physics.behavior() == v1::Physics::RIGID) return std::nullopt;
+  return "fragile: has no effect, only what is RIGID breaks, and this is " + v1::Physics::Behavior_Name(physics.behavior());
+}
+
+}  // namespace livegs

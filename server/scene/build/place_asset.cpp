@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/build/place_asset.h"
+
+#include <Eigen/Geometry>
+
+#include "analysis/estimate.h"
+#include "core/log.h"
+#include "gaussian/asset_file.h"
+#include "geometry/reconstruct_surface.h"
+#include "scene/values/scene_values.h"
+
+namespace livegs {
+namespace {
+
+// Assets between these, longest side, may be metric captures of things in a room.
+constexpr double kSmallestThing_m = 0.02;
+constexpr double kLargestThing_m = 3.0;
+
+double longest_side(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::AlignedBox3d bounds;
+  for (const Eigen::Vector3d& point : points) bounds.extend(point);
+  return bounds.isEmpty() ? 0.0 : bounds.sizes().maxCoeff();
+}
+
+struct Guess {
+  double scale;
+  std::string reason;
+};
+
+Guess guess_scale(double longest_units, std::string_view name) {
+  char reason[200];
+  const SizePrior prior = size_prior(name);
+  if (prior.best_m > 0) {
+    if (longest_units >= prior.low_m && longest_units <= prior.high_m) {
+      std::snprintf(reason, sizeof reason, "taken as metres: %.3g fits a %s", longest_units,
+                    prior.label.c_str());
+      return {1.0, reason};
+    }
+    std::snprintf(reason, sizeof reason, "guessed: a %s is about %.3g m long", prior.label.c_str(),
+                  prior.best_m);
+    return {prior.best_m / longest_units, reason};
+  }
+  if (longest_units >= kSmallestThing_m && longest_units <= kLargestThing_m) {
+    std::snprintf(reason, sizeof reason, "guessed: %.3g units are taken as metres", longest_units);
+    return {1.0, reason};
+  }
+  std::snprintf(reason, sizeof reason, "guessed: nothing is known, the longest side is set to %.3g m",
+                kUnknownSize_m);
+  return {kUnknownSize_m / longest_units, reason};
+}
+
+}  // namespace
+
+Result<PlacedAsset> place_asset(const std::filesystem::path& path, std::string_view name,
+                                std::optional<double> scale, std::string_view up, std::string_view field) {
+  auto rotation = up_value(up, std::string(field) + ".up");
+  if (!rotation) return rotation.error();
+  auto file = read_asset(path);
+  if (!file) return Error{file.error().code, std::string(field) + ".asset: " + file.error().message};
+  for (const std::string& note : file->notes) log_warn("%s: %s", path.filename().c_str(), note.c_str());
+
+  PlacedAsset placed;
+  auto asset = std::make_shared<GaussianAsset>(std::move(file->asset));
+  placed.object_from_asset.rotation = *rotation;
+  placed.body_points_m = body_points(*asset, placed.object_from_asset);
+  const double longest = longest_side(placed.body_points_m);
+  if (!(longest > 0))
+    return invalid_data(std::string(field) + ".asset: " + path.filename().string() +
+                        ": holds no kernels that make up a body");
+  if (scale) {
+    placed.object_from_asset.scale = *scale;
+    placed.scale_known = true;
+    placed.scale_reason = "told by the scene";
+  } else if (file->y_up_in_file) {
+    placed.scale_known = true;
+    placed.scale_reason = "the format is metric";
+  } else {
+    const Guess guess = guess_scale(longest, name);
+    placed.object_from_asset.scale = guess.scale;
+    placed.scale_reason = guess.reason;
+  }
+  for (Eigen::Vector3d& point : placed.body_points_m) point *= placed.object_from_asset.scale;
+  placed.asset = std::move(asset);
+  return placed;
+}
+
+}  // namespace livegs

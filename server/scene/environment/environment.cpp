@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/environment/environment.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/format_text.h"
+#include "core/log.h"
+#include "gaussian/asset_file.h"
+#include "geometry/mesh_io.h"
+#include "geometry/mesh_topology.h"
+#include "geometry/reconstruct_surface.h"
+#include "geometry/shape_mesh.h"
+#include "geometry/weld_vertices.h"
+#include "physics/mesh_collider.h"
+#include "scene/environment/interior_collider.h"
+#include "scene/values/scene_values.h"
+#include "scene/build/shape_asset.h"
+
+namespace livegs {
+namespace {
+
+const Eigen::Vector3f kSceneryRgb(0.62f, 0.6f, 0.57f);
+constexpr double kFloorMargin_m = 0.8;  // how far a drawn floor reaches beyond the objects
+// An object is in a thing if this part of its points is: one on a rough floor has some below.
+constexpr double kMostlyInside = 0.75;
+constexpr size_t kAskedPoints = 400;
+// A mesh of less volume than this part of its length cubed is a surface, as one that has each face both ways round.
+constexpr double kNoVolume = 1e-6;
+
+struct Standing {
+  SceneObject* drawn;
+  std::vector<Eigen::Vector3d> points_m;  // world, as it starts
+
+  Eigen::Vector3d centre_m() const {
+    Eigen::AlignedBox3d bounds;
+    for (const Eigen::Vector3d& point : points_m) bounds.extend(point);
+    return bounds.center();
+  }
+  bool is_in(const Collider& collider) const {
+    const auto inside = std::count_if(points_m.begin(), points_m.end(), [&](const Eigen::Vector3d& point) {
+      return sample_surface(collider, point).distance_m < 0.0;
+    });
+    return static_cast<double>(inside) >= kMostlyInside * static_cast<double>(points_m.size());
+  }
+};
+
+const Pose& pose_of(const BuiltObject& built) {
+  return std::visit([](const auto& body) -> const Pose& { return body.world_from_object; }, built.body);
+}
+
+std::vector<Standing> standing_objects(std::span<std::optional<Result<BuiltObject>>> built) {
+  std::vector<Standing> all;
+  for (auto& object : built) {
+    BuiltObject& one = **object;
+    Standing standing{&one.drawn, {}};
+    const size_t step = one.body_points_m.size() / kAskedPoints + 1;
+    for (size_t i = 0; i < one.body_points_m.size(); i += step) {
+      standing.points_m.push_back(pose_of(one) * one.body_points_m[i]);
+    }
+    if (!standing.points_m.empty()) all.push_back(std::move(standing));
+  }
+  return all;
+}
+
+const Standing* first_in(const Collider& collider, std::span<const Standing> standing) {
+  const auto found = std::find_if(standing.begin(), standing.end(), [&](const Standing& one) { return one.is_in(collider); });
+  return found == standing.end() ? nullptr : &*found;
+}
+
+void warn_of_stuck(const Collider& collider, std::span<const Standing> standing, const std::string& field) {
+  for (const Standing& one : standing) {
+    if (!one.is_in(collider)) continue;
+    one.drawn->warnings.push_back("pose: it starts inside " + field +
+                                  ", which pushes it out; move it, or take that out of its way");
+  }
+}
+
+// Gives the collider its shape. `collider` is placed already.
+Result<void> shape_mesh(const TriangleMesh& file, std::span<const Standing> standing, const std::string& field,
+                        Collider& collider) {
+  const TriangleMesh mesh = weld_vertices(file);
+  const double longest_m = mesh_bounds_m(mesh).sizes().maxCoeff();
+  double area_m2 = 0.0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    area_m2 += 0.5 * (mesh.vertices_m[b] - mesh.vertices_m[a]).cross(mesh.vertices_m[c] - mesh.vertices_m[a]).norm();
+  }
+  if (!(area_m2 > 0.0)) return invalid_data(field + ": none of its triangles has an area; export it with its faces");
+  const std::string wall = format_text("a wall of %.2g mm about its surface", 1e3 * wall_thickness_m(longest_m));
+  if (const size_t open = open_edge_count(mesh); open > 0) {
+    log_info("%s: %zu of its edges are open, or have faces that look opposite ways: %s; close it to make it solid",
+             field.c_str(), open, wall.c_str());
+    collider.shape = wall_collider(mesh);
+    return {};
+  }
+  if (std::abs(signed_volume_m3(mesh)) < kNoVolume * longest_m * longest_m * longest_m) {
+    log_info("%s: encloses nothing: %s", field.c_str(), wall.c_str());
+    collider.shape = wall_collider(mesh);
+    return {};
+  }
+  collider.shape = mesh_collider(mesh);
+  if (const Standing* one = first_in(collider, standing)) {
+    log_info("%s: %s stands in it, so it is a room: %s", field.c_str(), one->drawn->name.c_str(), wall.c_str());
+    collider.shape = wall_collider(mesh);
+  }
+  return {};
+}
+
+Result<Collider> make_collider(const v1::Collider& file, const std::filesystem::path& folder,
+                               std::span<const Standing> standing, const std::string& field) {
+  Collider collider;
+  auto pose = pose_value(file.pose(), field + ".pose");
+  if (!pose) return pose.error();
+  collider.world_from_collider = *pose;
+  if (file.has_friction()) collider.friction = file.friction();
+  if (file.has_restitution()) collider.restitution = file.restitution();
+  if (file.has_plane()) {
+    const Eigen::Vector3d point =
+        vector_value(file.plane().point_m(), Eigen::Vector3d::Zero(), field).value();
+    const Eigen::Vector3d normal =
+        vector_value(file.plane().normal(), Eigen::Vector3d::UnitY(), field).value();
+    const Pose plane{point,
+                     Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitY(), normal.normalized())};
+    collider.world_from_collider = *pose * plane;
+    collider.shape = PlaneShape{};
+  } else if (file.has_box()) {
+    collider.shape = BoxShape{{file.box().size_m(0), file.box().size_m(1), file.box().size_m(2)}};
+  } else if (file.has_sphere()) {
+    collider.shape = SphereShape{file.sphere().radius_m()};
+  } else {
+    auto mesh = read_obj(folder / file.mesh());
+    if (!mesh) return Error{mesh.error().code, field + ".mesh: " + mesh.error().message};
+    if (auto shaped = shape_mesh(*mesh, standing, field + ".mesh", collider); !shaped) return shaped.error();
+    warn_of_stuck(collider, standing, field);
+  }
+  return collider;
+}
+
+void append(GaussianAsset& all, const GaussianAsset& part, const Pose& pose) {
+  const size_t start = all.size();
+  all.resize(start + part.size());
+  for (size_t i = 0; i < part.size(); ++i) {
+    all.positions[start + i] = (pose * part.positions[i].cast<double>()).cast<float>();
+    all.rotations[start + i] = (pose.orientation.cast<float>() * part.rotations[i]).normalized();
+    all.log_scales[start + i] = part.log_scales[i];
+    all.opacity_logits[start + i] = part.opacity_logits[i];
+    all.sh_dc[start + i] = part.sh_dc[i];
+  }
+}
+
+// Square tiles of two greys around the objects, fading out towards the rim.
+GaussianAsset tiled_floor(double height_m, const Eigen::AlignedBox3d& objects_m) {
+  const Eigen::Vector3d centre =
+      objects_m.isEmpty() ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(objects_m.center());
+  const double reach =
+      (objects_m.isEmpty() ? 0.5 : 0.5 * std::max(objects_m.sizes().x(), objects_m.sizes().z())) +
+      kFloorMargin_m;
+  constexpr int kAcross = 150;  // kernels along an edge
+  const double step = 2 * reach / kAcross;
+  const double tile = std::max(0.1, std::pow(2.0, std::round(std::log2(reach / 8))));
+  GaussianAsset floor;
+  for (int row = 0; row < kAcross; ++row) {
+    for (int column = 0; column < kAcross; ++column) {
+      const double dx = (column + 0.5) * step - reach, dz = (row + 0.5) * step - reach;
+      const double rim = 1.0 - std::hypot(dx, dz) / reach;
+      if (rim <= 0.0) continue;
+      const Eigen::Vector3d point(centre.x() + dx, height_m, centre.z() + dz);
+      const bool dark = (static_cast<long>(std::floor(point.x() / tile)) +
+                         static_cast<long>(std::floor(point.z() / tile))) &
+                        1;
+      const size_t i = floor.size();
+      floor.resize(i + 1);
+      const float width = static_cast<float>(std::log(0.65 * step));
+      floor.positions[i] = (point - Eigen::Vector3d(0, 0.1 * step, 0)).cast<float>();
+      floor.log_scales[i] = Eigen::Vector3f(width, width + std::log(0.1f), width);
+      floor.rotations[i] = Eigen::Quaternionf::Identity();
+      const double opacity = std::min(0.97, 3.0 * rim);
+      floor.opacity_logits[i] = static_cast<float>(std::log(opacity / (1.0 - opacity)));
+      floor.sh_dc[i] = Eigen::Vector3f::Constant(((dark ? 0.46f : 0.54f) - 0.5f) / 0.28209479f);
+    }
+  }
+  return floor;
+}
+
+GaussianAsset drawn_colliders(const std::vector<Collider>& colliders, const Eigen::AlignedBox3d& objects_m) {
+  GaussianAsset all;
+  for (const Collider& collider : colliders) {
+    const Pose& pose = collider.world_from_collider;
+    if (std::holds_alternative<PlaneShape>(collider.shape)) {
+      const Eigen::Vector3d normal = pose.orientation * Eigen::Vector3d::UnitY();
+      if (normal.y() > 0.999) append(all, tiled_floor(pose.position_m.y(), objects_m), Pose{});
+    } else if (const auto* box = std::get_if<BoxShape>(&collider.shape)) {
+      append(all, mesh_asset(box_mesh(box->size_m), kSceneryRgb, 8000), pose);
+    } else if (const auto* sphere = std::get_if<SphereShape>(&collider.shape)) {
+      append(all, mesh_asset(sphere_mesh(sphere->radius_m, 3), kSceneryRgb), pose);
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+Eigen::AlignedBox3d built_bounds(std::span<const std::optional<Result<BuiltObject>>> built) {
+  Eigen::AlignedBox3d bounds;
+  for (const auto& object : built) {
+    const BuiltObject& one = **object;
+    for (const Eigen::Vector3d& point : one.body_points_m) bounds.extend(pose_of(one) * point);
+  }
+  return bounds;
+}
+
+Result<Scenery> make_scenery(const v1::Environment& environment, const std::filesystem::path& folder,
+                             std::span<std::optional<Result<BuiltObject>>> built) {
+  Scenery scenery;
+  const std::vector<Standing> standing = standing_objects(built);
+  for (int i = 0; i < environment.colliders_size(); ++i) {
+    auto collider =
+        make_collider(environment.colliders(i), folder, standing, "environment.colliders[" + std::to_string(i) + "]");
+    if (!collider) return collider.error();
+    scenery.colliders.push_back(std::move(*collider));
+  }
+  if (environment.asset().empty()) {
+    GaussianAsset drawn = drawn_colliders(scenery.colliders, built_bounds(built));
+    if (drawn.size() > 0) scenery.asset = std::make_shared<GaussianAsset>(std::move(drawn));
+    return scenery;
+  }
+  auto file = read_asset(folder / environment.asset());
+  if (!file) return Error{file.error().code, "environment.asset: " + file.error().message};
+  auto pose = pose_value(environment.pose(), "environment.pose");
+  if (!pose) return pose.error();
+  auto rotation = up_value(environment.up(), "environment.up");
+  if (!rotation) return rotation.error();
+  scenery.world_from_object = *pose;
+  scenery.object_from_asset.rotation = *rotation;
+  if (environment.has_scale()) scenery.object_from_asset.scale = environment.scale();
+  auto asset = std::make_shared<GaussianAsset>(std::move(file->asset));
+  if (environment.collide()) {
+    const auto stuck = [&](const FieldShape& shape) {
+      std::vector<Eigen::Vector3d> places;
+      for (const Standing& one : standing) {
+        if (one.is_in({shape, *pose})) places.push_back(pose->inverse() * one.centre_m());
+      }
+      return places;
+    };
+    auto shape = room_surface(body_points(*asset, scenery.object_from_asset),
+                              pose->orientation.conjugate() * Eigen::Vector3d::UnitY(), stuck);
+    if (!shape) return Error{shape.error().code, "environment.asset: " + shape.error().message};
+    scenery.colliders.push_back({std::move(*shape), *pose});
+    warn_of_stuck(scenery.colliders.back(), standing, "environment.asset");
+  }
+  log_info("environment: %zu kernels%s", asset->size(), environment.collide() ? ", collides" : "");
+  scenery.asset = std::move(asset);
+  return scenery;
+}
+
+}  // namespace livegs

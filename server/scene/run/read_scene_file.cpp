@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <google/protobuf/util/json_util.h>
+
+#include "analysis/text/json_text.h"
+#include "core/file.h"
+#include "scene/check/check_scene.h"
+#include "scene/scene.h"
+
+namespace livegs {
+namespace {
+
+// A folder with one scene file means that scene.
+std::optional<std::filesystem::path> only_scene_file(const std::filesystem::path& folder) {
+  std::optional<std::filesystem::path> found;
+  std::error_code error;
+  for (auto at = std::filesystem::directory_iterator(folder, error);
+       !error && at != std::filesystem::directory_iterator(); at.increment(error)) {
+    if (!at->path().string().ends_with(".scene.json")) continue;
+    if (found) return std::nullopt;
+    found = at->path();
+  }
+  return found;
+}
+
+}  // namespace
+
+Result<v1::Scene> read_scene_file(const std::filesystem::path& path) {
+  auto text = read_text_file(path, 16 << 20);
+  if (!text) return text.error();
+  const std::string name = path.filename().string();
+
+  // nlohmann-json knows comments and says where a mistake stands; protobuf knows the schema.
+  const Result<Json> json = parse_commented_json(*text);
+  if (!json) return invalid_data(name + ": " + json.error().message);
+  if (!json->is_object()) return invalid_data(name + ": must hold one JSON object, a scene");
+
+  v1::Scene scene;
+  const auto status = google::protobuf::util::JsonStringToMessage(dump_json(*json), &scene);
+  if (!status.ok()) {
+    std::string what(status.message());
+    for (char& letter : what) {
+      if (letter == '\n') letter = ' ';
+    }
+    return invalid_data(name + ": " + what + " (field names are those of proto/livegs/v1/scene.proto)");
+  }
+  if (auto checked = check_scene(scene); !checked)
+    return Error{checked.error().code, name + ": " + checked.error().message};
+  return scene;
+}
+
+Result<SceneText> read_scene(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(path, ignored)) {
+    auto file = read_scene_file(path);
+    if (!file) return file.error();
+    return SceneText{std::move(*file), path.parent_path(), path.filename().string(), true};
+  }
+  if (const auto scene_file = only_scene_file(path)) return read_scene(*scene_file);
+  auto file = scene_of_folder(path);
+  if (!file) return file.error();
+  return SceneText{std::move(*file), path, std::filesystem::absolute(path).lexically_normal().filename().string()};
+}
+
+}  // namespace livegs

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "core/log.h"
+#include "core/parallel_for.h"
+#include "scene/check/check_scene.h"
+#include "scene/build/place_asset.h"
+#include "scene/scene.h"
+
+namespace livegs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kDeepest = 3;      // folders below the one that was named
+constexpr double kGap_m = 0.25;  // between neighbours
+
+// Things fall a little, so that something happens at once; but what is slender is set down gently, because a
+// fall on a captured, uneven base would tip it: toppling takes an energy that goes with (width / height)².
+constexpr double kDropHeight_m = 0.15;
+double drop_height_m(const Eigen::Vector3d& size_m) {
+  const double slenderness = std::min(size_m.x(), size_m.z()) / size_m.y();
+  return kDropHeight_m * std::clamp(0.5 * slenderness * slenderness, 0.02, 1.0);
+}
+
+// Of several files with one stem the first kind is taken: exact before quantised.
+constexpr const char* kEndings[] = {".ply", ".spz", ".sog", ".compressed.ply", ".splat"};
+
+// How good a file's ending is, and its path without it; nothing if it is no asset.
+std::optional<std::pair<int, std::string>> asset_stem(const fs::path& path) {
+  const std::string text = path.string();
+  if (path.filename() == "meta.json") return {{2, path.parent_path().string()}};
+  for (int rank : {3, 0, 1, 2, 4}) {  // .compressed.ply before .ply
+    const std::string_view ending = kEndings[rank];
+    if (text.ends_with(ending)) return {{rank, text.substr(0, text.size() - ending.size())}};
+  }
+  return std::nullopt;
+}
+
+bool names_environment(const std::string& stem) {
+  const std::string name = fs::path(stem).filename().string();
+  return name.starts_with("room") || name.starts_with("environment") || name.starts_with("background");
+}
+
+// Assets under `folder`, one a stem, in order of their paths.
+std::map<std::string, fs::path> find_assets(const fs::path& folder) {
+  std::map<std::string, std::pair<int, fs::path>> best;
+  std::error_code error;
+  auto walk = fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied, error);
+  for (; !error && walk != fs::recursive_directory_iterator(); walk.increment(error)) {
+    if (walk.depth() >= kDeepest) walk.disable_recursion_pending();
+    if (!walk->is_regular_file(error)) continue;
+    const auto stem = asset_stem(walk->path());
+    if (!stem) continue;
+    const auto [at, fresh] = best.try_emplace(stem->second, stem->first, walk->path());
+    if (!fresh && stem->first < at->second.first) at->second = {stem->first, walk->path()};
+  }
+  std::map<std::string, fs::path> assets;
+  for (const auto& [stem, ranked] : best) assets[stem] = ranked.second;
+  return assets;
+}
+
+struct Standing {
+  std::string stem;
+  fs::path path;
+  std::string name;
+  Eigen::AlignedBox3d bounds;  // object frame
+};
+
+}  // namespace
+
+Result<v1::Scene> scene_of_folder(const fs::path& folder) {
+  const auto assets = find_assets(folder);
+  v1::Scene scene;
+  v1::Collider& floor = *scene.mutable_environment()->add_colliders();
+  floor.mutable_plane();
+  floor.set_friction(0.6);
+
+  std::vector<Standing> standing;
+  std::set<std::string> names;
+  for (const auto& [stem, path] : assets) {
+    if (names_environment(stem) && scene.environment().asset().empty()) {
+      scene.mutable_environment()->set_asset(fs::relative(path, folder).string());
+      continue;
+    }
+    Standing one;
+    one.stem = stem;
+    one.path = path;
+    one.name = fs::path(stem).filename().string();
+    if (!names.insert(one.name).second) one.name = fs::path(stem).lexically_relative(folder).string();
+    names.insert(one.name);
+    standing.push_back(std::move(one));
+  }
+  if (standing.empty()) {
+    return not_found(folder.string() +
+                     ": holds no splat assets (.ply, .spz, .sog, .splat) and no *.scene.json");
+  }
+  std::vector<std::string> failures(standing.size());
+  parallel_for(standing.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      auto placed = place_asset(standing[i].path, standing[i].name, std::nullopt, "", standing[i].name);
+      if (!placed) {
+        failures[i] = placed.error().message;
+        continue;
+      }
+      for (const Eigen::Vector3d& point : placed->body_points_m) standing[i].bounds.extend(point);
+    }
+  });
+  for (const std::string& failure : failures) {
+    if (!failure.empty()) log_warn("left out: %s", failure.c_str());
+  }
+  std::erase_if(standing, [](const Standing& one) { return one.bounds.isEmpty(); });
+  if (standing.empty()) return invalid_data(folder.string() + ": none of its assets can be read");
+
+  // Rows from the back to the front, the tallest behind; each row centred on x = 0, the first at z = 0.
+  std::stable_sort(standing.begin(), standing.end(), [](const Standing& a, const Standing& b) {
+    return a.bounds.sizes().y() > b.bounds.sizes().y();
+  });
+  const auto across = static_cast<size_t>(std::ceil(std::sqrt(1.6 * static_cast<double>(standing.size()))));
+  double z = 0;
+  for (size_t begin = 0; begin < standing.size(); begin += across) {
+    const size_t end = std::min(begin + across, standing.size());
+    double width = -kGap_m, depth = 0;
+    for (size_t i = begin; i < end; ++i) {
+      width += standing[i].bounds.sizes().x() + kGap_m;
+      depth = std::max(depth, standing[i].bounds.sizes().z());
+    }
+    double x = -0.5 * width;
+    for (size_t i = begin; i < end; ++i) {
+      const Standing& one = standing[i];
+      v1::Object& object = *scene.add_objects();
+      object.set_name(one.name);
+      object.set_asset(fs::relative(one.path, folder).string());
+      // A guess is made again, with its reason, when the object is built; only its outcome is needed here.
+      const Eigen::Vector3d size = one.bounds.sizes();
+      const Eigen::Vector3d target(x + 0.5 * size.x(), 0.5 * size.y() + drop_height_m(size), z + 0.5 * depth);
+      const Eigen::Vector3d position = target - one.bounds.center();
+      for (double coordinate : position) object.mutable_pose()->add_position_m(coordinate);
+      x += size.x() + kGap_m;
+    }
+    z += depth + kGap_m;
+  }
+  return scene;
+}
+
+}  // namespace livegs

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/run/scripted_grabs.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "core/file.h"
+#include "core/log.h"
+
+namespace livegs {
+namespace {
+
+constexpr double kGripWeights = 20.0;    // times its weight, at most
+constexpr double kLeastGrip_n = 5.0;
+constexpr double kGripLever_m = 0.2;     // torque of the grip: its force at this lever
+constexpr double kFarFromObject_m = 0.1;  // as far as a live hand reaches
+constexpr size_t kMaxPathRows = 100'000;
+constexpr double kLargestPathPlace_m = 1000.0;
+
+}  // namespace
+
+World::Grip hand_grip(double mass_kg) {
+  World::Grip grip;
+  grip.max_force_n = std::max(kLeastGrip_n, kGripWeights * 9.81 * mass_kg);
+  grip.max_torque_n_m = kGripLever_m * grip.max_force_n;
+  return grip;
+}
+
+World::Spring ray_spring(double mass_kg) {
+  const double angular_frequency = 2.0 * M_PI * kSpringFrequency_hz;
+  World::Spring spring;
+  spring.stiffness_n_m = mass_kg * angular_frequency * angular_frequency;
+  spring.max_force_n = std::max(kLeastSpringForce_n, kSpringWeights * 9.81 * mass_kg);
+  return spring;
+}
+
+GrabPath::Motion GrabPath::at(double time_s) const {
+  const auto after = std::upper_bound(times_s.begin(), times_s.end(), time_s);
+  const Eigen::Vector3d still = Eigen::Vector3d::Zero();
+  if (after == times_s.begin()) return {poses.front(), still, still};
+  if (after == times_s.end()) return {poses.back(), still, still};
+  const auto next = static_cast<size_t>(after - times_s.begin());
+  const double span_s = times_s[next] - times_s[next - 1];
+  const double share = (time_s - times_s[next - 1]) / span_s;
+  const Pose& from = poses[next - 1];
+  const Pose& to = poses[next];
+  const Eigen::AngleAxisd turn(to.orientation * from.orientation.conjugate());
+  const double angle = std::remainder(turn.angle(), 2.0 * M_PI);
+  return {{from.position_m + share * (to.position_m - from.position_m),
+           Eigen::Quaterniond(Eigen::AngleAxisd(share * angle, turn.axis())) * from.orientation},
+          (to.position_m - from.position_m) / span_s,
+          angle / span_s * turn.axis()};
+}
+
+Result<GrabPath> read_grab_path(const std::filesystem::path& path) {
+  auto text = read_text_file(path, 64 << 20);
+  if (!text) return text.error();
+  const std::string name = path.filename().string();
+  GrabPath result;
+  size_t columns = 0, line_number = 0;
+  for (size_t begin = 0; begin < text->size();) {
+    const size_t end = std::min(text->find('\n', begin), text->size());
+    std::string_view line(text->data() + begin, end - begin);
+    begin = end + 1;
+    ++line_number;
+    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
+    if (line.empty()) continue;
+    if (columns == 0) {
+      columns = line == "time_s,x,y,z" ? 4 : line == "time_s,x,y,z,qw,qx,qy,qz" ? 8 : 0;
+      if (columns == 0) {
+        return invalid_data(name + ": line 1 must be the header time_s,x,y,z or time_s,x,y,z,qw,qx,qy,qz");
+      }
+      continue;
+    }
+    const std::string where = name + ": line " + std::to_string(line_number) + ": ";
+    double values[8] = {0, 0, 0, 0, 1, 0, 0, 0};
+    const char* at = line.data();
+    const char* const stop = line.data() + line.size();
+    for (size_t column = 0; column < columns; ++column) {
+      while (at < stop && *at == ' ') ++at;
+      const auto [rest, error] = std::from_chars(at, stop, values[column]);
+      const bool last = column + 1 == columns;
+      if (error != std::errc() || !std::isfinite(values[column]) || (last ? rest != stop : rest == stop || *rest != ',')) {
+        return invalid_data(where + "expected " + std::to_string(columns) + " numbers");
+      }
+      at = last ? rest : rest + 1;
+    }
+    if (values[0] < 0.0 || values[0] > 1e6 || (!result.times_s.empty() && values[0] <= result.times_s.back())) {
+      return invalid_data(where + "time_s must rise, from 0 to 1e6");
+    }
+    Pose pose{{values[1], values[2], values[3]}, Eigen::Quaterniond(values[4], values[5], values[6], values[7])};
+    if (pose.position_m.cwiseAbs().maxCoeff() > kLargestPathPlace_m) {
+      return invalid_data(where + "a place farther than 1000 m");
+    }
+    if (std::abs(pose.orientation.norm() - 1.0) > 0.01) return invalid_data(where + "qw,qx,qy,qz is no unit quaternion");
+    pose.orientation.normalize();
+    if (result.poses.size() == kMaxPathRows) return Error{ErrorCode::TooLarge, name + ": has more than 100000 rows"};
+    result.times_s.push_back(values[0]);
+    result.poses.push_back(pose);
+  }
+  if (result.poses.empty()) return invalid_data(name + ": holds no rows");
+  return result;
+}
+
+Result<void> ScriptedGrabs::begin(World& world, uint64_t grab_id, uint32_t object_id,
+                                  const Eigen::Vector3d& rest_point_m, const GrabPath& path, double now_s) {
+  const Pose hand{world.world_point(object_id, rest_point_m), path.poses.front().orientation};
+  const auto met = world.nearest_of(object_id, hand.position_m);
+  if (met && met->distance_m > kFarFromObject_m) {
+    log_warn("object %u: the grab's point_m (%.3g, %.3g, %.3g) is %.3g m from it; it is in the object's own rest coordinates, "
+             "in metres, and nearest to it there is (%.3g, %.3g, %.3g)",
+             object_id, rest_point_m.x(), rest_point_m.y(), rest_point_m.z(), met->distance_m, met->rest_point_m.x(),
+             met->rest_point_m.y(), met->rest_point_m.z());
+  }
+  const double mass_kg = met ? world.mass_at_kg(object_id, met->rest_point_m, met->piece) : 0.0;
+  if (auto grabbed = world.grab(grab_id, object_id, hand, hand_grip(mass_kg)); !grabbed) return grabbed;
+  running_.push_back({grab_id, path, now_s, std::nullopt});
+  return {};
+}
+
+void ScriptedGrabs::begin_pull(World& world, uint64_t spring_id, uint32_t object_id, const Eigen::Vector3d& rest_point_m,
+                               const GrabPath& path, double now_s) {
+  World::Spring spring = ray_spring(world.mass_at_kg(object_id, rest_point_m));
+  spring.rest_point_m = rest_point_m;
+  spring.target_m = path.poses.front().position_m;
+  world.set_spring(spring_id, object_id, spring);
+  running_.push_back({spring_id, path, now_s, std::pair(object_id, spring)});
+}
+
+void ScriptedGrabs::move(World& world, double now_s) {
+  std::erase_if(running_, [&](const Running& hand) {
+    if (now_s - hand.start_s < hand.path.end_s()) return false;
+    hand.pull ? world.clear_spring(hand.id) : world.release_grab(hand.id);
+    return true;
+  });
+  for (Running& hand : running_) {
+    const GrabPath::Motion motion = hand.path.at(now_s - hand.start_s);
+    if (hand.pull) {
+      auto& [object_id, spring] = *hand.pull;
+      spring.target_m = motion.pose.position_m;
+      world.set_spring(hand.id, object_id, spring);
+    } else {
+      world.move_grab(hand.id, motion.pose, motion.velocity_m_s, motion.spin_rad_s);
+    }
+  }
+}
+
+}  // namespace livegs

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/values/points_file.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "core/file.h"
+#include "geometry/mesh_topology.h"
+#include "scene/values/grid_spacing.h"
+
+namespace livegs {
+
+Result<PointList> read_points_file(const std::filesystem::path& path) {
+  auto text = read_text_file(path, 256 << 20);
+  if (!text) return text.error();
+  const std::string name = path.filename().string();
+  PointList list;
+  size_t columns = 0;
+  size_t line_number = 0;
+  for (size_t begin = 0; begin < text->size();) {
+    size_t end = text->find('\n', begin);
+    if (end == std::string::npos) end = text->size();
+    std::string_view line(text->data() + begin, end - begin);
+    begin = end + 1;
+    ++line_number;
+    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
+    if (line.empty()) continue;
+    if (columns == 0) {
+      if (line == "x,y,z")
+        columns = 3;
+      else if (line == "x,y,z,vx,vy,vz")
+        columns = 6;
+      else
+        return invalid_data(name + ": line 1 must be the header x,y,z or x,y,z,vx,vy,vz");
+      continue;
+    }
+    double values[6];
+    const char* at = line.data();
+    const char* const stop = line.data() + line.size();
+    for (size_t column = 0; column < columns; ++column) {
+      while (at < stop && *at == ' ') ++at;
+      const auto [rest, error] = std::from_chars(at, stop, values[column]);
+      const bool last = column + 1 == columns;
+      if (error != std::errc() || !std::isfinite(values[column]) || std::abs(values[column]) > 1e6 ||
+          (last ? rest != stop : rest == stop || *rest != ',')) {
+        return invalid_data(name + ": line " + std::to_string(line_number) + ", column " +
+                            std::to_string(column + 1) + ": expected " + std::to_string(columns) +
+                            " numbers");
+      }
+      at = last ? rest : rest + 1;
+    }
+    if (list.positions_m.size() == kMaxPoints) {
+      return Error{ErrorCode::TooLarge, name + ": has more than " + std::to_string(kMaxPoints) + " points"};
+    }
+    list.positions_m.emplace_back(values[0], values[1], values[2]);
+    if (columns == 6) list.velocities_m_s.emplace_back(values[3], values[4], values[5]);
+  }
+  if (list.positions_m.empty()) return invalid_data(name + ": holds no points");
+  return list;
+}
+
+namespace {
+
+// The distance to the nearest other point, of enough points for a median; ascending.
+std::vector<double> nearest_distances_m(const std::vector<Eigen::Vector3d>& points_m) {
+  const size_t count = points_m.size();
+  if (count < 2) return {};
+  // Sorted along x, a point's nearest neighbour is found by looking both ways until x alone is farther.
+  std::vector<uint32_t> order(count);
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    return points_m[a].x() != points_m[b].x() ? points_m[a].x() < points_m[b].x() : a < b;
+  });
+  constexpr size_t kSamples = 1001;  // every k-th point
+  const size_t stride = std::max<size_t>(1, count / kSamples);
+  std::vector<double> nearest;
+  for (size_t i = 0; i < count; i += stride) {
+    const Eigen::Vector3d& point = points_m[order[i]];
+    double best = std::numeric_limits<double>::infinity();
+    for (size_t j = i; j-- > 0;) {
+      if (point.x() - points_m[order[j]].x() >= best) break;
+      best = std::min(best, (points_m[order[j]] - point).norm());
+    }
+    for (size_t j = i + 1; j < count; ++j) {
+      if (points_m[order[j]].x() - point.x() >= best) break;
+      best = std::min(best, (points_m[order[j]] - point).norm());
+    }
+    nearest.push_back(best);
+  }
+  std::sort(nearest.begin(), nearest.end());
+  return nearest;
+}
+
+}  // namespace
+
+double median_spacing_m(const std::vector<Eigen::Vector3d>& points_m) {
+  const std::vector<double> nearest = nearest_distances_m(points_m);
+  return nearest.empty() ? 0.0 : nearest[nearest.size() / 2];
+}
+
+double filling_spacing_m(const std::vector<Eigen::Vector3d>& points_m,
+                         const TriangleMesh& through_outermost) {
+  const std::vector<double> nearest = nearest_distances_m(points_m);
+  if (nearest.empty()) return 0.0;
+  const double median = nearest[nearest.size() / 2];
+  constexpr double kRegular = 0.02;  // of the median, from the 10th to the 90th part of a hundred
+  if (nearest[nearest.size() * 9 / 10] - nearest[nearest.size() / 10] < kRegular * median) return median;
+  if (const double step = grid_step_m(points_m, median); step > 0.0) return step;
+
+  // The mesh runs through the outermost points, half a spacing inside the body; a box or an ellipsoid that grows by g on
+  // every side grows by (1 + 2 g / size) along each axis. Points that stray push it outwards, those that stray inwards are
+  // behind it: as measured on jittered blocks of 6 to 32 points a side, by two thirds of what nearest neighbours are nearer
+  // than nine tenths of the spacing.
+  constexpr double kStraying = 0.9, kPushed = 0.65;
+  const double volume_m3 = signed_volume_m3(through_outermost);
+  const Eigen::Array3d size_m = mesh_bounds_m(through_outermost).sizes().array();
+  if (!(volume_m3 > 0.0) || !(size_m > 0.0).all()) return median;
+  double spacing = median;
+  for (int i = 0; i < 50; ++i) {
+    const double growth_m = 0.5 * spacing - kPushed * std::max(0.0, kStraying * spacing - median);
+    spacing = std::cbrt(volume_m3 * (1.0 + 2.0 * growth_m / size_m).prod() / static_cast<double>(points_m.size()));
+  }
+  return spacing;
+}
+
+}  // namespace livegs

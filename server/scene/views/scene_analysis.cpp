@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/views/scene_analysis.h"
+
+#include <algorithm>
+#include <map>
+
+#include "analysis/physics_file.h"
+#include "scene/values/scene_values.h"
+#include "scene/views/target_views.h"
+#include "skin/skin_kernels.h"
+
+namespace livegs {
+
+struct SceneAnalysis::Snapshot {
+  std::vector<Object> objects;
+  ViewedScene viewed;
+};
+
+namespace {
+
+// As the asset stands in the scene at the start, undeformed. Not by the drivers of its body: those depend on what it is
+// made of (centre of mass, cells), and the question of an object must not depend on the answer.
+Result<PosedKernels> placed_kernels(const SceneObject& object, const Pose& world_from_object) {
+  RestBody rest;
+  rest.object_from_asset = object.rest.object_from_asset;
+  rest.bodies.emplace_back();
+  auto bindings = bind_kernels(*object.asset, rest);
+  if (!bindings) return Error{bindings.error().code, object.name + ": " + bindings.error().message};
+  ObjectDrivers drivers;
+  drivers.poses = {world_from_object};
+  PosedKernels kernels;
+  skin_kernels(*object.asset, rest, *bindings, drivers, kernels);
+  return kernels;
+}
+
+// world_from_object of everything, in the scene's order: of the file's objects as it places them, of the rest (environment,
+// balls), whose bodies depend on nothing that was found out, now.
+std::vector<Pose> places_of(const Scene& scene) {
+  std::vector<Pose> places;
+  const DriverFrame now = scene.world().drivers();
+  int of_file = 0;
+  for (const SceneObject& object : scene.objects()) {
+    Pose place;
+    if (object.facts) {
+      place = pose_value(scene.file().objects(of_file++).pose(), "").value();  // checked when the file was read
+    } else {
+      for (const ObjectDrivers& drivers : now.objects) {
+        if (drivers.object_id == object.id) place = drivers.poses.at(0) * object.rest.bodies.at(0).inverse();
+      }
+    }
+    places.push_back(place);
+  }
+  return places;
+}
+
+}  // namespace
+
+Result<SceneAnalysis> SceneAnalysis::of(const Scene& scene, bool with_kernels) {
+  auto snapshot = std::make_shared<Snapshot>();
+  std::map<uint32_t, Eigen::Vector3d> centres_m;  // of what is drawn; the origin without kernels
+  if (with_kernels) {
+    const std::vector<Pose> places = places_of(scene);
+    for (size_t i = 0; i < places.size(); ++i) {
+      const SceneObject& object = scene.objects()[i];
+      auto kernels = placed_kernels(object, places[i]);
+      if (!kernels) return kernels.error();
+      Eigen::AlignedBox3d bounds;
+      for (const Eigen::Vector3f& at : kernels->positions_m) bounds.extend(at.cast<double>());
+      if (!bounds.isEmpty()) centres_m[object.id] = bounds.center();
+      snapshot->viewed.objects.push_back({object.id, object.asset, std::move(*kernels)});
+    }
+  }
+  for (const SceneObject& object : scene.objects()) {
+    if (!object.facts) continue;
+    Object known;
+    known.name = object.name;
+    known.written = object.written;
+    known.built = scene.built_as(object);
+    known.physics_file = object.physics_file;
+    known.target.object_id = object.id;
+    known.target.facts = object.facts;
+    known.known = object.physics;
+    v1::PhysicsFile file;
+    if (!object.physics_file.empty()) {
+      auto kept = read_physics_file(object.physics_file);
+      if (!kept) return kept.error();
+      file = std::move(*kept);
+    }
+    auto told = told_physics(file, object.written, *object.facts);
+    if (!told) return Error{told.error().code, object.name + ": " + told.error().message};
+    known.target.offline = std::move(*told);
+    *known.target.offline.mutable_longest_side_m() = object.physics.longest_side_m();
+    known.target.position_m = centres_m.contains(object.id) ? centres_m[object.id] : Eigen::Vector3d::Zero();
+    snapshot->objects.push_back(std::move(known));
+  }
+  SceneAnalysis analysis;
+  analysis.snapshot_ = std::move(snapshot);
+  return analysis;
+}
+
+Result<std::vector<AnalysisTarget>> SceneAnalysis::targets(const std::vector<std::string>& names) const {
+  std::vector<AnalysisTarget> targets;
+  for (const std::string& name : names) {
+    const bool known = std::any_of(snapshot_->objects.begin(), snapshot_->objects.end(),
+                                   [&](const Object& one) { return one.name == name; });
+    if (known) continue;
+    std::string all;
+    for (const Object& one : snapshot_->objects) all += (all.empty() ? "" : ", ") + one.name;
+    return not_found("object: the scene has no \"" + shown_text(name, 80) +
+                     "\" that can be analysed; it has: " + (all.empty() ? "nothing" : all));
+  }
+  for (const Object& one : snapshot_->objects) {
+    const bool wanted = names.empty() ? one.written.behavior() == v1::Physics::AUTO
+                                      : std::find(names.begin(), names.end(), one.name) != names.end();
+    if (wanted) targets.push_back(one.target);
+  }
+  return targets;
+}
+
+const std::vector<SceneAnalysis::Object>& SceneAnalysis::objects() const { return snapshot_->objects; }
+
+std::vector<AnalysisNeighbour> SceneAnalysis::neighbours(std::span<const AnalysisTarget> targets) const {
+  std::vector<AnalysisNeighbour> others;
+  for (const Object& one : snapshot_->objects) {
+    const bool asked = std::any_of(targets.begin(), targets.end(), [&](const AnalysisTarget& target) {
+      return target.object_id == one.target.object_id;
+    });
+    if (!asked) others.push_back({one.target.facts, one.known, one.target.position_m});
+  }
+  return others;
+}
+
+TargetViews SceneAnalysis::views() const {
+  return [snapshot = snapshot_](uint32_t object_id, int count, std::stop_token stop) {
+    return target_views(snapshot->viewed, object_id, count, std::move(stop));
+  };
+}
+
+std::shared_ptr<const ObjectFacts> facts_by_name(const SceneAnalysis::Object& object, const v1::PhysicsFile& file) {
+  const std::string& name = file.name().empty() ? object.name : file.name();
+  if (object.target.facts->name == name) return object.target.facts;
+  ObjectFacts facts = *object.target.facts;
+  facts.name = name;
+  return std::make_shared<const ObjectFacts>(std::move(facts));
+}
+
+Result<v1::PhysicalParameters> layered_physics(const v1::PhysicsFile& file, const v1::Physics& written,
+                                               const ObjectFacts& facts, std::string& note) {
+  auto kept = with_physics_file(estimate_offline(facts), file, facts, note);
+  if (!kept) return kept.error();
+  return merge_scene_physics(*kept, written, facts);
+}
+
+Result<v1::PhysicalParameters> told_physics(const v1::PhysicsFile& file, const v1::Physics& written,
+                                            const ObjectFacts& facts) {
+  v1::PhysicsFile edits;
+  *edits.mutable_edits() = file.edits();
+  std::string note;
+  return layered_physics(edits, written, facts, note);
+}
+
+}  // namespace livegs

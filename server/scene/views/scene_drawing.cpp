@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/views/scene_drawing.h"
+
+#include <Eigen/SVD>
+
+#include "core/assert.h"
+
+namespace livegs {
+namespace {
+
+// An elastic body as the paper streams it: its particles, with the rotation of each one's deformation.
+RestBody particle_rest(const SceneObject& object) {
+  RestBody rest;
+  rest.kind = DriverKind::Particles;
+  rest.object_from_asset = object.rest.object_from_asset;
+  for (const Eigen::Vector3d& particle : object.rest_particles_m)
+    rest.particles_m.push_back(particle.cast<float>());
+  return rest;
+}
+
+ObjectDrivers particle_drivers(uint32_t object_id, const std::vector<ParticleState>& now) {
+  ObjectDrivers drivers;
+  drivers.object_id = object_id;
+  drivers.kind = DriverKind::Particles;
+  for (const ParticleState& particle : now) {
+    drivers.positions_m.push_back(particle.position_m.cast<float>());
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(particle.deformation_gradient,
+                                                Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Eigen::Matrix3d u = svd.matrixU();
+    if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) = -u.col(2);
+    drivers.rotations.push_back(
+        Eigen::Quaterniond(Eigen::Matrix3d(u * svd.matrixV().transpose())).normalized().cast<float>());
+  }
+  return drivers;
+}
+
+}  // namespace
+
+Result<std::vector<DrawnObject>> SceneDrawing::pose(const Scene& scene, const DriverFrame* frame) {
+  DriverFrame own;
+  if (!frame) own = scene.world().drivers();
+  const DriverFrame& drivers = frame ? *frame : own;
+  std::vector<DrawnObject> drawn;
+  for (const ObjectDrivers& object : drivers.objects) {
+    const SceneObject* of = scene.find(object.object_id);
+    if (!of)
+      return not_found("object " + std::to_string(object.object_id) +
+                       ": is in the frame but not in the scene");
+    const ElasticBody* elastic = scene.world().elastic_body(object.object_id);
+    const bool as_particles =
+        skinning_ == Skinning::LivegsV1 && elastic && object.kind == DriverKind::Lattice && !frame;
+    std::vector<ParticleState> particles;
+    if (as_particles) particles = elastic->particles();
+
+    auto [at, fresh] = bound_.try_emplace(object.object_id);
+    Bound& bound = at->second;
+    if (fresh || bound.rest.revision != of->rest.revision) {
+      bound.rest = as_particles ? particle_rest(*of) : of->rest;
+      auto bindings = bind_kernels(*of->asset, bound.rest);
+      if (!bindings) return Error{bindings.error().code, of->name + ": " + bindings.error().message};
+      bound.bindings = std::move(*bindings);
+    }
+    const ObjectDrivers converted =
+        as_particles ? particle_drivers(object.object_id, particles) : ObjectDrivers{};
+    const ObjectDrivers& used = as_particles ? converted : object;
+    if (auto checked = check_drivers(bound.rest, used); !checked) {
+      return Error{checked.error().code, of->name + ": " + checked.error().message};
+    }
+    skin_kernels(*of->asset, bound.rest, bound.bindings, used, bound.kernels,
+                 keep_gradients_ ? &bound.gradients : nullptr);
+    drawn.push_back({of->asset.get(), &bound.kernels, object.object_id});
+  }
+  return drawn;
+}
+
+const std::vector<Eigen::Matrix3f>& SceneDrawing::deformation_gradients(uint32_t object_id) const {
+  LIVEGS_ASSERT(keep_gradients_);
+  return bound_.at(object_id).gradients;
+}
+
+const PosedKernels& SceneDrawing::kernels(uint32_t object_id) const { return bound_.at(object_id).kernels; }
+
+}  // namespace livegs

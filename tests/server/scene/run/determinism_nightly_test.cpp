@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/scene/run/determinism.h"
+
+namespace livegs {
+namespace {
+
+// The bar of the issue.
+TEST(Determinism, SixHundredTicksOfEverythingAreTheSameBitsForAnyNumberOfThreads) {
+  for (const double rate_hz : {60.0, 90.0}) testing::expect_same_bits(600, rate_hz);
+}
+
+}  // namespace
+}  // namespace livegs

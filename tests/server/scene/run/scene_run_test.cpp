@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/content_hash.h"
+#include "core/parallel_for.h"
+#include "scene/scene.h"
+#include "scene/views/scene_drawing.h"
+#include "scratch_folder.h"
+#include "splat/frame_bounds.h"
+#include "splat/rasterise.h"
+
+namespace livegs {
+namespace {
+
+// A soft cube, a rigid cube and points above a floor; a force, a ball and a change of material on the way.
+Scene busy_scene() {
+  ScratchFolder folder;
+  std::string points = "x,y,z\n";
+  for (int i = 0; i < 216; ++i) {
+    points += std::to_string(0.02 * (i % 6)) + "," + std::to_string(0.02 * (i / 6 % 6)) + "," +
+              std::to_string(0.02 * (i / 36)) + "\n";
+  }
+  folder.write("points.csv", points);
+  const auto path = folder.write("busy.scene.json", R"({
+    "rate_hz": 60, "substeps": 4,
+    "environment": { "colliders": [ { "plane": {} , "friction": 0.5 } ] },
+    "objects": [
+      { "name": "soft", "shape": { "box": { "size_m": [0.2, 0.2, 0.2] } }, "pose": { "position_m": [0, 0.3, 0] },
+        "physics": { "behavior": "ELASTIC", "density_kg_m3": 500, "youngs_modulus_pa": 2e4, "friction": 0.6 } },
+      { "name": "hard", "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } }, "pose": { "position_m": [0.5, 0.2, 0] },
+        "physics": { "behavior": "RIGID", "mass_kg": 0.5 } },
+      { "name": "dots", "points": "points.csv", "pose": { "position_m": [-0.5, 0.1, 0] },
+        "physics": { "behavior": "ELASTIC", "density_kg_m3": 200, "youngs_modulus_pa": 1e4 } } ],
+    "events": [
+      { "time_s": 0.2, "force": { "object": "soft", "point_m": [0, 0.1, 0], "force_n": [6, 0, 0], "duration_s": 0.2 } },
+      { "time_s": 0.3, "ball": { "from_m": [0, 0.1, 1], "velocity_m_s": [0, 0, -5] } },
+      { "time_s": 0.4, "set_physics": { "object": "soft", "physics": { "friction": 0.1 } } } ] })");
+  auto scene = Scene::load(path, {});
+  EXPECT_TRUE(scene) << scene.error().message;
+  return std::move(*scene);
+}
+
+std::string hash_after(int ticks, int threads) {
+  set_thread_count(threads);
+  Scene scene = busy_scene();
+  std::string states;
+  for (int i = 0; i < ticks; ++i) {
+    scene.step();
+    const DriverFrame frame = scene.world().drivers();
+    for (const ObjectDrivers& object : frame.objects) {
+      states.append(reinterpret_cast<const char*>(object.positions_m.data()),
+                    object.positions_m.size() * sizeof(Eigen::Vector3f));
+      for (const Pose& pose : object.poses) {
+        states.append(reinterpret_cast<const char*>(pose.position_m.data()), sizeof(Eigen::Vector3d));
+        states.append(reinterpret_cast<const char*>(pose.orientation.coeffs().data()), 4 * sizeof(double));
+      }
+    }
+    states = content_hash(std::as_bytes(std::span(states)));
+  }
+  set_thread_count(0);
+  return states;
+}
+
+TEST(SceneRun, SameBitsForAnyThreadCount) {
+  const std::string one = hash_after(90, 1);
+  EXPECT_EQ(one, hash_after(90, 2));
+  EXPECT_EQ(one, hash_after(90, 8));
+  EXPECT_EQ(one, hash_after(90, 8)) << "from run to run";
+}
+
+TEST(SceneRun, EventsActWhenTheyAreDue) {
+  Scene scene = busy_scene();
+  const uint32_t soft = scene.find("soft")->id;
+  EXPECT_NEAR(scene.find("soft")->mass_kg, 500 * 0.008, 1e-12);  // density times the box's volume
+  for (int tick = 0; tick < 18; ++tick) scene.step();            // up to 0.3 s: tick 18 starts there
+  EXPECT_EQ(scene.objects().size(), 4u);                         // drawn floor and three objects
+  EXPECT_EQ(scene.world().material(soft)->friction, 0.6);         // as the scene has it, until 0.4 s
+  scene.step();
+  EXPECT_EQ(scene.objects().size(), 5u);
+  EXPECT_EQ(scene.take_changes().added.size(), 1u);
+  for (int tick = 19; tick < 24; ++tick) scene.step();
+  EXPECT_EQ(scene.world().material(soft)->friction, 0.6);
+  scene.step();
+  EXPECT_EQ(scene.world().material(soft)->friction, 0.1);
+  EXPECT_EQ(scene.find("soft")->physics.friction().source(), v1::EstimatedValue::SCENE);
+}
+
+// One that an event of the file shoots, and one that a hand does, which calls shoot_ball too.
+TEST(SceneRun, AllBallsAreAlike) {
+  Scene scene = busy_scene();
+  const uint32_t one = scene.shoot_ball({0, 1, 2}, {0, 0, -3}).id;
+  (void)scene.take_changes();
+  for (int tick = 0; tick < 30; ++tick) scene.step();  // the event's, at 0.3 s
+  const Scene::Changes changes = scene.take_changes();
+  ASSERT_EQ(changes.added.size(), 1u);
+  const uint32_t other = changes.added[0];
+  const World& world = scene.world();
+  const auto mass_kg = [&](uint32_t id) {
+    for (const BodyState& body : world.bodies()) {
+      if (body.object_id == id) return body.mass_kg;
+    }
+    return 0.0;
+  };
+  EXPECT_EQ(mass_kg(one), 0.1);
+  EXPECT_EQ(mass_kg(other), 0.1);
+  EXPECT_EQ(world.material(one)->friction, world.material(other)->friction);
+  EXPECT_EQ(world.material(one)->restitution, world.material(other)->restitution);
+  EXPECT_EQ(scene.find(one)->asset, scene.find(other)->asset);  // kernels, and so the radius
+  EXPECT_EQ(scene.find(one)->physics.SerializeAsString(), scene.find(other)->physics.SerializeAsString());
+}
+
+TEST(SceneRun, BallsAreCappedAndTheOldestGoes) {
+  Scene scene = busy_scene();
+  (void)scene.take_changes();
+  std::vector<uint32_t> ids;
+  for (size_t i = 0; i < Scene::kMaxBalls + 3; ++i) {
+    ids.push_back(scene.shoot_ball({0.0, 1.0 + 0.2 * static_cast<double>(i), 2.0}, {0, 0, -1}).id);
+  }
+  const Scene::Changes changes = scene.take_changes();
+  EXPECT_EQ(changes.added.size(), Scene::kMaxBalls + 3);
+  EXPECT_EQ(changes.removed, (std::vector<uint32_t>{ids[0], ids[1], ids[2]}));
+  EXPECT_EQ(scene.find(ids[0]), nullptr);
+  EXPECT_NE(scene.find(ids[3]), nullptr);
+  scene.step();
+}
+
+// A soft box of 4 kg and 10 kPa that is told these numbers in the first tick.
+v1::Scene soft_box_that_becomes(const v1::Physics& changed) {
+  v1::Scene file;
+  v1::Object& object = *file.add_objects();
+  object.set_name("soft");
+  for (int d = 0; d < 3; ++d) object.mutable_shape()->mutable_box()->add_size_m(0.2);
+  object.mutable_physics()->set_behavior(v1::Physics::ELASTIC);
+  object.mutable_physics()->set_density_kg_m3(500);
+  object.mutable_physics()->set_youngs_modulus_pa(1e4);
+  v1::Event& event = *file.add_events();
+  event.mutable_set_physics()->set_object("soft");
+  *event.mutable_set_physics()->mutable_physics() = changed;
+  return file;
+}
+
+// A pillow's numbers change while it runs: what is told of it follows.
+TEST(SceneRun, AChangeOfPhysicsChangesWhatIsToldOfTheBody) {
+  v1::Physics changed;
+  changed.set_youngs_modulus_pa(4e4);
+  changed.set_mass_kg(2);
+  auto scene = Scene::build(soft_box_that_becomes(changed), "", "soft", {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(scene->objects()[0].elastic->youngs_modulus_pa, 1e4);
+  EXPECT_NEAR(scene->objects()[0].mass_kg, 4.0, 1e-9);
+  scene->step();
+  EXPECT_EQ(scene->objects()[0].elastic->youngs_modulus_pa, 4e4);
+  EXPECT_NEAR(scene->objects()[0].mass_kg, 2.0, 1e-9);
+}
+
+// The paper's numbers, while it runs: plasticity, and a deformation resistance as the modulus that it stands for.
+TEST(SceneRun, PlasticityAndDeformationResistanceChangeTheBody) {
+  v1::Physics changed;
+  changed.set_plasticity(0.7);
+  changed.set_deformation_resistance(0.3);
+  auto scene = Scene::build(soft_box_that_becomes(changed), "", "soft", {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  const uint32_t id = scene->objects()[0].id;
+  EXPECT_NE(scene->world().material(id)->plasticity, 0.7);
+  scene->step();
+  EXPECT_EQ(scene->world().material(id)->plasticity, 0.7);
+  const Material& material = *scene->world().material(id);
+  EXPECT_NEAR(material.structure_coefficient * material.youngs_modulus_pa, effective_youngs_modulus_pa(0.3),
+              1e-6 * effective_youngs_modulus_pa(0.3));
+}
+
+TEST(SceneRun, PointsAreDrawnAKernelEachUnlessToldOtherwise) {
+  ScratchFolder folder;
+  std::string points = "x,y,z,vx,vy,vz\n";
+  for (int i = 0; i < 216; ++i) {
+    points += std::to_string(0.02 * (i % 6)) + "," + std::to_string(0.02 * (i / 6 % 6)) + "," +
+              std::to_string(0.02 * (i / 36)) + ",0,0,1\n";
+  }
+  folder.write("points.csv", points);
+  const auto load = [&](const std::string& more, const char* behavior) {
+    return Scene::load(folder.write("points.scene.json", R"({ "objects": [ { "points": "points.csv", )" +
+                                                             more + R"("physics": { "behavior": ")" +
+                                                             behavior + R"(", "density_kg_m3": 500 } } ] })"),
+                       {});
+  };
+  for (const char* more : {"", R"("kernel_per_point": true, )"}) {
+    const auto scene = load(more, "ELASTIC");
+    ASSERT_TRUE(scene) << scene.error().message;
+    const GaussianAsset& asset = *scene->objects()[0].asset;
+    ASSERT_EQ(asset.size(), 216u);
+    for (size_t i = 0; i < 216; ++i) {
+      EXPECT_NEAR(asset.positions[i].y(), 0.02 * static_cast<double>(i / 6 % 6), 1e-6);
+      EXPECT_EQ(asset.log_scales[i], Eigen::Vector3f::Constant(asset.log_scales[0].x()));  // round
+    }
+    EXPECT_NEAR(scene->objects()[0].mass_kg, 500 * 216 * 8e-6, 1e-9);
+  }
+  const auto surface = load(R"("kernel_per_point": false, )", "ELASTIC");
+  ASSERT_TRUE(surface) << surface.error().message;
+  EXPECT_EQ(surface->objects()[0].asset->size(), 6000u);  // as a shape
+
+  // Velocities of single points mean nothing to a body that cannot deform.
+  const auto rigid = load("", "RIGID");
+  ASSERT_FALSE(rigid);
+  EXPECT_NE(rigid.error().message.find(
+                "object \"points\": objects[0].points: have velocities, which are for elastic"),
+            std::string::npos)
+      << rigid.error().message;
+}
+
+// Both skinnings show the same motion: where the lattice deforms smoothly their pictures differ by little.
+TEST(SceneRun, BothSkinningsDrawTheSameBody) {
+  Scene scene = busy_scene();
+  for (int tick = 0; tick < 30; ++tick) scene.step();
+  const Camera camera = frame_bounds(scene.bounds_m(), 160, 120);
+  Rasteriser rasteriser;
+  RasterisedView lattice, paper;
+  SceneDrawing by_lattice(Skinning::Lattice), by_paper(Skinning::LivegsV1);
+  Scene fresh = busy_scene();  // bindings are made at rest
+  ASSERT_TRUE(by_paper.pose(fresh));
+  auto drawn = by_lattice.pose(scene);
+  ASSERT_TRUE(drawn) << drawn.error().message;
+  rasteriser.draw(*drawn, camera, {}, lattice);
+  auto drawn_paper = by_paper.pose(scene);
+  ASSERT_TRUE(drawn_paper) << drawn_paper.error().message;
+  rasteriser.draw(*drawn_paper, camera, {}, paper);
+  EXPECT_GT(psnr_db(lattice.image, paper.image), 22.0);
+}
+
+TEST(SceneRun, NothingFallsThroughTheFloor) {
+  Scene scene = busy_scene();
+  for (int tick = 0; tick < 180; ++tick) scene.step();
+  for (const BodyState& body : scene.world().bodies()) {
+    const SceneObject* object = scene.find(body.object_id);
+    if (object->environment) continue;
+    EXPECT_TRUE(body.world_from_body.position_m.allFinite());
+    EXPECT_GT(body.world_from_body.position_m.y(), 0.02) << object->name;
+  }
+}
+
+// A ray that draws a thing by its centre up to a place and keeps it there: it hangs below by its weight over the spring's
+// stiffness, g / (2 pi 3 Hz)^2 = 27.6 mm whatever it weighs, and falls when the path ends.
+TEST(SceneRun, APullHoldsByItsSpringAndLetsGoAtItsEnd) {
+  ScratchFolder folder;
+  folder.write("up.csv", "time_s,x,y,z\n0,0,0.05,0\n1,0,0.6,0\n4,0,0.6,0\n");
+  for (const char* physics : {R"("RIGID", "mass_kg": 0.4)", R"("RIGID", "mass_kg": 4)",
+                              R"("ELASTIC", "density_kg_m3": 300, "youngs_modulus_pa": 1e5)"}) {
+    const auto path = folder.write("pull.scene.json", std::string(R"({
+      "environment": { "colliders": [ { "plane": {} } ] },
+      "objects": [ { "name": "thing", "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } }, "pose": { "position_m": [0, 0.05, 0] },
+                     "physics": { "behavior": )") + physics + R"( } } ],
+      "events": [ { "time_s": 0, "pull": { "object": "thing", "path": "up.csv" } } ] })");
+    auto scene = Scene::load(path, {});
+    ASSERT_TRUE(scene) << scene.error().message;
+    const uint32_t id = scene->find("thing")->id;
+    const auto height_m = [&] { return scene->world().world_point(id, Eigen::Vector3d::Zero()).y(); };
+    for (int tick = 0; tick < 350; ++tick) scene->step();
+    const double below_m = 9.81 / std::pow(2 * M_PI * 3, 2);
+    EXPECT_NEAR(height_m(), 0.6 - below_m, 1e-3) << physics;
+    for (int tick = 0; tick < 30; ++tick) scene->step();
+    EXPECT_LT(height_m(), 0.5) << physics;
+  }
+}
+
+// A gram that 100 kN push for a tenth of a second.
+TEST(SceneRun, WhoWatchesIsToldThatABodyWasPutBack) {
+  ScratchFolder folder;
+  const auto path = folder.write("lost.scene.json", R"({
+    "gravity_m_s2": [0, 0, 0],
+    "objects": [ { "name": "foam", "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } },
+                   "physics": { "behavior": "ELASTIC", "density_kg_m3": 1, "youngs_modulus_pa": 1e3 } } ],
+    "events": [ { "time_s": 0.1, "force": { "object": "foam", "point_m": [0, 0, 0], "force_n": [1e5, 0, 0], "duration_s": 0.2 } } ] })");
+  auto scene = Scene::load(path, {});
+  ASSERT_TRUE(scene) << scene.error().message;
+  const SceneObject& foam = scene->objects().front();
+  int told = 0;
+  std::string warnings;
+  for (int i = 0; i < 60; ++i) {
+    scene->step();
+    const Scene::Changes changes = scene->take_changes();
+    told += static_cast<int>(std::count(changes.changed.begin(), changes.changed.end(), foam.id));
+    for (const std::string& warning : foam.all_warnings()) warnings = warning;
+  }
+  EXPECT_GE(told, 1);
+  EXPECT_LE(told, 3);
+  EXPECT_NE(warnings.find("put back at rest, in its rest shape"), std::string::npos) << warnings;
+}
+
+}  // namespace
+}  // namespace livegs
