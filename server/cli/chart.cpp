@@ -8,10 +8,10 @@
 #include "core/file.h"
 #include "core/log.h"
 #include "core/parallel_for.h"
-#include "study/chart_figure.h"
-#include "study/chart_page.h"
-#include "study/rigid_chart.h"
-#include "study/run_matrix.h"
+#include "study/chart/chart_figure.h"
+#include "study/chart/chart_page.h"
+#include "study/chart/rigid_chart.h"
+#include "study/chart/run_matrix.h"
 
 namespace livegs {
 namespace {

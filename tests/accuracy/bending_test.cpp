@@ -2,8 +2,8 @@
 // Scenes 21 and 22. References: Timoshenko's beam at nu 0; at nu 0.45, where the clamp holds the section's width, the
 // 3-D bar itself on finer and finer lattices (cantilever.h, cantilever_reference_test.cpp); Saint-Venant's torsion.
 #include "accuracy/scene_checks.h"
-#include "study/cantilever.h"
-#include "study/torsion.h"
+#include "study/elastic_scenes/cantilever.h"
+#include "study/elastic_scenes/torsion.h"
 
 namespace livegs::study {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "accuracy/scene_checks.h"
-#include "study/cantilever.h"
+#include "study/elastic_scenes/cantilever.h"
 
 namespace livegs::study {
 namespace {

@@ -2,10 +2,10 @@
 // Scenes 24 and 27, affine boundary motions and two materials. References: closed forms of the material itself
 // (uniaxial.h, plastic_set.h), the boundary's own matrix, stress over each part's E.
 #include "accuracy/scene_checks.h"
-#include "study/affine_ramp.h"
-#include "study/plastic_set.h"
-#include "study/squash.h"
-#include "study/two_materials.h"
+#include "study/harness/affine_ramp.h"
+#include "study/elastic_scenes/plastic_set.h"
+#include "study/elastic_scenes/squash.h"
+#include "study/elastic_scenes/two_materials.h"
 
 namespace livegs::study {
 namespace {

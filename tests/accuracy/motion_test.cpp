@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "accuracy/scene_checks.h"
-#include "study/pendulum.h"
-#include "study/pulse.h"
-#include "study/ring_down.h"
+#include "study/elastic_scenes/pendulum.h"
+#include "study/harness/pulse.h"
+#include "study/elastic_scenes/ring_down.h"
 
 namespace livegs::study {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the chart says of the other methods, and that it compares like with like.
 #include "accuracy/scene_checks.h"
-#include "study/tension.h"
+#include "study/elastic_scenes/tension.h"
 
 namespace livegs::study {
 namespace {

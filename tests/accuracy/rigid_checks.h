@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "study/rigid_scenes.h"
+#include "study/harness/rigid_scenes.h"
 
 // The rigid scenes as tests of our own solver, at the 4 substeps and the two rates that the product runs at.
 

@@ -2,7 +2,7 @@
 // Scene 20: Young's modulus and Poisson's ratio that a bar shows against those asked for, by the closed form of the
 // material under uniaxial stress (uniaxial.h). Over every setting that the program itself calls exact 5 % and 0.02;
 // elsewhere inside the band that it states, and 10 % about the ceiling of what it clipped.
-#include "study/tension.h"
+#include "study/elastic_scenes/tension.h"
 
 #include <limits>
 #include <map>

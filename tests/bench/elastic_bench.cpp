@@ -14,7 +14,7 @@
 
 #include "geometry/shape_mesh.h"
 #include "server/physics/elastic/quarter_shell.h"
-#include "study/bullet_body.h"
+#include "study/peers/bullet_body.h"
 
 using namespace livegs;
 using namespace livegs::test;

@@ -24,7 +24,7 @@
 #include "physics/breakable_pieces.h"
 #include "physics/world.h"
 #include "server/geometry/fracture_shapes.h"
-#include "study/rigid_solver.h"
+#include "study/harness/rigid_solver.h"
 
 using namespace livegs;
 using namespace livegs::study;

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/format_text.h"
+#include "study/chart/chart_words.h"
+#include "study/chart/rigid_chart.h"
+
+namespace livegs::study {
+namespace {
+
+// Which runs did not come through, by engine.
+std::string accidents(const RigidChartScene& scene, const std::vector<RigidRow>& rows) {
+  std::string words;
+  for (const RigidRow& row : rows) {
+    if (row.scene != &scene || row.outcome.end == RunEnd::Well) continue;
+    words += words.empty() ? "- Did not come through: " : ", ";
+    words += format_text("`%s` at %d", engine_name(row.setup.engine).c_str(), row.setup.substeps);
+    if (scene.parameters.size() > 1)
+      words += " with " + scene.text_of(row.setup.parameter);
+    words += format_text(" (%s)", name_of(row.outcome.end));
+  }
+  return words.empty() ? words : words + ".\n";
+}
+
+}  // namespace
+
+std::string rigid_page(const std::vector<RigidRow>& rows) {
+  if (rows.empty()) return "";
+  std::string page =
+      "# Rigid bodies\n\nThe same scenes for ours (`livegs`), Bullet 3 (`bullet`: sequential impulse, 10 "
+      "iterations, single "
+      "precision) and the Open Dynamics Engine (`ode quick`: over-relaxation, 20 iterations; `ode`: its "
+      "exact "
+      "complementarity solver, where that can be paid), one after the other on one thread of this process, "
+      "at 60 Hz. A "
+      "substep is one step of the peer, of the same length; each does its own iterations in it. Same shapes, "
+      "masses, "
+      "inertias and frictions; no restitution, no damping, no sleep but where it is measured; margins and "
+      "error reduction as "
+      "the engines come. Bullet makes three contact points with a plane at once, as its makers advise.\n\n";
+  for (const RigidChartScene& scene : rigid_chart_scenes()) {
+    const std::vector<Panel> panels = rigid_panels(scene, rows);
+    if (panels.empty()) continue;
+    page +=
+        "## " + scene.title + "\n\n" + scene.what + "\n\n![" + scene.title + "](" + scene.figure() + ")\n\n";
+    for (const Panel& panel : panels) {
+      Panel named = panel;
+      named.name += ", bar " + error_text(panel.bar, panel.unit);
+      page += who_wins(named);
+    }
+    page += accidents(scene, rows) + "\n";
+  }
+  return page;
+}
+
+}  // namespace livegs::study

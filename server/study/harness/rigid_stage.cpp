@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "study/harness/rigid_stage.h"
+
+#include <ctime>
+
+#include <cmath>
+#include <limits>
+
+#include "core/clock.h"
+#include "core/log.h"
+#include "study/peers/bullet_rigid.h"
+#include "study/peers/livegs_rigid.h"
+#include "study/peers/ode_rigid.h"
+
+namespace livegs::study {
+namespace {
+
+// No scene moves faster or farther of its own.
+constexpr double kFar_m = 1e3, kFast_m_s = 100.0;
+
+double thread_cpu_s() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+}  // namespace
+
+Result<void> RigidSolver::add_soft(const SoftPart&) {
+  return Error{ErrorCode::Unavailable, "soft bodies of this engine are not connected to rigid ones"};
+}
+
+Result<bool> RigidSolver::broken(size_t) const {
+  return Error{ErrorCode::Unavailable, "contact impulses of this engine are not connected"};
+}
+
+Result<std::unique_ptr<RigidSolver>> make_rigid_solver(const RigidSetup& setup,
+                                                       const RigidConditions& conditions) {
+  switch (setup.engine) {
+    case RigidEngine::Livegs:
+      return make_livegs_rigid(setup, conditions);
+    case RigidEngine::Bullet:
+      return make_bullet_rigid(setup, conditions);
+    case RigidEngine::OdeQuick:
+    case RigidEngine::Ode:
+      break;
+  }
+  return make_ode_rigid(setup, conditions);
+}
+
+Result<RigidStage> RigidStage::make(const RigidSetup& setup, const RigidConditions& conditions) {
+  auto solver = make_rigid_solver(setup, conditions);
+  if (!solver) return solver.error();
+  RigidStage stage;
+  stage.solver_ = std::move(*solver);
+  stage.rate_hz_ = setup.rate_hz;
+  stage.substeps_ = setup.substeps;
+  return stage;
+}
+
+void RigidStage::add(const RigidPart& part) {
+  if (auto added = solver_->add(part); !added) {
+    log_error("rigid scene: %s", added.error().message.c_str());
+    end_ = RunEnd::NotANumber;
+  }
+  motions_ = solver_->motions();
+}
+
+void RigidStage::look() {
+  motions_ = solver_->motions();
+  for (const RigidMotion& motion : motions_) {
+    const Eigen::Vector3d& at = motion.world_from_part.position_m;
+    if (!at.allFinite() || !motion.velocity_m_s.allFinite() || !motion.angular_velocity_rad_s.allFinite()) {
+      end_ = RunEnd::NotANumber;
+    } else if (at.norm() > kFar_m || motion.velocity_m_s.norm() > kFast_m_s) {
+      if (end_ == RunEnd::Well) end_ = RunEnd::FlewApart;
+    }
+  }
+}
+
+void RigidStage::run(double seconds, const std::function<void()>& after) {
+  const int64_t start_ns = now_ns();
+  for (long i = std::lround(seconds * rate_hz_); i > 0 && well(); --i) {
+    const double start = thread_cpu_s();
+    solver_->frame();
+    cost_.cpu_s += thread_cpu_s() - start;
+    ++frames_;
+    ++cost_.frames;
+    cost_.substeps += static_cast<uint64_t>(substeps_);
+    cost_.simulated_s += frame_s();
+    look();
+    if (after && well()) after();
+  }
+  cost_.wall_s += seconds_from_ns(now_ns() - start_ns);
+}
+
+void RigidStage::include(const RigidStage& other) {
+  cost_.cpu_s += other.cost_.cpu_s;
+  cost_.wall_s += other.cost_.wall_s;
+  cost_.simulated_s += other.cost_.simulated_s;
+  cost_.substeps += other.cost_.substeps;
+  cost_.frames += other.cost_.frames;
+  if (well()) end_ = other.end_;
+}
+
+RigidOutcome RigidStage::finish(std::vector<Measurement> measurements) const {
+  if (!well()) {
+    for (Measurement& measurement : measurements) measurement.error = std::numeric_limits<double>::infinity();
+  }
+  return {std::move(measurements), cost_, motions_.size(), end_};
+}
+
+}  // namespace livegs::study
