@@ -8,7 +8,7 @@
 
 #include "core/result.h"
 #include "gaussian/gaussian_asset.h"
-#include "geometry/mesh_facts.h"
+#include "geometry/surface/mesh_facts.h"
 #include "livegs/v1/physics.pb.h"
 #include "physics/material.h"
 

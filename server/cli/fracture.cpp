@@ -5,12 +5,12 @@
 #include <numbers>
 
 #include "cli/commands.h"
-#include "geometry/fracture_seeds.h"
-#include "geometry/mass_properties.h"
-#include "geometry/mesh_topology.h"
-#include "geometry/piece_kernels.h"
+#include "geometry/fracture/fracture_seeds.h"
+#include "geometry/mesh/mass_properties.h"
+#include "geometry/mesh/mesh_topology.h"
+#include "geometry/fracture/piece_kernels.h"
 #include "geometry/reconstruct_surface.h"
-#include "geometry/voronoi_pieces.h"
+#include "geometry/fracture/voronoi_pieces.h"
 #include "scene/build/place_asset.h"
 #include "skin/skin_kernels.h"
 #include "splat/frame_bounds.h"

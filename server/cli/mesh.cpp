@@ -4,7 +4,7 @@
 
 #include "cli/commands.h"
 #include "core/file.h"
-#include "geometry/mass_properties.h"
+#include "geometry/mesh/mass_properties.h"
 #include "geometry/reconstruct_surface.h"
 #include "scene/build/place_asset.h"
 

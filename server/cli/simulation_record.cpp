@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/simulation_record.h"
 
-#include "geometry/piece_kernels.h"
+#include "geometry/fracture/piece_kernels.h"
 #include "scene/build/fragile_object.h"
 
 namespace livegs {

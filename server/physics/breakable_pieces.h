@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/result.h"
-#include "geometry/voronoi_pieces.h"
+#include "geometry/fracture/voronoi_pieces.h"
 #include "physics/material.h"
 #include "physics/collision/collision_shape.h"
 

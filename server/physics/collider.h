@@ -6,8 +6,8 @@
 #include <variant>
 
 #include "core/pose.h"
-#include "geometry/distance_field.h"
-#include "geometry/triangle_tree.h"
+#include "geometry/field/distance_field.h"
+#include "geometry/mesh/triangle_tree.h"
 
 // What never moves and everything can touch.
 

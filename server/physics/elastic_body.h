@@ -12,7 +12,7 @@
 
 #include "core/pose.h"
 #include "core/result.h"
-#include "geometry/sample_particles.h"
+#include "geometry/field/sample_particles.h"
 #include "physics/body_region.h"
 #include "physics/collider.h"
 #include "physics/elastic/contact_constraints.h"

@@ -12,7 +12,7 @@
 
 #include "core/pose.h"
 #include "core/result.h"
-#include "geometry/mass_properties.h"
+#include "geometry/mesh/mass_properties.h"
 #include "geometry/triangle_mesh.h"
 #include "physics/breakable_pieces.h"
 #include "physics/collider.h"

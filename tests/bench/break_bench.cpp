@@ -21,7 +21,7 @@
 #include "scene/scene.h"
 #include "scene/build/shape_asset.h"
 #include "scratch_folder.h"
-#include "server/geometry/fracture_shapes.h"
+#include "server/geometry/fracture/fracture_shapes.h"
 #include "session/assets/describe_object.h"
 #include "skin/skin_kernels.h"
 #include "wire/frame_codec.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "geometry/mass_properties.h"
-#include "geometry/shape_mesh.h"
+#include "geometry/mesh/mass_properties.h"
+#include "geometry/surface/shape_mesh.h"
 #include "physics/breakable_pieces.h"
 #include "physics/world.h"
 #include "scenes/elastic_bodies.h"

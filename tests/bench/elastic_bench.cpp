@@ -12,7 +12,7 @@
 #include <cstdio>
 #include <string>
 
-#include "geometry/shape_mesh.h"
+#include "geometry/surface/shape_mesh.h"
 #include "server/physics/elastic/quarter_shell.h"
 #include "study/peers/bullet_body.h"
 

@@ -13,11 +13,11 @@
 
 #include "bench/time_of.h"
 #include "core/parallel_for.h"
-#include "geometry/fracture_seeds.h"
-#include "geometry/piece_kernels.h"
-#include "geometry/voronoi_pieces.h"
+#include "geometry/fracture/fracture_seeds.h"
+#include "geometry/fracture/piece_kernels.h"
+#include "geometry/fracture/voronoi_pieces.h"
 #include "physics/fracture/bond_graph.h"
-#include "server/geometry/fracture_shapes.h"
+#include "server/geometry/fracture/fracture_shapes.h"
 
 using namespace livegs;
 

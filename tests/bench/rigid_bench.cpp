@@ -18,12 +18,12 @@
 #include "bench/time_of.h"
 #include "core/log.h"
 #include "core/parallel_for.h"
-#include "geometry/mass_properties.h"
-#include "geometry/sample_particles.h"
-#include "geometry/shape_mesh.h"
+#include "geometry/mesh/mass_properties.h"
+#include "geometry/field/sample_particles.h"
+#include "geometry/surface/shape_mesh.h"
 #include "physics/breakable_pieces.h"
 #include "physics/world.h"
-#include "server/geometry/fracture_shapes.h"
+#include "server/geometry/fracture/fracture_shapes.h"
 #include "study/harness/rigid_solver.h"
 
 using namespace livegs;

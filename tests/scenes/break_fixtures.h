@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "physics/breakable_pieces.h"
-#include "server/geometry/fracture_shapes.h"
+#include "server/geometry/fracture/fracture_shapes.h"
 #include "scenes/rigid_fixtures.h"
 
 // A small cup of a quarter of a kilogram that breaks, for tests of breaking.

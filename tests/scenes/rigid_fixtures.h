@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "geometry/mass_properties.h"
-#include "geometry/shape_mesh.h"
+#include "geometry/mesh/mass_properties.h"
+#include "geometry/surface/shape_mesh.h"
 #include "physics/world.h"
 
 // Bodies and worlds of the rigid tests. VR sizes: a box of 10 cm unless a test says otherwise.

@@ -3,8 +3,8 @@
 #include <cstdio>
 
 #include "analysis/physics_file.h"
-#include "geometry/mesh_facts.h"
-#include "geometry/shape_mesh.h"
+#include "geometry/surface/mesh_facts.h"
+#include "geometry/surface/shape_mesh.h"
 #include "system/window_session.h"
 
 namespace livegs {

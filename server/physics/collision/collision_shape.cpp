@@ -8,8 +8,8 @@
 #include <unordered_map>
 #include <utility>
 
-#include "geometry/mesh_topology.h"
-#include "geometry/triangle_distance.h"
+#include "geometry/mesh/mesh_topology.h"
+#include "geometry/mesh/triangle_distance.h"
 
 namespace livegs {
 namespace {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "geometry/distance_field.h"
+#include "geometry/field/distance_field.h"
 #include "geometry/triangle_mesh.h"
 #include "physics/collision/convex_polyhedron.h"
 #include "physics/collision/bounding_sphere_tree.h"

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/assert.h"
-#include "geometry/shape_mesh.h"
+#include "geometry/surface/shape_mesh.h"
 
 namespace livegs {
 namespace {

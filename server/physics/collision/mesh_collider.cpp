@@ -9,8 +9,8 @@
 #include <numbers>
 #include <utility>
 
-#include "geometry/mesh_topology.h"
-#include "geometry/weld_vertices.h"
+#include "geometry/mesh/mesh_topology.h"
+#include "geometry/mesh/weld_vertices.h"
 
 namespace livegs {
 namespace {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "geometry/sample_particles.h"
+#include "geometry/field/sample_particles.h"
 #include "physics/collider.h"
 #include "physics/elastic_body.h"
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "geometry/voronoi_pieces.h"
+#include "geometry/fracture/voronoi_pieces.h"
 
 // What holds the pieces of a fragile body together, and which bonds a blow breaks. Pure functions of the graph and the
 // blow: an impulse in N s, never a force, so that the step has no say in what breaks.

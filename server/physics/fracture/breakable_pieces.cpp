@@ -6,8 +6,8 @@
 #include <map>
 
 #include "core/parallel_for.h"
-#include "geometry/fracture_seeds.h"
-#include "geometry/hollow_mesh.h"
+#include "geometry/fracture/fracture_seeds.h"
+#include "geometry/surface/hollow_mesh.h"
 
 namespace livegs {
 namespace {

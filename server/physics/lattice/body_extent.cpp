@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/inside_grid.h"
+#include "geometry/field/inside_grid.h"
 #include "physics/lattice/cut_boxes.h"
 #include "physics/lattice/lattice.h"
 

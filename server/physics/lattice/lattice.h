@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/pose.h"
-#include "geometry/sample_particles.h"
+#include "geometry/field/sample_particles.h"
 #include "physics/body_region.h"
 
 // The lattice of cubic eight-node cells that an elastic body is embedded in. Its nodes are the unknowns of the

@@ -4,7 +4,7 @@
 #include <map>
 #include <utility>
 
-#include "geometry/inside_grid.h"
+#include "geometry/field/inside_grid.h"
 #include "physics/lattice/cut_boxes.h"
 
 namespace livegs {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "geometry/triangle_distance.h"
+#include "geometry/mesh/triangle_distance.h"
 #include "physics/world/spring.h"
 #include "physics/world/check_descriptions.h"
 #include "physics/world/world_state.h"

@@ -8,9 +8,9 @@
 #include <system_error>
 
 #include "core/clock.h"
-#include "geometry/distance_field.h"
-#include "geometry/mesh_topology.h"
-#include "geometry/piece_kernels.h"
+#include "geometry/field/distance_field.h"
+#include "geometry/mesh/mesh_topology.h"
+#include "geometry/fracture/piece_kernels.h"
 
 namespace livegs {
 namespace {

@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "core/file.h"
-#include "geometry/mesh_topology.h"
+#include "geometry/mesh/mesh_topology.h"
 #include "scene/values/grid_spacing.h"
 
 namespace livegs {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/result.h"
-#include "geometry/sample_particles.h"
+#include "geometry/field/sample_particles.h"
 
 namespace livegs::study {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/peers/livegs_rigid.h"
 
-#include "geometry/convex_hull.h"
-#include "geometry/mass_properties.h"
-#include "geometry/shape_mesh.h"
+#include "geometry/mesh/convex_hull.h"
+#include "geometry/mesh/mass_properties.h"
+#include "geometry/surface/shape_mesh.h"
 #include "physics/breakable_pieces.h"
 #include "physics/world.h"
 #include "study/harness/block.h"

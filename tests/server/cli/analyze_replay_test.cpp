@@ -12,7 +12,7 @@
 #include "analysis/physics_file.h"
 #include "core/file.h"
 #include "gaussian/asset_file.h"
-#include "geometry/shape_mesh.h"
+#include "geometry/surface/shape_mesh.h"
 #include "scene/scene.h"
 #include "scene/build/shape_asset.h"
 #include "scratch_folder.h"

@@ -8,7 +8,7 @@
 #include "analysis/estimate.h"
 #include "analysis/knowledge/tables.h"
 #include "analysis/estimate/object_classes.h"
-#include "geometry/shape_mesh.h"
+#include "geometry/surface/shape_mesh.h"
 
 namespace livegs {
 namespace {

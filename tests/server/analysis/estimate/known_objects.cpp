@@ -8,9 +8,9 @@
 #include <sstream>
 
 #include "gaussian/asset_file.h"
-#include "geometry/mesh_io.h"
+#include "geometry/mesh/mesh_io.h"
 #include "geometry/reconstruct_surface.h"
-#include "geometry/weld_vertices.h"
+#include "geometry/mesh/weld_vertices.h"
 
 namespace livegs {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "analysis/estimate.h"
-#include "geometry/shape_mesh.h"
+#include "geometry/surface/shape_mesh.h"
 
 namespace livegs {
 namespace {

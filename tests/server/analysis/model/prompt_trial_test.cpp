@@ -9,7 +9,7 @@
 
 #include "analysis/model/prompt_set.h"
 #include "core/file.h"
-#include "geometry/shape_mesh.h"
+#include "geometry/surface/shape_mesh.h"
 #include "server/analysis/model/chat/model_endpoint_cases.h"
 #include "scratch_folder.h"
 #include "server/analysis/model/prompt_judgement.h"

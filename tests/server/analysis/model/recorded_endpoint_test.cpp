@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "analysis/model/model_endpoint.h"
-#include "geometry/shape_mesh.h"
+#include "geometry/surface/shape_mesh.h"
 #include "server/analysis/model/chat/model_endpoint_cases.h"
 #include "scratch_folder.h"
 

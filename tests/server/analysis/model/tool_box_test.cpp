@@ -13,7 +13,7 @@
 #include "analysis/text/prompt_text.h"
 #include "analysis/model/question_slots.h"
 #include "analysis/knowledge/unit_conversion.h"
-#include "geometry/shape_mesh.h"
+#include "geometry/surface/shape_mesh.h"
 #include "physics/material.h"
 #include "server/analysis/gate/schema_complaint.h"
 

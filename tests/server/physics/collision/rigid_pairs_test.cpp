@@ -6,7 +6,7 @@
 #include <random>
 
 #include "core/parallel_for.h"
-#include "geometry/convex_hull.h"
+#include "geometry/mesh/convex_hull.h"
 #include "physics/collision/convex_polyhedron.h"
 #include "physics/collision/polyhedron_manifold.h"
 #include "scenes/rigid_fixtures.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Limp things beyond the law that the sweep was made for: with gravity and a floor alone none of them gains energy
 // (cells_bounded.cpp), and each still is where such a thing may be.
-#include "geometry/sample_particles.h"
-#include "geometry/shape_mesh.h"
+#include "geometry/field/sample_particles.h"
+#include "geometry/surface/shape_mesh.h"
 #include "scenes/elastic_bodies.h"
 
 namespace livegs::test {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Soft things of several forms, dropped flat and tilted, as a scene samples them: what they have left after each landing,
 // and that they come to rest.
-#include "geometry/sample_particles.h"
-#include "geometry/shape_mesh.h"
+#include "geometry/field/sample_particles.h"
+#include "geometry/surface/shape_mesh.h"
 #include "scenes/elastic_bodies.h"
 
 namespace livegs::test {

@@ -2,7 +2,7 @@
 // Regions that hold and move bodies of meshes, as scenes make them: wherever their faces fall among particles and cells.
 #include <gtest/gtest.h>
 
-#include "geometry/shape_mesh.h"
+#include "geometry/surface/shape_mesh.h"
 #include "scenes/elastic_bodies.h"
 
 namespace livegs {

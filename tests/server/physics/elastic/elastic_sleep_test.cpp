@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Less where less will do, and nothing visible lost (physics.md 3.5 and row 31): bodies that fly without deforming
 // move as rigid ones, still ones sleep. Each against the same body that does neither.
-#include "geometry/sample_particles.h"
-#include "geometry/shape_mesh.h"
+#include "geometry/field/sample_particles.h"
+#include "geometry/surface/shape_mesh.h"
 #include "scenes/elastic_bodies.h"
 
 namespace livegs::test {

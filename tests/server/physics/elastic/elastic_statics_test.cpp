@@ -3,8 +3,8 @@
 // 21; what is reachable at which Courant number: elastic-study.md 3).
 #include <random>
 
-#include "geometry/sample_particles.h"
-#include "geometry/shape_mesh.h"
+#include "geometry/field/sample_particles.h"
+#include "geometry/surface/shape_mesh.h"
 #include "scenes/elastic_bodies.h"
 
 namespace livegs::test {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "geometry/shape_mesh.h"
+#include "geometry/surface/shape_mesh.h"
 #include "physics/elastic/resolution/lattice_resolution.h"
 #include "scenes/elastic_bodies.h"
 #include "server/physics/elastic/quarter_shell.h"

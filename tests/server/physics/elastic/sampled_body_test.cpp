@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <random>
 
-#include "geometry/mesh_topology.h"
-#include "geometry/sample_particles.h"
-#include "geometry/shape_mesh.h"
+#include "geometry/mesh/mesh_topology.h"
+#include "geometry/field/sample_particles.h"
+#include "geometry/surface/shape_mesh.h"
 #include "physics/lattice/lattice.h"
 #include "scenes/elastic_bodies.h"
 

@@ -9,9 +9,9 @@
 #include <random>
 
 #include "gaussian/asset_file.h"
-#include "geometry/mass_properties.h"
+#include "geometry/mesh/mass_properties.h"
 #include "geometry/reconstruct_surface.h"
-#include "geometry/sample_particles.h"
+#include "geometry/field/sample_particles.h"
 #include "sample/sample_scene.h"
 #include "scenes/elastic_bodies.h"
 #include "scenes/thin_bodies.h"

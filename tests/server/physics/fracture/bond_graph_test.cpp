@@ -7,9 +7,9 @@
 #include <cmath>
 #include <set>
 
-#include "geometry/fracture_seeds.h"
-#include "geometry/mass_properties.h"
-#include "server/geometry/fracture_shapes.h"
+#include "geometry/fracture/fracture_seeds.h"
+#include "geometry/mesh/mass_properties.h"
+#include "server/geometry/fracture/fracture_shapes.h"
 
 namespace livegs {
 namespace {

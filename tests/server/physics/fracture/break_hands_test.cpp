@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "geometry/triangle_distance.h"
+#include "geometry/mesh/triangle_distance.h"
 #include "scenes/break_fixtures.h"
 
 namespace livegs {

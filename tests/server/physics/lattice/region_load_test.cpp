@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "geometry/shape_mesh.h"
+#include "geometry/surface/shape_mesh.h"
 #include "scenes/elastic_bodies.h"
 
 namespace livegs {

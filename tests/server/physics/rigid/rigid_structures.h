@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "geometry/convex_hull.h"
+#include "geometry/mesh/convex_hull.h"
 #include "scenes/rigid_fixtures.h"
 
 // Things built of boxes and wedges that should stand, each on a floor of its own.

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "geometry/sample_particles.h"
+#include "geometry/field/sample_particles.h"
 #include "scenes/soft_fixtures.h"
 
 namespace livegs::soft_fixtures {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sheets laid over things that are free to move: they drape, and gain nothing.
-#include "geometry/sample_particles.h"
+#include "geometry/field/sample_particles.h"
 #include "scenes/soft_fixtures.h"
 
 namespace livegs {

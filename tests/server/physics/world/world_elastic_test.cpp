@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/parallel_for.h"
-#include "geometry/sample_particles.h"
+#include "geometry/field/sample_particles.h"
 #include "scenes/rigid_fixtures.h"
 
 // The world around elastic bodies: balls, springs, rays and the same bits for any number of threads.

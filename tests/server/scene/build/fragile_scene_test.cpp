@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-#include "geometry/piece_kernels.h"
+#include "geometry/fracture/piece_kernels.h"
 #include "scene/build/fragile_object.h"
 #include "scene/scene.h"
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "gaussian/asset_file.h"
-#include "geometry/mesh_io.h"
+#include "geometry/mesh/mesh_io.h"
 #include "scene/scene.h"
 #include "scene/build/shape_asset.h"
 #include "scratch_folder.h"

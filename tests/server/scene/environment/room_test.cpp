@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "gaussian/asset_file.h"
-#include "geometry/shape_mesh.h"
+#include "geometry/surface/shape_mesh.h"
 #include "scene/scene.h"
 #include "scene/build/shape_asset.h"
 #include "scratch_folder.h"

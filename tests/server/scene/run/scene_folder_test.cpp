@@ -3,7 +3,7 @@
 
 #include "analysis/estimate.h"
 #include "gaussian/asset_file.h"
-#include "geometry/shape_mesh.h"
+#include "geometry/surface/shape_mesh.h"
 #include "scene/build/place_asset.h"
 #include "scene/scene.h"
 #include "scene/build/shape_asset.h"

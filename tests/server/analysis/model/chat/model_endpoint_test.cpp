@@ -12,7 +12,7 @@
 
 #include "core/clock.h"
 #include "core/log.h"
-#include "geometry/shape_mesh.h"
+#include "geometry/surface/shape_mesh.h"
 #include "server/analysis/model/chat/endpoint_case_groups.h"
 #include "server/analysis/model/chat/model_endpoint_cases.h"
 #include "scratch_folder.h"

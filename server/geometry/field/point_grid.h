@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <vector>
+
+#include "geometry/field/regular_grid.h"
+
+namespace livegs {
+
+// Points sorted into cubic cells, for nearest-neighbour questions. Points are numbered in order of insertion;
+// ties go to the smaller number.
+class PointGrid {
+ public:
+  // Points inserted later lie within `bounds_m`. Cells are cell_m wide, or wider where that would be too
+  // many.
+  PointGrid(const Eigen::AlignedBox3d& bounds_m, double cell_m);
+
+  void insert(const Eigen::Vector3d& point_m);
+  size_t size() const { return points_m_.size(); }
+
+  // Is there a point nearer than radius_m?
+  bool any_nearer(const Eigen::Vector3d& point_m, double radius_m) const;
+
+  // Number of the nearest point. Precondition: there is one.
+  uint32_t nearest(const Eigen::Vector3d& point_m) const;
+
+ private:
+  Eigen::Vector3i cell_of(const Eigen::Vector3d& point_m) const;
+
+  RegularGrid cells_;
+  std::vector<int32_t> last_in_cell_;  // -1: empty
+  std::vector<int32_t> one_before_;    // in the same cell
+  std::vector<Eigen::Vector3d> points_m_;
+};
+
+}  // namespace livegs
