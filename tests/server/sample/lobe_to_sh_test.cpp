@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sample/lobe_to_sh.h"
+#include "sample/tools/lobe_to_sh.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sample/surface_sampler.h"
+#include "sample/tools/surface_sampler.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "sample/sharp_edge.h"
+#include "sample/tools/sharp_edge.h"
 
 namespace livegs::sample {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sample/lobe_to_sh.h"
+#include "sample/tools/lobe_to_sh.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Value noise after Lewis 1989; the hash is the finaliser of splitmix64 (Steele et al. 2014).
-#include "sample/noise.h"
+#include "sample/tools/noise.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sample/baked_light.h"
+#include "sample/tools/baked_light.h"
 
 #include <algorithm>
 #include <array>
@@ -7,9 +7,9 @@
 #include <optional>
 
 #include "core/parallel_for.h"
-#include "sample/colour.h"
-#include "sample/lobe_to_sh.h"
-#include "sample/noise.h"
+#include "sample/tools/colour.h"
+#include "sample/tools/lobe_to_sh.h"
+#include "sample/tools/noise.h"
 
 namespace livegs::sample {
 namespace {

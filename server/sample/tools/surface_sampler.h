@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <functional>
 
-#include "sample/random.h"
-#include "sample/surface_sample.h"
+#include "sample/tools/random.h"
+#include "sample/tools/surface_sample.h"
 
 namespace livegs::sample {
 

@@ -6,12 +6,12 @@
 #include <cmath>
 #include <functional>
 
-#include "sample/baked_light.h"
-#include "sample/colour.h"
-#include "sample/noise.h"
+#include "sample/tools/baked_light.h"
+#include "sample/tools/colour.h"
+#include "sample/tools/noise.h"
 #include "sample/sample_scene.h"
-#include "sample/surface_sampler.h"
-#include "sample/wood.h"
+#include "sample/tools/surface_sampler.h"
+#include "sample/tools/wood.h"
 
 namespace livegs {
 namespace {

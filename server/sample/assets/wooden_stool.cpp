@@ -5,12 +5,12 @@
 #include <array>
 #include <cmath>
 
-#include "sample/baked_light.h"
-#include "sample/colour.h"
-#include "sample/noise.h"
+#include "sample/tools/baked_light.h"
+#include "sample/tools/colour.h"
+#include "sample/tools/noise.h"
 #include "sample/sample_scene.h"
-#include "sample/shapes.h"
-#include "sample/wood.h"
+#include "sample/tools/shapes.h"
+#include "sample/tools/wood.h"
 
 namespace livegs {
 namespace {

@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 
-#include "sample/baked_light.h"
-#include "sample/colour.h"
-#include "sample/noise.h"
+#include "sample/tools/baked_light.h"
+#include "sample/tools/colour.h"
+#include "sample/tools/noise.h"
 #include "sample/sample_scene.h"
-#include "sample/shapes.h"
+#include "sample/tools/shapes.h"
 
 namespace livegs {
 namespace {

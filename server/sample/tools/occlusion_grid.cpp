@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sample/occlusion_grid.h"
+#include "sample/tools/occlusion_grid.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sample/surface_sampler.h"
+#include "sample/tools/surface_sampler.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
-#include "sample/dart_board.h"
+#include "sample/tools/poisson_disk.h"
 
 namespace livegs::sample {
 namespace {

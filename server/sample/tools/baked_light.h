@@ -5,9 +5,9 @@
 #include <functional>
 
 #include "gaussian/gaussian_asset.h"
-#include "sample/occlusion_grid.h"
-#include "sample/random.h"
-#include "sample/surface_sample.h"
+#include "sample/tools/occlusion_grid.h"
+#include "sample/tools/random.h"
+#include "sample/tools/surface_sample.h"
 
 namespace livegs::sample {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sample/dart_board.h"
+#include "sample/tools/poisson_disk.h"
 
 #include <algorithm>
 #include <cmath>

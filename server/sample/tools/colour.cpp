@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sample/colour.h"
+#include "sample/tools/colour.h"
 
 #include <algorithm>
 #include <cmath>

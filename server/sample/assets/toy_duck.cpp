@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sample/baked_light.h"
-#include "sample/colour.h"
-#include "sample/noise.h"
+#include "sample/tools/baked_light.h"
+#include "sample/tools/colour.h"
+#include "sample/tools/noise.h"
 #include "sample/sample_scene.h"
-#include "sample/shapes.h"
-#include "sample/sharp_edge.h"
+#include "sample/tools/shapes.h"
+#include "sample/tools/sharp_edge.h"
 
 namespace livegs {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sample/profile.h"
+#include "sample/tools/profile.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sample/wood.h"
+#include "sample/tools/wood.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "sample/colour.h"
-#include "sample/noise.h"
+#include "sample/tools/colour.h"
+#include "sample/tools/noise.h"
 
 namespace livegs::sample {
 

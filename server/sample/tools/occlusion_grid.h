@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "sample/surface_sample.h"
+#include "sample/tools/surface_sample.h"
 
 namespace livegs::sample {
 

@@ -5,8 +5,8 @@
 #include <functional>
 
 #include "gaussian/gaussian_asset.h"
-#include "sample/profile.h"
-#include "sample/surface_sampler.h"
+#include "sample/tools/profile.h"
+#include "sample/tools/surface_sampler.h"
 
 // The few ways in which the objects of the sample scene are formed. Modelling frame: y up, z towards the
 // viewer.

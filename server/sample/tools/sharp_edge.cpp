@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sample/sharp_edge.h"
+#include "sample/tools/sharp_edge.h"
 
 #include <cmath>
 

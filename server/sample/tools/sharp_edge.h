@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <functional>
 
-#include "sample/surface_sample.h"
+#include "sample/tools/surface_sample.h"
 
 namespace livegs::sample {
 

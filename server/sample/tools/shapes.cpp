@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "sample/shapes.h"
+#include "sample/tools/shapes.h"
 
 #include <algorithm>
 #include <cmath>
