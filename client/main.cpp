@@ -12,12 +12,12 @@
 
 #include "core/log.h"
 #include "core/parallel_for.h"
-#include "viewer/force_study.h"
-#include "viewer/headset_run.h"
-#include "viewer/offscreen_run.h"
-#include "viewer/replay_run.h"
-#include "viewer/spectate_run.h"
-#include "viewer/window_run.h"
+#include "viewer/study/force_study.h"
+#include "viewer/runs/headset_run.h"
+#include "viewer/runs/offscreen_run.h"
+#include "viewer/runs/replay_run.h"
+#include "viewer/runs/spectate_run.h"
+#include "viewer/runs/window_run.h"
 #include "xr/window_display.h"
 
 namespace {

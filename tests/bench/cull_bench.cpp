@@ -23,7 +23,7 @@
 #include "gaussian/asset_file.h"
 #include "render/splat_renderer.h"
 #include "splat/rasterise.h"
-#include "viewer/render_scale.h"
+#include "viewer/camera/render_scale.h"
 
 namespace livegs {
 namespace {

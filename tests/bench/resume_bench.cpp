@@ -22,7 +22,7 @@
 #include "system/fault_proxy.h"
 #include "system/programs_fixture.h"
 #include "system/served_scene.h"
-#include "viewer/live_loading.h"
+#include "viewer/live/scene_loader.h"
 
 using namespace livegs;
 

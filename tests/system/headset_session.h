@@ -18,7 +18,7 @@
 #include "system/fault_proxy.h"
 #include "system/parallax.h"
 #include "system/served_scene.h"
-#include "viewer/headset_run.h"
+#include "viewer/runs/headset_run.h"
 
 namespace livegs {
 

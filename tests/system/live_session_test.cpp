@@ -14,8 +14,8 @@
 #include "server/session/simulation/tick_log.h"
 #include "session/rpc/grpc_server.h"
 #include "session/simulation/simulation_loop.h"
-#include "viewer/camera_file.h"
-#include "viewer/offscreen_run.h"
+#include "viewer/camera/camera_file.h"
+#include "viewer/runs/offscreen_run.h"
 #include "wire/frame_codec.h"
 
 namespace livegs {

@@ -15,7 +15,7 @@
 #include "system/fault_proxy.h"
 #include "system/lateness.h"
 #include "system/served_scene.h"
-#include "viewer/offscreen_run.h"
+#include "viewer/runs/offscreen_run.h"
 
 namespace livegs {
 namespace {

@@ -4,7 +4,7 @@
 #include <thread>
 
 #include "system/window_session.h"
-#include "viewer/physical_field.h"
+#include "viewer/panels/parameter_slider.h"
 
 namespace livegs {
 namespace {

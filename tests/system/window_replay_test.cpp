@@ -4,7 +4,7 @@
 
 #include "system/panel_text.h"
 #include "system/window_hands.h"
-#include "viewer/replay_run.h"
+#include "viewer/runs/replay_run.h"
 
 namespace livegs {
 namespace {

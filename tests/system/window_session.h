@@ -8,9 +8,9 @@
 
 #include "stream/session_client.h"
 #include "system/window_hands.h"
-#include "viewer/camera_file.h"
-#include "viewer/orbit_camera.h"
-#include "viewer/window_run.h"
+#include "viewer/camera/camera_file.h"
+#include "viewer/camera/orbit_camera.h"
+#include "viewer/runs/window_run.h"
 
 namespace livegs {
 

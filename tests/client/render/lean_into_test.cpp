@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "client/render/renderer_fixture.h"
-#include "viewer/render_scale.h"
+#include "viewer/camera/render_scale.h"
 
 namespace livegs {
 namespace {

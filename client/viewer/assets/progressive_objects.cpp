@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/assets/progressive_objects.h"
+
+#include <chrono>
+#include <utility>
+
+namespace livegs {
+namespace {
+
+template <class Value>
+bool is_ready(const std::future<Value>& future) {
+  return future.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
+}  // namespace
+
+RestBody rest_of_part(const RestBody& rest, std::span<const uint32_t> indices) {
+  RestBody part = rest;
+  part.kernel_runs.clear();
+  size_t run = 0;
+  uint64_t end = rest.kernel_runs.empty() ? 0 : rest.kernel_runs[0].count;
+  for (const uint32_t index : indices) {
+    while (run < rest.kernel_runs.size() && index >= end) {
+      if (++run < rest.kernel_runs.size()) end += rest.kernel_runs[run].count;
+    }
+    if (run == rest.kernel_runs.size()) break;  // also of an object that is not broken
+    const uint32_t body = rest.kernel_runs[run].body;
+    if (part.kernel_runs.empty() || part.kernel_runs.back().body != body) part.kernel_runs.push_back({body, 0});
+    ++part.kernel_runs.back().count;
+  }
+  return part;
+}
+
+std::future<Result<ArrivingObjects::Binding>> ArrivingObjects::bind_more(const StreamedObject& object, size_t than_step) {
+  return std::async(std::launch::async, [&assets = assets_, object, than_step]() -> Result<Binding> {
+    const auto arrived = assets.wait_for_more(object.asset_hash, than_step);
+    if (!arrived) return arrived.error();
+    RestBody rest = arrived->part ? rest_of_part(object.rest, arrived->part->indices) : object.rest;
+    auto bound = bind_object(object.id, arrived->asset, std::move(rest), object.environment);
+    if (!bound) return Error{bound.error().code, object.name + ": " + bound.error().message};
+    return Binding{object, *std::move(bound), arrived->step, !arrived->part};
+  });
+}
+
+std::future<Result<ArrivingObjects::Binding>> ArrivingObjects::bind(const StreamedObject& object) { return bind_more(object, 0); }
+
+void ArrivingObjects::forget(uint32_t object_id) {
+  const auto known = coarse_.find(object_id);
+  if (known == coarse_.end()) return;
+  if (known->second.finer.valid()) unwanted_.push_back(std::move(known->second.finer));
+  coarse_.erase(known);
+}
+
+void ArrivingObjects::show(Binding binding, SceneView& view, bool added) {
+  const uint32_t id = binding.object.id;
+  forget(id);
+  if (!binding.whole) coarse_[id] = {std::move(binding.object), binding.bound.asset->size(), binding.step, {}};
+  added ? view.add(id, std::move(binding.bound)) : view.change(id, std::move(binding.bound));
+}
+
+Result<void> ArrivingObjects::add(const StreamedObject& object, SceneView& view) {
+  auto binding = bind(object).get();
+  if (!binding) return binding.error();
+  show(*std::move(binding), view, true);
+  return {};
+}
+
+void ArrivingObjects::remove(uint32_t object_id, SceneView& view) {
+  forget(object_id);
+  view.remove(object_id);
+}
+
+Result<std::vector<uint32_t>> ArrivingObjects::refine(SceneView& view) {
+  std::erase_if(unwanted_, [](const auto& one) { return is_ready(one); });
+  std::vector<uint32_t> refined;
+  for (auto at = coarse_.begin(); at != coarse_.end();) {
+    auto& [id, coarse] = *at;
+    if (!coarse.finer.valid() && assets_.has_more(coarse.object.asset_hash, coarse.step))
+      coarse.finer = bind_more(coarse.object, coarse.step);
+    if (!coarse.finer.valid() || !is_ready(coarse.finer)) {
+      ++at;
+      continue;
+    }
+    auto binding = coarse.finer.get();
+    if (!binding) return binding.error();
+    coarse.shown = binding->bound.asset->size();
+    coarse.step = binding->step;
+    const bool whole = binding->whole;
+    view.refine(id, std::move(binding->bound));
+    refined.push_back(id);
+    at = whole ? coarse_.erase(at) : std::next(at);
+  }
+  return refined;
+}
+
+ArrivingObjects::Progress ArrivingObjects::progress() const {
+  Progress progress;
+  for (const auto& [id, coarse] : coarse_) {
+    ++progress.objects;
+    progress.kernels += coarse.shown;
+    progress.of += coarse.object.kernel_count;
+  }
+  return progress;
+}
+
+}  // namespace livegs

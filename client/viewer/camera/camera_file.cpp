@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/camera/camera_file.h"
+
+#include <google/protobuf/util/json_util.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/file.h"
+#include "livegs/v1/scene.pb.h"
+
+namespace livegs {
+namespace {
+
+using Numbers = google::protobuf::RepeatedField<double>;
+
+constexpr double kLargestCoordinate_m = 1e6;
+
+Result<Eigen::Vector3d> vector_of(const Numbers& numbers, const std::string& field) {
+  if (numbers.size() != 3) return invalid_data(field + ": is not [x, y, z]");
+  for (double number : numbers) {
+    if (!(std::abs(number) <= kLargestCoordinate_m)) return invalid_data(field + ": is not within 1e6");
+  }
+  return Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
+}
+
+void write_vector(const Eigen::Vector3d& value, Numbers& numbers) {
+  for (int i = 0; i < 3; ++i) numbers.Add(value[i]);
+}
+
+}  // namespace
+
+Result<Camera> read_camera_file(const std::filesystem::path& path, std::optional<PictureSize> size) {
+  auto text = read_text_file(path, 1 << 20);
+  if (!text) return text.error();
+  const std::string name = path.filename().string();
+  v1::CameraFile file;
+  const auto status = google::protobuf::util::JsonStringToMessage(*text, &file);
+  if (!status.ok()) {
+    return invalid_data(name + ": " + std::string(status.message()) +
+                        " (field names are those of CameraFile in proto/livegs/v1/scene.proto)");
+  }
+  auto position = vector_of(file.position_m(), name + ": position_m");
+  if (!position) return position.error();
+  auto target = vector_of(file.look_at_m(), name + ": look_at_m");
+  if (!target) return target.error();
+  Result<Eigen::Vector3d> up = Eigen::Vector3d(0, 1, 0);
+  if (file.up_size() > 0) up = vector_of(file.up(), name + ": up");
+  if (!up) return up.error();
+  if ((*target - *position).cross(*up).norm() < 1e-9) {
+    return invalid_data(name + ": up is along the view direction, or look_at_m is position_m");
+  }
+  const double fov_deg = file.has_vertical_fov_deg() ? file.vertical_fov_deg() : 45.0;
+  if (!(fov_deg >= 1 && fov_deg <= 170))
+    return invalid_data(name + ": vertical_fov_deg: is not within 1 to 170");
+  const PictureSize own{file.has_width() ? file.width() : 640, file.has_height() ? file.height() : 480};
+  const PictureSize used = size.value_or(own);
+  if (used.width < 1 || used.width > 16384 || used.height < 1 || used.height > 16384) {
+    return invalid_data(name + ": width and height: are not within 1 to 16384");
+  }
+  return look_at(*position, *target, *up, fov_deg * std::numbers::pi / 180.0, used.width, used.height);
+}
+
+Result<PictureChoice> picture_choice(const std::filesystem::path& camera_file, std::optional<PictureSize> size) {
+  if (camera_file.empty()) return PictureChoice{std::nullopt, size.value_or(PictureSize{})};
+  auto read = read_camera_file(camera_file, size);
+  if (!read) return read.error();
+  return PictureChoice{*read, {read->width, read->height}};
+}
+
+Result<void> write_camera_file(const std::filesystem::path& path, const Camera& camera) {
+  const Pose& pose = camera.world_from_camera;
+  v1::CameraFile file;
+  write_vector(pose.position_m, *file.mutable_position_m());
+  write_vector(pose * Eigen::Vector3d(0, 0, -1), *file.mutable_look_at_m());
+  write_vector(pose.orientation * Eigen::Vector3d::UnitY(), *file.mutable_up());
+  file.set_vertical_fov_deg(2 * std::atan(0.5 * camera.height / camera.focal_y_px) * 180.0 /
+                            std::numbers::pi);
+  file.set_width(camera.width);
+  file.set_height(camera.height);
+  google::protobuf::util::JsonPrintOptions print;
+  print.preserve_proto_field_names = true;
+  print.add_whitespace = true;
+  std::string text;
+  if (!google::protobuf::util::MessageToJsonString(file, &text, print).ok()) {
+    return Error{ErrorCode::Internal, path.string() + ": the camera has no JSON form"};
+  }
+  return write_file_atomically(path, text);
+}
+
+}  // namespace livegs

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/live/control_calls.h"
+
+#include <pthread.h>
+
+#include <utility>
+
+namespace livegs {
+namespace {
+
+ControlCalls::Answer answer_of(ControlCalls::Answer::Kind kind, std::string object = {}) {
+  ControlCalls::Answer answer;
+  answer.kind = kind;
+  answer.object = std::move(object);
+  return answer;
+}
+
+}  // namespace
+
+ControlCalls::Lane::~Lane() {
+  thread_.request_stop();
+  thread_.join();
+}
+
+void ControlCalls::Lane::post(std::function<void()> call) {
+  {
+    std::lock_guard lock(mutex_);
+    calls_.push_back(std::move(call));
+  }
+  changed_.notify_one();
+}
+
+void ControlCalls::Lane::run(std::stop_token stop) {
+  pthread_setname_np(pthread_self(), "control calls");
+  for (;;) {
+    std::function<void()> call;
+    {
+      std::unique_lock lock(mutex_);
+      if (!changed_.wait(lock, stop, [&] { return !calls_.empty(); }) || stop.stop_requested()) return;
+      call = std::move(calls_.front());
+      calls_.pop_front();
+    }
+    call();
+  }
+}
+
+ControlCalls::ControlCalls(SceneControl& control) : control_(control) {}
+
+ControlCalls::~ControlCalls() { control_.cancel(); }
+
+void ControlCalls::answer(Answer answer) {
+  std::lock_guard lock(mutex_);
+  answers_.push_back(std::move(answer));
+}
+
+std::vector<ControlCalls::Answer> ControlCalls::take() {
+  std::lock_guard lock(mutex_);
+  return std::exchange(answers_, {});
+}
+
+void ControlCalls::set_physics(std::string object, v1::Physics physics) {
+  quick_.post([this, object = std::move(object), physics = std::move(physics)] {
+    auto reply = control_.set_physics(object, physics);
+    Answer told = answer_of(Answer::Kind::Physics, object);
+    reply ? void(told.physics = *std::move(reply)) : void(told.refused = reply.error());
+    answer(std::move(told));
+  });
+}
+
+void ControlCalls::accept_proposal(std::string object, bool decline) {
+  quick_.post([this, object = std::move(object), decline] {
+    auto reply = control_.accept_proposal(object, decline);
+    Answer told = answer_of(Answer::Kind::Physics, object);
+    reply ? void(told.physics = *std::move(reply)) : void(told.refused = reply.error());
+    answer(std::move(told));
+  });
+}
+
+void ControlCalls::undo_physics(std::string object, bool redo) {
+  quick_.post([this, object = std::move(object), redo] {
+    auto reply = control_.undo_physics(object, redo);
+    Answer told = answer_of(Answer::Kind::Physics, object);
+    reply ? void(told.physics = *std::move(reply)) : void(told.refused = reply.error());
+    answer(std::move(told));
+  });
+}
+
+void ControlCalls::analyze(std::vector<std::string> objects) {
+  analyses_.post([this, objects = std::move(objects)] {
+    const auto done = control_.analyze(objects, [this](const v1::AnalysisProgress& progress) {
+      Answer told = answer_of(Answer::Kind::Analysis, progress.object());
+      told.progress = progress;
+      told.last = false;
+      answer(std::move(told));
+    });
+    Answer told = answer_of(Answer::Kind::Analysis);
+    if (!done) told.refused = done.error();
+    answer(std::move(told));
+  });
+}
+
+void ControlCalls::control_run(v1::ControlRunRequest request) {
+  quick_.post([this, request = std::move(request)] {
+    Answer told = answer_of(Answer::Kind::Run);
+    if (auto state = control_.control_run(request); !state) told.refused = state.error();
+    answer(std::move(told));
+  });
+}
+
+void ControlCalls::apply_force(v1::Event::Force force) {
+  quick_.post([this, force = std::move(force)] {
+    Answer told = answer_of(Answer::Kind::Force, force.object());
+    auto taken = control_.apply_force(force);
+    taken ? void(told.tick = *taken) : void(told.refused = taken.error());
+    answer(std::move(told));
+  });
+}
+
+}  // namespace livegs

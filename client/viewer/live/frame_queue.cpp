@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/live/frame_queue.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace livegs {
+
+void LiveStream::on_lost(const std::string& reason) {
+  std::lock_guard lock(mutex_);
+  news_.lost = reason;
+  lost_ = true;
+}
+
+void LiveStream::on_resumed(const ResumedSession& resumed) {
+  std::lock_guard lock(mutex_);
+  if (resumed.same_server || holds_) return;
+  holds_ = true;
+  events_to_take_ = events_.size();
+}
+
+void LiveStream::on_frame(ReceivedFrame frame) {
+  std::lock_guard lock(mutex_);
+  if (std::exchange(lost_, false)) {
+    news_.back = true;
+    news_.lost.reset();  // it is over before anybody heard of it
+  }
+  if (std::exchange(holds_, false)) {
+    news_.anew = true;
+    news_.frames.clear();
+  }
+  if (keeps_all_) kept_.push_back(frame);
+  if (news_.frames.size() == kMostFrames) news_.frames.erase(news_.frames.begin());
+  news_.frames.push_back(std::move(frame));
+}
+
+void LiveStream::keep_all(bool keep) {
+  std::lock_guard lock(mutex_);
+  keeps_all_ = keep;
+}
+
+std::vector<ReceivedFrame> LiveStream::take_kept() {
+  std::lock_guard lock(mutex_);
+  return std::exchange(kept_, {});
+}
+
+void LiveStream::on_object_added(StreamedObject object) {
+  objects_.ask_for(object);
+  std::lock_guard lock(mutex_);
+  const uint32_t id = object.id;
+  events_.push_back({std::move(object), true, id});
+}
+
+void LiveStream::on_object_changed(StreamedObject object) {
+  objects_.ask_for(object);
+  std::lock_guard lock(mutex_);
+  const uint32_t id = object.id;
+  events_.push_back({std::move(object), false, id});
+}
+
+void LiveStream::on_object_removed(uint32_t object_id) {
+  std::lock_guard lock(mutex_);
+  events_.push_back({std::nullopt, false, object_id});
+}
+
+void LiveStream::on_draining(const std::string& reason) {
+  std::lock_guard lock(mutex_);
+  news_.goodbye = reason;
+}
+
+bool LiveStream::Pending::ready() const {
+  return !bound.valid() || bound.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
+void LiveStream::take_event(Event event, const SceneView& view) {
+  Pending pending{std::move(event), {}};
+  if (pending.event.object) {
+    const StreamedObject& object = *pending.event.object;
+    const auto binds_it = [&](const Pending& one) {
+      return one.bound.valid() && one.event.id == object.id && one.event.object->rest.revision == object.rest.revision;
+    };
+    // A description also comes when somebody changed a mass.
+    const bool is_there = view.has(object.id, object.rest.revision) || std::any_of(pending_.begin(), pending_.end(), binds_it);
+    if (pending.event.added || !is_there) pending.bound = objects_.bind(object);
+  }
+  pending_.push_back(std::move(pending));
+}
+
+Result<void> LiveStream::show(Pending pending, SceneView& view, News& news) {
+  if (!pending.event.object) {
+    objects_.remove(pending.event.id, view);
+    news.removed.push_back(pending.event.id);
+    return {};
+  }
+  if (pending.bound.valid()) {
+    auto bound = pending.bound.get();
+    if (!bound) return bound.error();
+    objects_.show(*std::move(bound), view, pending.event.added);
+  }
+  news.described.push_back(std::move(*pending.event.object));
+  return {};
+}
+
+Result<LiveStream::News> LiveStream::take(SceneView& view) {
+  News news;
+  {
+    std::lock_guard lock(mutex_);
+    const auto ready = holds_ ? events_.begin() + static_cast<std::ptrdiff_t>(events_to_take_) : events_.end();
+    for (auto event = events_.begin(); event != ready; ++event) take_event(std::move(*event), view);
+    events_.erase(events_.begin(), ready);
+    events_to_take_ = 0;
+    const bool all_there = std::all_of(pending_.begin(), pending_.end(), [](const Pending& one) { return one.ready(); });
+    if (news_.anew && !all_there) {
+      news.goodbye = std::exchange(news_.goodbye, std::nullopt);
+      news.lost = std::exchange(news_.lost, std::nullopt);
+      return news;
+    }
+    news = std::exchange(news_, {});
+  }
+  std::deque<Pending> later;
+  const auto waits = [&](const Pending& one) {
+    return std::any_of(later.begin(), later.end(), [&](const Pending& before) { return before.event.id == one.event.id; });
+  };
+  for (Pending& one : std::exchange(pending_, {})) {
+    if (!one.event.object) {
+      for (Pending& before : later) {
+        if (before.event.id == one.event.id && before.bound.valid()) unwanted_.push_back(std::move(before.bound));
+      }
+      std::erase_if(later, [&](const Pending& before) { return before.event.id == one.event.id; });
+    } else if (!one.ready() || waits(one)) {
+      later.push_back(std::move(one));
+      continue;
+    }
+    if (auto shown = show(std::move(one), view, news); !shown) return shown.error();
+  }
+  pending_ = std::move(later);
+  std::erase_if(unwanted_, [](const auto& one) { return one.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
+  auto refined = objects_.refine(view);
+  if (!refined) return refined.error();
+  news.refined = std::move(*refined);
+  return news;
+}
+
+}  // namespace livegs

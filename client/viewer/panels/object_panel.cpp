@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/panels/object_panel.h"
+
+#include <cctype>
+
+#include "core/format_text.h"
+
+namespace livegs {
+namespace {
+
+constexpr size_t kLongestReason = 150;  // characters
+
+const char* behavior_text(v1::Physics::Behavior behavior) {
+  switch (behavior) {
+    case v1::Physics::STATIC:
+      return "static";
+    case v1::Physics::ELASTIC:
+      return "elastic";
+    case v1::Physics::RIGID:
+      return "rigid";
+    default:
+      return "unknown";
+  }
+}
+
+const char* fill_text(v1::Physics::Fill fill) {
+  switch (fill) {
+    case v1::Physics::SOLID:
+      return ", solid";
+    case v1::Physics::SHELL:
+      return ", hollow";
+    case v1::Physics::OPEN_SHELL:
+      return ", an open shell";
+    case v1::Physics::FILLED:
+      return ", a filled container";
+    default:
+      return "";
+  }
+}
+
+// Whole words of it.
+std::string shortened(const std::string& reason) {
+  if (reason.size() <= kLongestReason) return reason;
+  const size_t space = reason.rfind(' ', kLongestReason - 3);
+  return reason.substr(0, space == std::string::npos ? kLongestReason - 3 : space) + " ...";
+}
+
+std::string stiffness_text(const v1::ElasticAccuracy& elastic) {
+  const std::string asked = quantity_text(elastic.youngs_modulus_pa(), Unit::Pascal);
+  switch (elastic.band()) {
+    case v1::ElasticAccuracy::EXACT:
+      return asked + " is simulated to 5 %";
+    case v1::ElasticAccuracy::BAND:
+      return asked + format_text(" is simulated as %.2f to %.2f of it", elastic.modulus_ratio_low(), elastic.modulus_ratio_high());
+    case v1::ElasticAccuracy::CLIPPED:
+      return asked + " is out of reach at this rate; " +
+             quantity_text(elastic.reached_youngs_modulus_pa(), Unit::Pascal) + " is simulated";
+    default:
+      return asked + " is simulated, nobody knows how well";
+  }
+}
+
+const StreamedObject* named(const ObjectPanel::Objects& objects, const std::string& name) {
+  for (const auto& [id, object] : objects) {
+    if (object.name == name && !object.environment) return &object;
+  }
+  return nullptr;
+}
+
+std::vector<const StreamedObject*> listed(const ObjectPanel::Objects& objects) {
+  std::vector<const StreamedObject*> list;
+  for (const auto& [id, object] : objects) {
+    if (!object.environment) list.push_back(&object);
+  }
+  return list;
+}
+
+}  // namespace
+
+ObjectsPanel::Entry list_entry(const StreamedObject& object) {
+  std::string kind = behavior_text(object.physics.behavior());
+  if (!object.physics.material().empty()) kind = object.physics.material() + ", " + kind;
+  if (object.fragility && object.fragility->bodies() > 1) kind += format_text(", in %u", object.fragility->bodies());
+  return {object.name, kind, object.mass_kg > 0 ? quantity_text(object.mass_kg, Unit::Kilogram) : ""};
+}
+
+std::vector<std::string> object_facts(const StreamedObject& object) {
+  const v1::PhysicalParameters& physics = object.physics;
+  std::vector<std::string> facts;
+  if (!physics.label().empty()) {
+    facts.push_back(object.name + ": taken for " + physics.label() +
+                    (physics.material().empty() ? "" : " of " + physics.material()) +
+                    format_text(", %.0f %% sure", 100 * physics.confidence()));
+  }
+  std::string is = std::string(behavior_text(physics.behavior())) + fill_text(physics.fill());
+  is.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(is.front())));
+  if (!physics.behavior_reason().empty()) is += ": " + shortened(physics.behavior_reason());
+  facts.push_back(is);
+  if (object.elastic) facts.push_back(stiffness_text(*object.elastic));
+  if (object.fragility && object.fragility->bodies() > 1) {
+    facts.push_back(format_text("Broken into %u", object.fragility->bodies()));
+  } else if (object.fragility && physics.fragile()) {  // what was fragile keeps its pieces
+    facts.push_back(format_text("Breaks into up to %u when it falls %.2f m", object.fragility->pieces(),
+                         object.fragility->drop_height_m()));
+  }
+  return facts;
+}
+
+std::string proposal_text(const v1::PhysicalParameters& proposal) {
+  const v1::EstimatedValue& mass = proposal.mass_kg();
+  return quantity_text(mass.best(), Unit::Kilogram) + " (" + range_text(mass.low(), mass.high(), Unit::Kilogram) + ")" +
+         (proposal.material().empty() ? "" : " of " + proposal.material()) + ", " + behavior_text(proposal.behavior());
+}
+
+ValueRow value_row(PhysicalField field, const v1::PhysicalParameters& physics) {
+  const v1::EstimatedValue value = shown_value(field, physics);
+  const Unit unit = field_unit(field);
+  ValueRow row;
+  row.name = field_name(field);
+  row.value = quantity_text(value.best(), unit);
+  row.origin = source_text(value.source());
+  if (value.high() > value.low()) row.origin += ", " + range_text(value.low(), value.high(), unit);
+  if (value.source() != v1::EstimatedValue::PERSON) row.reason = shortened(value.reason());
+  row.position = slider_position(field, value.best());
+  row.range_low = slider_position(field, value.low());
+  row.range_high = slider_position(field, value.high());
+  row.text_at = [field, unit](double position) { return quantity_text(slider_value(field, position), unit); };
+  return row;
+}
+
+ObjectsPanel ObjectPanel::shown(const Objects& objects) const {
+  ObjectsPanel panel;
+  for (const StreamedObject* object : listed(objects)) {
+    if (object->name == selected_) panel.selected = panel.entries.size();
+    panel.entries.push_back(list_entry(*object));
+  }
+  panel.progress = !waiting_.empty() ? waiting_ : progress_;
+  const StreamedObject* object = named(objects, selected_);
+  if (!object) return panel;
+  panel.facts = object_facts(*object);
+  for (const PhysicalField field : fields_of(object->physics)) panel.rows.push_back(value_row(field, object->physics));
+  if (object->physics.behavior() == v1::Physics::RIGID) panel.fragile = object->physics.fragile();
+  if (const std::string proposal = open_proposal(*object); !proposal.empty()) panel.proposal = "Proposed: " + proposal;
+  if (const auto said = messages_.find(selected_); said != messages_.end()) panel.messages = said->second;
+  for (const std::string& warning : object->warnings) {
+    // Why a proposal needs review its analysis has said too, where it was asked for in this window.
+    std::erase_if(panel.messages, [&](const auto& one) { return !one.refusal && !one.text.empty() && warning.ends_with(": " + one.text); });
+    panel.messages.push_back({false, shortened(warning)});
+  }
+  return panel;
+}
+
+std::string ObjectPanel::open_proposal(const StreamedObject& object) const {
+  if (!object.proposal) return "";
+  const std::string text = proposal_text(*object.proposal);
+  const auto answered = answered_.find(object.name);
+  return answered != answered_.end() && answered->second == text ? "" : text;
+}
+
+std::vector<ObjectCall> ObjectPanel::act(const PanelActions& actions, const Objects& objects) {
+  std::vector<ObjectCall> calls;
+  std::erase_if(answered_, [&](const auto& one) {
+    const StreamedObject* answered = named(objects, one.first);
+    return !answered || !answered->proposal;
+  });
+  const std::vector<const StreamedObject*> list = listed(objects);
+  const StreamedObject* object = named(objects, selected_);
+  if (object) {
+    const std::vector<PhysicalField> fields = fields_of(object->physics);
+    const auto set = [&](v1::Physics physics) {
+      calls.push_back(SetPhysicsCall{selected_, std::move(physics)});
+      messages_[selected_].clear();
+      waiting_ = "Changing " + selected_;
+      ++answers_missing_;
+    };
+    if (actions.released && actions.released->row < fields.size()) {
+      const PhysicalField field = fields[actions.released->row];
+      set(edit_of(field, slider_value(field, actions.released->position)));
+    }
+    if (actions.typed && actions.typed->row < fields.size()) {
+      const PhysicalField field = fields[actions.typed->row];
+      const auto value = parse_quantity(actions.typed->text, field_unit(field));
+      value ? set(edit_of(field, *value))
+            : refuse(selected_, std::string(field_name(field)) + ": " + value.error().message);
+    }
+    if (actions.fragile) set(edit_of_fragile(*actions.fragile));
+    if (const std::string proposal = open_proposal(*object); (actions.accept || actions.decline) && !proposal.empty()) {
+      answered_[selected_] = proposal;
+      calls.push_back(AcceptProposalCall{selected_, !actions.accept});
+      messages_[selected_].clear();
+      waiting_ = "Changing " + selected_;
+      ++answers_missing_;
+    }
+    if (actions.undo || actions.redo) {
+      calls.push_back(UndoPhysicsCall{selected_, actions.redo});
+      messages_[selected_].clear();
+      ++answers_missing_;
+    }
+    if (actions.analyse) calls.push_back(AnalyzeCall{{selected_}});
+  }
+  if (actions.analyse_all) calls.push_back(AnalyzeCall{});
+  if (actions.analyse || actions.analyse_all) progress_ = "Analysing";
+  if (actions.selected && *actions.selected < list.size()) selected_ = list[*actions.selected]->name;
+  return calls;
+}
+
+void ObjectPanel::take_reply(const std::string& object, const v1::PhysicsReply& reply) {
+  if (--answers_missing_ <= 0) waiting_.clear();
+  std::vector<ObjectsPanel::Message>& said = messages_[object];
+  said.clear();
+  for (const std::string& warning : reply.warnings()) said.push_back({false, warning});
+}
+
+void ObjectPanel::take_refusal(const std::string& object, const std::string& why) {
+  if (--answers_missing_ <= 0) waiting_.clear();
+  answered_.erase(object);  // it waits still, or the server has said that it does not
+  refuse(object, why);
+}
+
+void ObjectPanel::refuse(const std::string& object, const std::string& why) {
+  messages_[object] = {{true, why}};
+}
+
+void ObjectPanel::take_progress(const v1::AnalysisProgress& progress) {
+  if (progress.stage() != v1::AnalysisProgress::FINISHED) {
+    progress_ = "Analysing " + progress.object() + (progress.stage() == v1::AnalysisProgress::ASKED ? ": the model is asked" : "");
+    return;
+  }
+  progress_ = format_text("Analysed %u of %u: ", progress.finished(), progress.objects()) + progress.object();
+  std::vector<ObjectsPanel::Message>& said = messages_[progress.object()];
+  said.clear();
+  answered_.erase(progress.object());  // another answer, even where it says the same
+  if (!progress.message().empty()) said.push_back({false, progress.message()});
+}
+
+void ObjectPanel::take_analysis_end(const std::string& why) {
+  progress_.clear();
+  if (!why.empty() && !selected_.empty()) refuse(selected_, why);
+}
+
+}  // namespace livegs

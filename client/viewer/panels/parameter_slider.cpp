@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/panels/parameter_slider.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace livegs {
+namespace {
+
+struct FieldRow {
+  const char* name;
+  Unit unit;
+  double low, high;  // of the slider; the server accepts more, typed
+  bool logarithmic;
+};
+
+const FieldRow& row_of(PhysicalField field) {
+  static constexpr FieldRow kRows[] = {
+      {"Mass", Unit::Kilogram, 1e-3, 1e3, true},
+      {"Young's modulus", Unit::Pascal, 1e2, 1e11, true},
+      {"Deformation resistance", Unit::None, 1e-3, 1, false},
+      {"Plasticity", Unit::None, 0, 1, false},
+      {"Break impulse", Unit::NewtonSecond, 1e-2, 1e3, true},
+      {"Friction", Unit::None, 0, 2, false},
+  };
+  return kRows[static_cast<size_t>(field)];
+}
+
+}  // namespace
+
+std::vector<PhysicalField> fields_of(const v1::PhysicalParameters& physics) {
+  switch (physics.behavior()) {
+    case v1::Physics::ELASTIC:
+      return {PhysicalField::Mass, PhysicalField::YoungsModulus, PhysicalField::DeformationResistance,
+              PhysicalField::Plasticity, PhysicalField::Friction};
+    case v1::Physics::STATIC:
+      return {PhysicalField::Friction};
+    default:
+      if (physics.fragile()) return {PhysicalField::Mass, PhysicalField::BreakImpulse, PhysicalField::Friction};
+      return {PhysicalField::Mass, PhysicalField::Friction};
+  }
+}
+
+const char* field_name(PhysicalField field) { return row_of(field).name; }
+Unit field_unit(PhysicalField field) { return row_of(field).unit; }
+
+double slider_position(PhysicalField field, double value) {
+  const FieldRow& row = row_of(field);
+  const double inside = std::clamp(value, row.low, row.high);
+  if (!row.logarithmic) return (inside - row.low) / (row.high - row.low);
+  return std::log(inside / row.low) / std::log(row.high / row.low);
+}
+
+double slider_value(PhysicalField field, double position) {
+  const FieldRow& row = row_of(field);
+  const double share = std::clamp(position, 0.0, 1.0);
+  const double value = row.logarithmic ? row.low * std::pow(row.high / row.low, share)
+                                       : row.low + share * (row.high - row.low);
+  return rounded(value);
+}
+
+v1::EstimatedValue shown_value(PhysicalField field, const v1::PhysicalParameters& physics) {
+  switch (field) {
+    case PhysicalField::Mass:
+      return physics.mass_kg();
+    case PhysicalField::YoungsModulus: {
+      v1::EstimatedValue value = physics.youngs_modulus_pa();
+      const v1::EstimatedValue& share = physics.structure_coefficient();
+      if (share.best() <= 0 || share.best() == 1) return value;
+      value.set_low(share.low() * value.low());
+      value.set_best(share.best() * value.best());
+      value.set_high(share.high() * value.high());
+      value.set_reason(quantity_text(physics.youngs_modulus_pa().best(), Unit::Pascal) + " of " +
+                       physics.material() + " times " + quantity_text(share.best(), Unit::None) +
+                       " for the structure. " + value.reason());
+      return value;
+    }
+    case PhysicalField::DeformationResistance:
+      return physics.deformation_resistance();
+    case PhysicalField::Plasticity:
+      return physics.plasticity();
+    case PhysicalField::BreakImpulse:
+      return physics.break_impulse_n_s();
+    case PhysicalField::Friction:
+      return physics.friction();
+  }
+  return {};
+}
+
+v1::Physics edit_of(PhysicalField field, double value) {
+  v1::Physics edit;
+  switch (field) {
+    case PhysicalField::Mass:
+      edit.set_mass_kg(value);
+      break;
+    case PhysicalField::YoungsModulus:
+      edit.set_youngs_modulus_pa(value);
+      break;
+    case PhysicalField::DeformationResistance:
+      edit.set_deformation_resistance(value);
+      break;
+    case PhysicalField::Plasticity:
+      edit.set_plasticity(value);
+      break;
+    case PhysicalField::BreakImpulse:
+      edit.set_break_impulse_n_s(value);
+      break;
+    case PhysicalField::Friction:
+      edit.set_friction(value);
+      break;
+  }
+  return edit;
+}
+
+v1::Physics edit_of_fragile(bool fragile) {
+  v1::Physics edit;
+  edit.set_fragile(fragile);
+  return edit;
+}
+
+const char* source_text(v1::EstimatedValue::Source source) {
+  switch (source) {
+    case v1::EstimatedValue::OFFLINE:
+      return "estimate";
+    case v1::EstimatedValue::MODEL:
+      return "language model";
+    case v1::EstimatedValue::SCENE:
+      return "scene file";
+    case v1::EstimatedValue::PERSON:
+      return "set by hand";
+    case v1::EstimatedValue::DEFAULT:
+      return "default";
+    default:
+      return "unknown";
+  }
+}
+
+}  // namespace livegs

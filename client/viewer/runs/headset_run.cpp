@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/runs/headset_run.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/clock.h"
+#include "core/format_text.h"
+#include "core/log.h"
+#include "stream/session_client.h"
+#include "viewer/camera/camera_file.h"
+#include "viewer/camera/initial_camera.h"
+#include "viewer/hands/force_arrow.h"
+#include "viewer/output/frame_log.h"
+#include "viewer/panels/frame_meter.h"
+#include "viewer/hands/hand_markers.h"
+#include "viewer/live/scene_loader.h"
+#include "viewer/live/frame_queue.h"
+#include "viewer/live/playout.h"
+#include "viewer/camera/render_scale.h"
+#include "viewer/camera/client_view_cone.h"
+#include "viewer/live/session_notice.h"
+#include "viewer/hands/haptics.h"
+#include "viewer/hands/touch_prediction.h"
+
+namespace livegs {
+namespace {
+
+constexpr double kBudgetOfPeriod = 0.8;      // for drawing
+constexpr size_t kMostLatencies = 1 << 20;
+
+class HeadsetRun {
+ public:
+  HeadsetRun(const HeadsetRunOptions& options, SessionClient& client, ArrivingObjects& arriving, SceneView& view, HeadsetDisplay& display)
+      : options_(options), client_(client), stream_(arriving), view_(view), display_(display) {
+    for (const StreamedObject& object : client.scene().objects) masses_kg_[object.id] = object.mass_kg;
+  }
+
+  Result<void> run(const std::atomic<bool>& interrupted);
+  HeadsetRunSummary summary() const;
+
+ private:
+  Result<void> take_news();
+  Result<void> place();
+  void send_hands(int64_t displayed_ns);
+  void send_hands_again(int64_t displayed_ns);
+  void vibrate(size_t hand, const std::optional<TouchFeel::Pulse>& pulse);
+  void feel(const ReceivedFrame& frame);
+  void foresee(int64_t displayed_ns);
+  double size_when_taken_m(uint32_t object_id);
+  void add_marks(DriverFrame& drivers);
+  Result<void> draw(PlannedFrame& planned);
+
+  const HeadsetRunOptions& options_;
+  SessionClient& client_;
+  LiveStream stream_;
+  SceneView& view_;
+  HeadsetDisplay& display_;
+
+  Playout playout_;
+  std::map<uint32_t, double> masses_kg_;  // by object id, like the next
+  std::map<uint32_t, double> sizes_m_;    // of those a hand has taken
+  bool placed_ = false;
+  int64_t placed_ns_ = 0;
+  InputSample sample_;
+  TouchFeel feel_;
+  TouchPrediction touch_;
+  FrameMeter meter_;
+  uint64_t measured_sequence_ = 0;
+  std::vector<double> latencies_ms_, draws_ms_;
+  size_t vibrations_ = 0;
+  std::vector<Image> images_;
+  int64_t last_ns_ = 0;
+  SessionNotice notice_;
+  std::string run_message_;  // what the server says of its run
+  double scale_budget_ms_ = 0;
+  std::optional<RenderScale> scale_;
+};
+
+// One stands where the camera would, upright.
+Result<void> HeadsetRun::place() {
+  constexpr PictureSize kAsSeen{640, 640};
+  const auto first = first_camera(view_, kAsSeen, options_.camera_file);
+  if (!first) return first.error();
+  const Camera& camera = *first;
+  const Eigen::Vector3d ahead = camera.world_from_camera.orientation * -Eigen::Vector3d::UnitZ();
+  const double turn_rad = std::hypot(ahead.x(), ahead.z()) > 1e-6 ? std::atan2(-ahead.x(), -ahead.z()) : 0.0;
+  display_.set_scene_from_local(
+      {camera.world_from_camera.position_m, Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitY()))});
+  if (options_.marks) {
+    if (auto added = HandMarks::add_to(view_); !added) return added;
+  }
+  placed_ = true;
+  placed_ns_ = now_ns();
+  return {};
+}
+
+Result<void> HeadsetRun::take_news() {
+  auto news = stream_.take(view_);
+  if (!news) return news.error();
+  for (const StreamedObject& object : news->described) {
+    masses_kg_[object.id] = object.mass_kg;
+    sizes_m_.erase(object.id);
+  }
+  for (const uint32_t id : news->refined) sizes_m_.erase(id);
+  notice_.take(*news, client_);
+  if (news->anew) playout_.begin_again();
+  if (news->frames.empty()) return {};
+  const auto newest = news->frames.back().drivers;
+  run_message_ = news->frames.back().run.message();
+  for (ReceivedFrame& frame : news->frames) {
+    feel(frame);
+    playout_.add(std::move(frame));
+  }
+  if (placed_) return {};
+  if (auto posed = view_.pose(*newest); !posed) return posed;
+  return place();
+}
+
+void HeadsetRun::send_hands(int64_t displayed_ns) {
+  const HeadsetInput& input = display_.input();
+  sample_.hands = input.hands;
+  ++sample_.sequence;
+  sample_.sampled_ns = displayed_ns;  // where the hands will be then
+  meter_.sampled(sample_.sequence, now_ns());
+  client_.send(sample_);
+}
+
+// Looked at once a picture, a hand that moves waits for the next: half a picture, and a whole one at worst. So it is looked at
+// after each thing that takes its time.
+void HeadsetRun::send_hands_again(int64_t displayed_ns) {
+  if (display_.update_input()) send_hands(displayed_ns);
+}
+
+void HeadsetRun::vibrate(size_t hand, const std::optional<TouchFeel::Pulse>& pulse) {
+  if (!pulse) return;
+  display_.vibrate(hand, pulse->amplitude, pulse->seconds);
+  ++vibrations_;
+}
+
+// What the server says: what a hand holds, and what contacts gave that.
+void HeadsetRun::feel(const ReceivedFrame& frame) {
+  std::array<uint32_t, 2> held{};
+  for (const HeldByHand& one : frame.hands) {
+    if (one.hand < held.size()) held[one.hand] = one.object_id;
+  }
+  for (size_t hand = 0; hand < held.size(); ++hand) vibrate(hand, feel_.holds(hand, held[hand]));
+  for (const HeldByHand& one : frame.hands) {
+    if (one.hand < held.size()) vibrate(one.hand, feel_.told(one.hand, one.contact_impulse_n_s, frame.received_ns));
+  }
+}
+
+// What is about to touch, as it is drawn. An object that hangs on a ray does not go where the hand goes.
+void HeadsetRun::foresee(int64_t displayed_ns) {
+  const auto& hands = display_.input().hands;
+  for (size_t hand = 0; hand < hands.size(); ++hand) {
+    uint32_t in_grip = 0;
+    bool on_ray = false;
+    for (const HeldByHand& one : playout_.shown()->hands) {
+      if (one.hand == hand) (one.grabbed ? in_grip = one.object_id : on_ray = true);
+    }
+    const auto touch = on_ray ? std::nullopt : touch_.at(hand, hands[hand], in_grip, view_, displayed_ns);
+    if (touch)
+      vibrate(hand, feel_.foreseen(hand, touch->touches, touch->speed_m_s, now_ns()));
+    else
+      feel_.not_foreseen(hand);
+  }
+}
+
+// As it was when a hand took it: looking at all of its kernels costs more than a picture.
+double HeadsetRun::size_when_taken_m(uint32_t object_id) {
+  const auto [known, fresh] = sizes_m_.try_emplace(object_id, 0.0);
+  if (fresh) {
+    const Eigen::AlignedBox3d box = view_.bounds(object_id);
+    if (!box.isEmpty()) known->second = box.sizes().maxCoeff();
+  }
+  return known->second;
+}
+
+void HeadsetRun::add_marks(DriverFrame& drivers) {
+  std::vector<HandMarks::Force> forces;
+  for (const HeldByHand& held : playout_.shown()->hands) {
+    const auto mass = masses_kg_.find(held.object_id);
+    const double size_m = size_when_taken_m(held.object_id);
+    if (mass == masses_kg_.end() || size_m <= 0) continue;
+    const double metres_a_newton = arrow_metres_per_newton(mass->second, size_m);
+    forces.push_back({held.hand, held.point_m.cast<double>(), metres_a_newton * held.force_n.cast<double>()});
+  }
+  HandMarks::append(display_.input().hands, forces, drivers);
+}
+
+Result<void> HeadsetRun::draw(PlannedFrame& planned) {
+  const int64_t begun_ns = now_ns();
+  auto drivers = playout_.at(begun_ns, planned.display_time_ns);
+  if (!drivers) return display_.submit(planned, {});
+  if (options_.marks) add_marks(*drivers);
+  if (auto posed = view_.prepare(*drivers); !posed) return posed;
+  foresee(planned.display_time_ns);
+  send_hands_again(planned.display_time_ns);
+  display_.update_views(planned);  // skinning took its time, and the head moves on
+  client_.look(seen_cone(planned.views));
+  const auto image = display_.acquire();
+  if (!image) return display_.submit(planned, {});
+  if (auto drawn = view_.draw_into(*drivers, planned.views, *image, images_); !drawn) {
+    planned.views.clear();  // the frame has begun, and ends without a picture
+    (void)display_.submit(planned, {});
+    return drawn;
+  }
+  const int64_t drawn_ns = now_ns();
+  send_hands_again(planned.display_time_ns);
+  const uint64_t before = display_.counts().pictures;
+  if (auto submitted = display_.submit(planned, images_); !submitted) return submitted;
+  if (display_.counts().pictures == before) return {};  // the session was lost meanwhile
+  if (options_.on_picture) options_.on_picture(planned, view_);
+  if (draws_ms_.size() < kMostLatencies) draws_ms_.push_back(milliseconds_from_ns(drawn_ns - begun_ns));
+  // Of the first picture of each sample.
+  const ReceivedFrame& shown = *playout_.shown();
+  meter_.shown(shown, std::max(drawn_ns, planned.display_time_ns), milliseconds_from_ns(drawn_ns - last_ns_));
+  last_ns_ = drawn_ns;
+  if (shown.input_sequence > measured_sequence_ && meter_.hand_to_picture_ms() && latencies_ms_.size() < kMostLatencies) {
+    measured_sequence_ = shown.input_sequence;
+    latencies_ms_.push_back(*meter_.hand_to_picture_ms());
+  }
+  if (!options_.scales) return {};
+  const double budget_ms = 1e3 * kBudgetOfPeriod * display_.period_s();
+  if (!scale_ || std::abs(budget_ms - scale_budget_ms_) > 0.01) scale_.emplace(scale_budget_ms_ = budget_ms);
+  scale_->drew(view_.last_times().raster_ms);  // the rest of it does not go with the number of pixels
+  display_.set_scale(scale_->value());
+  view_.set_min_contribution(scale_->min_contribution_px());
+  return {};
+}
+
+Result<void> HeadsetRun::run(const std::atomic<bool>& interrupted) {
+  client_.start(stream_);
+  const int64_t begun_ns = now_ns();
+  while (!interrupted) {
+    if (auto taken = take_news(); !taken) return taken;
+    auto planned = display_.wait_frame();
+    if (!planned) break;
+    if (auto taken = take_news(); !taken) return taken;  // what came while it waited
+    display_.set_notice(notice_.text(run_message_.empty() ? view_.notice() : run_message_));
+    if (placed_) send_hands(planned->display_time_ns);
+    if (auto done = planned->views.empty() || !placed_ ? display_.submit(*planned, {}) : draw(*planned); !done) return done;
+    const double shown_s = seconds_from_ns(now_ns() - (placed_ ? placed_ns_ : begun_ns));
+    if (options_.seconds > 0 && shown_s >= (placed_ ? options_.seconds : std::max(options_.seconds, kFirstFrame_s))) break;
+  }
+  return {};
+}
+
+HeadsetRunSummary HeadsetRun::summary() const {
+  HeadsetRunSummary summary;
+  summary.runtime = display_.runtime_name();
+  summary.renderer = view_.renderer_name();
+  summary.counts = display_.counts();
+  summary.hand_to_picture_ms_p50 = percentile(latencies_ms_, 0.5);
+  summary.hand_to_picture_ms_p95 = percentile(latencies_ms_, 0.95);
+  summary.draw_ms_p50 = percentile(draws_ms_, 0.5);
+  summary.draw_ms_p95 = percentile(draws_ms_, 0.95);
+  summary.vibrations = vibrations_;
+  return summary;
+}
+
+// Null when the runtime ended the session, or it was interrupted.
+Result<std::unique_ptr<LiveView>> load_in_headset(LiveLoading& loading, HeadsetDisplay& display, const std::atomic<bool>& interrupted) {
+  while (!loading.wait(0)) {
+    const auto planned = display.wait_frame();  // sleeps
+    if (!planned || interrupted) return std::unique_ptr<LiveView>();
+    display.set_notice(loading.progress().text);
+    if (auto submitted = display.submit(*planned, {}); !submitted) return submitted.error();
+  }
+  return loading.take();
+}
+
+}  // namespace
+
+Result<HeadsetRunSummary> run_headset(const HeadsetRunOptions& options, HeadsetDisplay& display,
+                                      const std::atomic<bool>& interrupted) {
+  // Made before the loading begins: its device is the display's, which this thread goes on with.
+  auto renderer = choose_renderer(options.renderer, display.device());
+  if (!renderer) return renderer.error();
+  LiveLoading loading(options, [&] { return std::move(renderer); });
+  auto live = load_in_headset(loading, display, interrupted);
+  if (!live) return live.error();
+  if (!*live) {
+    if (auto finished = display.finish(); !finished) return finished.error();
+    HeadsetRunSummary summary;
+    summary.runtime = display.runtime_name();
+    summary.counts = display.counts();
+    return summary;
+  }
+  HeadsetRun run(options, *(*live)->client, (*live)->objects, (*live)->view, display);
+  const auto done = run.run(interrupted);
+  (*live)->stop.request_stop();  // nor does anybody wait for what is being fetched
+  const auto finished = display.finish();
+  const auto stopped = (*live)->client->stop();  // before the run's stream goes, which its reader calls
+  if (!stopped) log_warn("%s", stopped.error().message.c_str());
+  if (!done) return done.error();
+  if (!finished) return finished.error();
+  return run.summary();
+}
+
+std::string summary_text(const HeadsetRunSummary& summary) {
+  const auto count = [](uint64_t value) { return static_cast<unsigned long long>(value); };
+  return format_text("%llu pictures to %s by %s; %llu sessions, %llu lost, %llu recentred\n", count(summary.counts.pictures),
+                     summary.runtime.c_str(), summary.renderer.c_str(), count(summary.counts.sessions), count(summary.counts.losses),
+                     count(summary.counts.recentres)) +
+         format_text("hand to picture p50 %.0f ms, p95 %.0f ms; drawing p50 %.1f ms, p95 %.1f ms\n", summary.hand_to_picture_ms_p50,
+                     summary.hand_to_picture_ms_p95, summary.draw_ms_p50, summary.draw_ms_p95);
+}
+
+}  // namespace livegs

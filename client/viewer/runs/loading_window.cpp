@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/runs/loading_window.h"
+
+namespace livegs {
+namespace {
+
+constexpr double kPicture_s = 1.0 / 30;  // a display that nobody looks at does not hold it back
+
+}  // namespace
+
+Result<std::unique_ptr<LiveView>> load_in_window(LiveLoading& loading, WindowDisplay& display, const std::atomic<bool>& interrupted) {
+  const Image dark{1, 1, {0.08f, 0.08f, 0.1f, 1.0f}};
+  while (!loading.wait(kPicture_s)) {
+    const auto planned = display.wait_frame();
+    if (!planned || interrupted) return std::unique_ptr<LiveView>();
+    const LiveLoading::Progress progress = loading.progress();
+    WindowOverlay overlay;
+    overlay.panels.loading = LoadingPanel{progress.text, progress.share};
+    display.set_overlay(std::move(overlay));
+    if (auto submitted = display.submit(*planned, {&dark, 1}); !submitted) return submitted.error();
+  }
+  return loading.take();
+}
+
+}  // namespace livegs

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "core/clock.h"
+#include "core/format_text.h"
+#include "core/log.h"
+#include "stream/frame_history.h"
+#include "stream/recording_playback.h"
+#include "viewer/camera/initial_camera.h"
+#include "viewer/live/connected_scene.h"
+#include "viewer/camera/render_scale.h"
+#include "viewer/runs/replay_run.h"
+#include "xr/draw_panels.h"
+#include "xr/window_display.h"
+
+namespace livegs {
+namespace {
+
+constexpr double kJump_s = 5;
+constexpr const char* kHelp =
+    "right: turn   middle: shift\nwheel: nearer   WASDQE: fly\nP: pause   full stop: step\narrows: 5 s back and on\n"
+    "Home: to the start   H: hide panels";
+
+class ReplayWindow {
+ public:
+  ReplayWindow(const ReplayOptions& options, RecordingPlayback& playback, AssetLibrary& assets, SceneView& view,
+               WindowDisplay& display)
+      : options_(options), playback_(playback), assets_(assets), view_(view), display_(display), scale_(options.full_size ? kUnhurried_ms : window_budget_ms(display.refresh_hz())) {}
+
+  Result<void> run(const std::atomic<bool>& interrupted) {
+    if (auto begun = go_to(options_.from_s); !begun) return begun;
+    if (auto framed = frame_camera(); !framed) return framed;
+    while (!interrupted) {
+      const Eigen::Vector2i size = display_.size_px();
+      display_.set_camera(camera_.camera(scale_.of(size.x()), scale_.of(size.y())));
+      const auto planned = display_.wait_frame();
+      if (!planned) break;
+      if (auto acted = act(display_.input()); !acted) return acted;
+      if (auto reached = reach(moment_ns_); !reached) return reached;
+      if (auto drawn = view_.draw(*history_.at(moment_ns_), planned->views, pictures_); !drawn) return drawn;
+      scale_.drew(view_.last_times().raster_ms);
+      display_.set_overlay(overlay());
+      if (options_.on_picture) display_.keep_next(screenshot_);
+      if (auto submitted = display_.submit(*planned, pictures_); !submitted) return submitted;
+      if (options_.on_picture) options_.on_picture(screenshot_, {shown_s(), paused_, at_end_ && moment_ns_ >= history_.newest().simulated_ns});
+      if (options_.seconds > 0 && shown_s() >= options_.from_s + options_.seconds) break;
+      if (options_.seconds > 0 && at_end_ && moment_ns_ >= history_.newest().simulated_ns) break;
+    }
+    return {};
+  }
+
+ private:
+  double shown_s() const { return seconds_from_ns(moment_ns_ - first_ns_); }
+
+  Result<void> frame_camera() {
+    const Eigen::Vector2i size = display_.size_px();
+    if (auto posed = view_.pose(history_.newest()); !posed) return posed;
+    const auto free = columns_beside_panels(size.x(), true);
+    const auto camera = first_camera(view_, {size.x(), size.y()}, options_.camera_file,
+                                     free ? std::optional(PictureColumns{free->first, free->second}) : std::nullopt);
+    if (!camera) return camera.error();
+    camera_ = orbit_of(view_, *camera);
+    return {};
+  }
+
+  // Shows this moment next.
+  Result<void> go_to(double seconds) {
+    seconds = std::clamp(seconds, 0.0, playback_.length_s());
+    if (auto sought = playback_.seek(seconds); !sought) return sought;
+    history_ = FrameHistory(kFramesKept);
+    at_end_ = false;
+    if (auto taken = take_frame(); !taken) return taken;
+    if (history_.empty()) return invalid_data(options_.file.string() + ": has no frame");
+    moment_ns_ = history_.newest().simulated_ns;
+    first_ns_ = moment_ns_ - static_cast<int64_t>(1e9 * seconds);
+    return {};
+  }
+
+  // Up to and with the next frame.
+  Result<void> take_frame() {
+    while (auto item = playback_.take()) {
+      if (auto* frame = std::get_if<ReceivedFrame>(&*item)) {
+        tick_ = frame->tick;
+        history_.add(*frame->drivers);
+        return {};
+      }
+      if (auto shown = take_object(*item); !shown) return shown;
+    }
+    if (!at_end_ && playback_.error()) log_warn("%s", playback_.error()->message.c_str());
+    at_end_ = true;
+    return {};
+  }
+
+  Result<void> take_object(const StreamItem& item) {
+    if (const auto* removed = std::get_if<ObjectRemoved>(&item)) {
+      view_.remove(removed->object_id);
+      return {};
+    }
+    const auto* added = std::get_if<ObjectAdded>(&item);
+    const StreamedObject& object = added ? added->object : std::get<ObjectChanged>(item).object;
+    assets_.ask_for(object);
+    auto asset = assets_.get(object.asset_hash);
+    if (!asset) return asset.error();
+    return added ? view_.add(object.id, *asset, object.rest, object.environment)
+                 : view_.change(object.id, *asset, object.rest, object.environment);
+  }
+
+  Result<void> reach(int64_t moment_ns) {
+    while (!at_end_ && history_.newest().simulated_ns < moment_ns) {
+      if (auto taken = take_frame(); !taken) return taken;
+    }
+    history_.forget_before(moment_ns);
+    moment_ns_ = std::min(moment_ns_, history_.newest().simulated_ns);
+    return {};
+  }
+
+  Result<void> act(const WindowInput& input) {
+    const double height = display_.size_px().y();
+    if (input.right) camera_.orbit(input.moved_px, height);
+    if (input.middle) camera_.pan(input.moved_px, height);
+    if (input.scrolled != 0) camera_.zoom(input.scrolled);
+    camera_.fly(input.flown, input.passed_s);
+    if (input.hide) panels_shown_ = !panels_shown_;
+    const PanelActions& actions = display_.actions();
+    if (actions.pause || input.pause) paused_ = actions.pause.value_or(!paused_);
+    if (input.home || actions.reset) return go_to(0);
+    if (input.jump != 0) return go_to(shown_s() + kJump_s * input.jump);
+    if (input.step || actions.step) {
+      paused_ = true;
+      if (moment_ns_ >= history_.newest().simulated_ns) {  // else it halted before that one
+        if (auto taken = take_frame(); !taken) return taken;
+      }
+      moment_ns_ = history_.newest().simulated_ns;
+    } else if (!paused_) {
+      moment_ns_ += static_cast<int64_t>(1e9 * input.passed_s);
+    }
+    return {};
+  }
+
+  WindowOverlay overlay() const {
+    WindowOverlay overlay;
+    overlay.panels.shown = panels_shown_;
+    overlay.panels.run.recorded = true;
+    overlay.panels.run.paused = paused_;
+    overlay.panels.run.notice = playback_.error() ? playback_.error()->message : view_.notice();
+    overlay.panels.run.lines.push_back("recording " + options_.file.filename().string());
+    overlay.panels.run.lines.push_back(format_text("%.2f s of %.1f s, tick %llu%s%s", shown_s(), playback_.length_s(),
+                                                   static_cast<unsigned long long>(tick_), paused_ ? ", paused" : "",
+                                                   at_end_ ? ", the end" : ""));
+    overlay.panels.run.lines.push_back(view_.renderer_name());
+    overlay.panels.run.lines.push_back(format_text("drawn at %.0f %%", 100.0 * scale_.value()));
+    overlay.panels.run.help = kHelp;
+    return overlay;
+  }
+
+  static constexpr size_t kFramesKept = 8;
+  const ReplayOptions& options_;
+  RecordingPlayback& playback_;
+  AssetLibrary& assets_;
+  SceneView& view_;
+  WindowDisplay& display_;
+  OrbitCamera camera_;
+  RenderScale scale_;
+  FrameHistory history_{kFramesKept};
+  int64_t first_ns_ = 0, moment_ns_ = 0;  // simulated time of the first frame, and of what is shown
+  uint64_t tick_ = 0;
+  bool paused_ = false, at_end_ = false, panels_shown_ = true;
+  std::vector<Image> pictures_;
+  Image screenshot_;
+};
+
+}  // namespace
+
+Result<void> run_replay_window(const ReplayOptions& options, const std::atomic<bool>& interrupted) {
+  auto playback = RecordingPlayback::open(options.file);
+  if (!playback) return playback.error();
+  if (auto checked = check_from(options, playback->length_s()); !checked) return checked;
+  const PictureSize size = options.size.value_or(PictureSize{1280, 800});
+  auto display = WindowDisplay::open("LiveGS " + options.file.filename().string(), size.width, size.height);
+  if (!display) return display.error();
+  const auto cache = asset_cache(options.cache);
+  if (!cache) return cache.error();
+  auto renderer = choose_renderer(options.renderer);
+  if (!renderer) return renderer.error();
+  AssetLibrary assets(assets_of_recording(options.file), *cache);
+  SceneView view(*std::move(renderer));
+  return ReplayWindow(options, *playback, assets, view, **display).run(interrupted);
+}
+
+}  // namespace livegs

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/camera/render_scale.h"
+
+#include <gtest/gtest.h>
+
+namespace livegs {
+namespace {
+
+constexpr double kBudget_ms = 20;
+
+// The threshold in pixels of the window.
+double threshold_px(const RenderScale& scale) { return scale.min_contribution_px() / (scale.value() * scale.value()); }
+
+// A drawer whose cost is known: so much a kernel and so much a pixel, the number of kernels falling by half with each
+// pixel of threshold.
+struct Drawer {
+  double kernels_ms = 0, pixels_ms = 0;  // at full size, with all kernels
+  double ms(const RenderScale& scale) const {
+    return kernels_ms * std::exp2(-threshold_px(scale)) + pixels_ms * scale.value() * scale.value();
+  }
+  // The last of so many pictures, and whether the size changed in the last ten of them.
+  double draw(RenderScale& scale, int pictures, bool* changed = nullptr) const {
+    double last_ms = 0;
+    if (changed) *changed = false;
+    for (int i = 0; i < pictures; ++i) {
+      const double before = scale.value();
+      last_ms = ms(scale);
+      scale.drew(last_ms);
+      if (changed && i >= pictures - 10 && scale.value() != before) *changed = true;
+    }
+    return last_ms;
+  }
+};
+
+TEST(RenderScale, LeavesPicturesAloneThatNobodyWaitsFor) {
+  RenderScale scale(kUnhurried_ms);
+  Drawer{5000, 5000}.draw(scale, 100);
+  EXPECT_EQ(scale.value(), 1.0);
+  EXPECT_EQ(scale.min_contribution_px(), 0.0f);
+}
+
+TEST(RenderScale, LeavesPicturesInTimeAlone) {
+  RenderScale scale(kBudget_ms);
+  Drawer{5, 14}.draw(scale, 100);
+  EXPECT_EQ(scale.value(), 1.0);
+  EXPECT_EQ(scale.min_contribution_px(), 0.0f);
+}
+
+TEST(RenderScale, SizeAndKernelsGoTogetherUntilPicturesAreInTime) {
+  RenderScale scale(kBudget_ms);
+  const Drawer close{5, 60};  // leaning into a thing
+  bool changed = true;
+  EXPECT_LT(close.draw(scale, 40, &changed), kBudget_ms);
+  EXPECT_FALSE(changed);
+  EXPECT_LT(scale.value(), 0.75);
+  EXPECT_GT(threshold_px(scale), 0.3);
+  // And back: nothing is left out any more.
+  Drawer{5, 8}.draw(scale, 40, &changed);
+  EXPECT_FALSE(changed);
+  EXPECT_EQ(scale.value(), 1.0);
+  EXPECT_EQ(scale.min_contribution_px(), 0.0f);
+}
+
+// Four pictures late at most when one steps into a thing at once: each may shrink to seven tenths, 0.7^4 = 0.24.
+TEST(RenderScale, APictureFourTimesTooDearIsInTimeWithinFour) {
+  RenderScale scale(kBudget_ms);
+  const Drawer inside{0, 4 * kBudget_ms};
+  EXPECT_LT(inside.draw(scale, 5), kBudget_ms);
+}
+
+// Whatever pixels cost, up to sixteen times the budget: sizes do not alternate.
+TEST(RenderScale, SizesSettle) {
+  for (double share = 0.5; share < 15.9; share *= 1.013) {
+    RenderScale scale(kBudget_ms);
+    bool changed = true;
+    const Drawer drawer{0, share * kBudget_ms};
+    EXPECT_LE(drawer.draw(scale, 60, &changed), kBudget_ms) << share;
+    EXPECT_FALSE(changed) << share;
+  }
+}
+
+// Where the size cannot go on, kernels do a little.
+TEST(RenderScale, AtTheLeastSizeKernelsGoOn) {
+  RenderScale scale(kBudget_ms);
+  const Drawer many{200, 10};
+  EXPECT_LT(many.draw(scale, 40), kBudget_ms);
+  EXPECT_EQ(scale.value(), 0.25);
+  EXPECT_GT(threshold_px(scale), 3.0);
+}
+
+// A picture that is late whatever is done does not become empty: four pixels of the window at most.
+TEST(RenderScale, HasAnEndWhereNothingHelps) {
+  RenderScale scale(kBudget_ms);
+  for (int i = 0; i < 100; ++i) scale.drew(1e6);
+  EXPECT_EQ(scale.value(), 0.25);
+  EXPECT_NEAR(threshold_px(scale), 4.0, 1e-6);
+  for (int i = 0; i < 100; ++i) scale.drew(0);
+  EXPECT_EQ(scale.value(), 1.0);
+  EXPECT_EQ(scale.min_contribution_px(), 0.0f);
+}
+
+TEST(RenderScale, AWindowsBudgetGoesByItsMonitor) {
+  EXPECT_DOUBLE_EQ(window_budget_ms(60), 30.0);
+  EXPECT_DOUBLE_EQ(window_budget_ms(144), 12.5);
+  EXPECT_DOUBLE_EQ(window_budget_ms(0), window_budget_ms(60));  // a display that has none
+  EXPECT_DOUBLE_EQ(window_budget_ms(24), 40.0);
+  EXPECT_DOUBLE_EQ(window_budget_ms(500), 8.0);
+}
+
+}  // namespace
+}  // namespace livegs

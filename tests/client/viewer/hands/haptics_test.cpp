@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/hands/haptics.h"
+
+#include <gtest/gtest.h>
+
+namespace livegs {
+namespace {
+
+constexpr int64_t ms(int64_t milliseconds) { return milliseconds * 1'000'000; }
+
+TEST(TouchFeel, AHandThatComesToTouchIsFeltOnce) {
+  TouchFeel feel;
+  EXPECT_FALSE(feel.foreseen(1, false, 1.0, ms(0)));
+  const auto pulse = feel.foreseen(1, true, 1.0, ms(11));
+  ASSERT_TRUE(pulse);
+  EXPECT_GT(pulse->amplitude, 0.5f);
+  for (int i = 2; i < 50; ++i) EXPECT_FALSE(feel.foreseen(1, true, 1.0, ms(11 * i)));
+  EXPECT_FALSE(feel.foreseen(1, false, 1.0, ms(600)));
+  const auto softer = feel.foreseen(1, true, 0.1, ms(700));
+  ASSERT_TRUE(softer);
+  EXPECT_LT(softer->amplitude, pulse->amplitude);
+  EXPECT_FALSE(feel.foreseen(0, true, 1.0, ms(700)));  // the other hand: how things stand
+}
+
+// What the server tells later of the same touch is not felt again, however long it lasts.
+TEST(TouchFeel, WhatWasForeseenIsNotFeltAgainWhenItIsTold) {
+  TouchFeel feel;
+  EXPECT_TRUE(feel.holds(0, 7));
+  EXPECT_FALSE(feel.foreseen(0, false, 1.0, ms(0)));
+  EXPECT_TRUE(feel.foreseen(0, true, 1.0, ms(100)));
+  for (int i = 0; i < 200; ++i) EXPECT_FALSE(feel.told(0, 0.1f, ms(180 + 11 * i)));
+  // A knock within it is.
+  EXPECT_TRUE(feel.told(0, 0.9f, ms(180 + 2200)));
+}
+
+TEST(TouchFeel, WhatWasToldIsNotFeltAgainWhenItIsSeen) {
+  TouchFeel feel;
+  EXPECT_TRUE(feel.holds(0, 7));
+  EXPECT_FALSE(feel.foreseen(0, false, 1.0, ms(0)));
+  EXPECT_TRUE(feel.told(0, 0.1f, ms(50)));
+  EXPECT_FALSE(feel.foreseen(0, true, 1.0, ms(60)));
+  EXPECT_FALSE(feel.told(0, 0.1f, ms(70)));
+  // Another touch, after nothing for a while.
+  EXPECT_TRUE(feel.told(0, 0.1f, ms(1000)));
+}
+
+// A thing taken from a table touches it already, and lies on it with m g dt a tick.
+TEST(TouchFeel, TakingIsFeltAndWhatIsTouchedThenIsNot) {
+  TouchFeel feel;
+  const auto took = feel.holds(0, 7);
+  ASSERT_TRUE(took);
+  EXPECT_FALSE(feel.holds(0, 7));
+  EXPECT_FALSE(feel.foreseen(0, true, 1.0, ms(11)));
+  EXPECT_FALSE(feel.foreseen(0, true, 1.0, ms(22)));
+  EXPECT_FALSE(feel.holds(0, 0));  // letting go is not felt
+}
+
+// A hand that appears within a thing has not just come to it.
+TEST(TouchFeel, AHandThatWasNotSeenTellsHowThingsStandFirst) {
+  TouchFeel feel;
+  EXPECT_FALSE(feel.foreseen(0, false, 1.0, ms(0)));
+  feel.not_foreseen(0);
+  EXPECT_FALSE(feel.foreseen(0, true, 1.0, ms(11)));
+}
+
+TEST(TouchFeel, WhatIsTooWeakIsNotFelt) {
+  TouchFeel feel;
+  EXPECT_FALSE(feel.told(0, 0.01f, ms(0)));
+  const auto strong = feel.told(0, 50.0f, ms(10));
+  ASSERT_TRUE(strong);
+  EXPECT_EQ(strong->amplitude, 1.0f);
+}
+
+}  // namespace
+}  // namespace livegs

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/panels/object_panel.h"
+
+#include <gtest/gtest.h>
+
+namespace livegs {
+namespace {
+
+ObjectPanel::Objects pillow_and_room() {
+  ObjectPanel::Objects objects;
+  objects[1].name = "room";
+  objects[1].environment = true;
+  StreamedObject& pillow = objects[2];
+  pillow.id = 2;
+  pillow.name = "pillow";
+  pillow.mass_kg = 0.72;
+  pillow.physics.set_label("pillow");
+  pillow.physics.set_material("foam");
+  pillow.physics.set_confidence(0.8);
+  pillow.physics.set_behavior(v1::Physics::ELASTIC);
+  v1::EstimatedValue& mass = *pillow.physics.mutable_mass_kg();
+  mass.set_low(0.4);
+  mass.set_best(0.72);
+  mass.set_high(1.2);
+  mass.set_source(v1::EstimatedValue::OFFLINE);
+  mass.set_reason("as pillows of its size weigh");
+  return objects;
+}
+
+size_t row_of(const ObjectsPanel& panel, const std::string& name) {
+  for (size_t i = 0; i < panel.rows.size(); ++i) {
+    if (panel.rows[i].name == name) return i;
+  }
+  ADD_FAILURE() << "no row " << name;
+  return 0;
+}
+
+TEST(ObjectPanel, ShowsValuesRangesReasonsAndSources) {
+  ObjectPanel panel;
+  panel.select("pillow");
+  const ObjectsPanel shown = panel.shown(pillow_and_room());
+  ASSERT_EQ(shown.entries.size(), 1u);  // what is drawn only is not listed
+  EXPECT_EQ(shown.entries[0].kind, "foam, elastic");
+  EXPECT_EQ(shown.entries[0].mass, "0.72 kg");
+  EXPECT_EQ(shown.selected, 0u);
+  EXPECT_EQ(shown.facts.at(0), "pillow: taken for pillow of foam, 80 % sure");
+  const ValueRow& mass = shown.rows.at(row_of(shown, "Mass"));
+  EXPECT_EQ(mass.value, "0.72 kg");
+  EXPECT_EQ(mass.origin, "estimate, 0.4 to 1.2 kg");
+  EXPECT_EQ(mass.reason, "as pillows of its size weigh");
+  EXPECT_LT(mass.range_low, mass.position);
+  EXPECT_GT(mass.range_high, mass.position);
+  EXPECT_EQ(mass.text_at(mass.position), "0.72 kg");
+}
+
+// What a person has made tough keeps the pieces that it was cut into.
+TEST(ObjectPanel, SaysOfWhatIsFragileAloneThatItBreaks) {
+  StreamedObject cup;
+  cup.name = "cup";
+  cup.physics.set_behavior(v1::Physics::RIGID);
+  cup.physics.set_fragile(true);
+  cup.fragility.emplace();
+  cup.fragility->set_pieces(32);
+  cup.fragility->set_drop_height_m(0.5);
+  EXPECT_EQ(object_facts(cup), (std::vector<std::string>{"Rigid", "Breaks into up to 32 when it falls 0.50 m"}));
+  cup.physics.set_fragile(false);
+  EXPECT_EQ(object_facts(cup), (std::vector<std::string>{"Rigid"}));
+}
+
+TEST(ObjectPanel, ASliderThatIsLetGoIsOneCall) {
+  const auto objects = pillow_and_room();
+  ObjectPanel panel;
+  panel.select("pillow");
+  EXPECT_TRUE(panel.act({}, objects).empty());
+  PanelActions actions;
+  actions.released = {row_of(panel.shown(objects), "Young's modulus"), slider_position(PhysicalField::YoungsModulus, 5e4)};
+  const auto calls = panel.act(actions, objects);
+  ASSERT_EQ(calls.size(), 1u);
+  const auto& set = std::get<SetPhysicsCall>(calls[0]);
+  EXPECT_EQ(set.object, "pillow");
+  EXPECT_DOUBLE_EQ(set.physics.youngs_modulus_pa(), 5e4);
+  EXPECT_NE(panel.shown(objects).progress, "");
+  v1::PhysicsReply reply;
+  reply.add_warnings("behavior: it stays ELASTIC until the scene is loaded anew");
+  panel.take_reply("pillow", reply);
+  EXPECT_EQ(panel.shown(objects).progress, "");
+  ASSERT_EQ(panel.shown(objects).messages.size(), 1u);
+  EXPECT_FALSE(panel.shown(objects).messages[0].refusal);
+}
+
+TEST(ObjectPanel, WhatIsTypedIsACallOrARefusal) {
+  const auto objects = pillow_and_room();
+  ObjectPanel panel;
+  panel.select("pillow");
+  PanelActions actions;
+  actions.typed = {row_of(panel.shown(objects), "Mass"), "350 g"};
+  const auto calls = panel.act(actions, objects);
+  ASSERT_EQ(calls.size(), 1u);
+  EXPECT_DOUBLE_EQ(std::get<SetPhysicsCall>(calls[0]).physics.mass_kg(), 0.35);
+  panel.take_refusal("pillow", "physics.mass_kg: is 2e+09; it must be between 1e-06 and 1e+06");
+  EXPECT_TRUE(panel.shown(objects).messages.at(0).refusal);
+
+  actions.typed->text = "heavy";
+  EXPECT_TRUE(panel.act(actions, objects).empty());
+  ASSERT_EQ(panel.shown(objects).messages.size(), 1u);
+  EXPECT_EQ(panel.shown(objects).messages[0].text.rfind("Mass: \"heavy\" is no number", 0), 0u);
+}
+
+TEST(ObjectPanel, ButtonsAreTheirCalls) {
+  const auto objects = pillow_and_room();
+  ObjectPanel panel;
+  PanelActions actions;
+  actions.undo = actions.analyse = true;
+  EXPECT_TRUE(panel.act(actions, objects).empty());  // nothing is selected
+  panel.select("pillow");
+  auto calls = panel.act(actions, objects);
+  ASSERT_EQ(calls.size(), 2u);
+  EXPECT_FALSE(std::get<UndoPhysicsCall>(calls[0]).redo);
+  EXPECT_EQ(std::get<AnalyzeCall>(calls[1]).objects, std::vector<std::string>{"pillow"});
+  actions = {};
+  actions.analyse_all = actions.redo = true;
+  calls = panel.act(actions, objects);
+  ASSERT_EQ(calls.size(), 2u);
+  EXPECT_TRUE(std::get<UndoPhysicsCall>(calls[0]).redo);
+  EXPECT_TRUE(std::get<AnalyzeCall>(calls[1]).objects.empty());
+}
+
+TEST(ObjectPanel, TellsHowAnAnalysisGetsOn) {
+  const auto objects = pillow_and_room();
+  ObjectPanel panel;
+  panel.select("pillow");
+  v1::AnalysisProgress progress;
+  progress.set_object("pillow");
+  progress.set_stage(v1::AnalysisProgress::ASKED);
+  panel.take_progress(progress);
+  EXPECT_EQ(panel.shown(objects).progress, "Analysing pillow: the model is asked");
+  progress.set_stage(v1::AnalysisProgress::FINISHED);
+  progress.set_finished(1);
+  progress.set_objects(2);
+  progress.set_message("no endpoint is set");
+  panel.take_progress(progress);
+  EXPECT_EQ(panel.shown(objects).progress, "Analysed 1 of 2: pillow");
+  EXPECT_EQ(panel.shown(objects).messages.at(0).text, "no endpoint is set");
+  panel.take_analysis_end("");
+  EXPECT_EQ(panel.shown(objects).progress, "");
+}
+
+// A line, also where its analysis was asked for in this window and ended with the same words.
+TEST(ObjectPanel, SaysWhyAProposalNeedsReviewOnce) {
+  auto objects = pillow_and_room();
+  ObjectPanel panel;
+  panel.select("pillow");
+  const std::string why = "mass_g.best: 8000 g is more than 8 times away from the 720 g that size and kind suggest";
+  v1::AnalysisProgress progress;
+  progress.set_object("pillow");
+  progress.set_stage(v1::AnalysisProgress::FINISHED);
+  progress.set_verdict(v1::AnalysisProgress::NEEDS_REVIEW);
+  progress.set_message(why);
+  panel.take_progress(progress);
+  ASSERT_EQ(panel.shown(objects).messages.size(), 1u);
+  EXPECT_EQ(panel.shown(objects).messages[0].text, why);
+  objects[2].warnings = {"a surface that was mended", "needs review: " + why};
+  ASSERT_EQ(panel.shown(objects).messages.size(), 2u);
+  EXPECT_EQ(panel.shown(objects).messages[1].text, "needs review: " + why);
+  EXPECT_FALSE(panel.shown(objects).messages[1].refusal);
+}
+
+TEST(ObjectPanel, WhatIsProposedCanBeAccepted) {
+  auto objects = pillow_and_room();
+  ObjectPanel panel;
+  panel.select("pillow");
+  PanelActions accept, decline;
+  accept.accept = true;
+  decline.decline = true;
+  EXPECT_TRUE(panel.act(accept, objects).empty());  // nothing is proposed
+  EXPECT_TRUE(panel.act(decline, objects).empty());
+  // Whoever asked for it, in this window or elsewhere.
+  v1::PhysicalParameters proposal;
+  proposal.set_material("down");
+  proposal.set_behavior(v1::Physics::ELASTIC);
+  proposal.mutable_mass_kg()->set_low(7);
+  proposal.mutable_mass_kg()->set_best(8);
+  proposal.mutable_mass_kg()->set_high(9);
+  objects[2].proposal = proposal;
+  EXPECT_EQ(panel.shown(objects).proposal, "Proposed: 8 kg (7 to 9 kg) of down, elastic");
+  auto calls = panel.act(accept, objects);
+  ASSERT_EQ(calls.size(), 1u);
+  EXPECT_EQ(std::get<AcceptProposalCall>(calls[0]).object, "pillow");
+  EXPECT_FALSE(std::get<AcceptProposalCall>(calls[0]).decline);
+  EXPECT_EQ(panel.shown(objects).proposal, "");  // the server has not said so yet
+  EXPECT_TRUE(panel.act(accept, objects).empty());  // once
+  panel.take_refusal("pillow", "the disk is full");
+  EXPECT_NE(panel.shown(objects).proposal, "");  // it waits still
+  calls = panel.act(decline, objects);
+  ASSERT_EQ(calls.size(), 1u);
+  EXPECT_TRUE(std::get<AcceptProposalCall>(calls[0]).decline);
+  EXPECT_EQ(panel.shown(objects).proposal, "");
+  objects[2].proposal.reset();
+  EXPECT_TRUE(panel.act({}, objects).empty());
+  objects[2].proposal = proposal;  // the same again is another one
+  EXPECT_NE(panel.shown(objects).proposal, "");
+}
+
+}  // namespace
+}  // namespace livegs
