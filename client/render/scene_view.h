@@ -9,7 +9,7 @@
 
 #include "core/result.h"
 #include "gaussian/gaussian_asset.h"
-#include "render/bound_object.h"
+#include "render/view/bound_object.h"
 #include "render/splat_renderer.h"
 #include "skin/driver_frame.h"
 #include "skin/kernel_reach.h"

@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-#include "client/render/posed_assets.h"
+#include "client/render/renderer/posed_assets.h"
 #include "common/splat/synthetic_kernels.h"
 #include "gaussian/asset_file.h"
 #include "render/splat_renderer.h"

@@ -11,7 +11,7 @@
 #include <filesystem>
 #include <string>
 
-#include "client/render/posed_assets.h"
+#include "client/render/renderer/posed_assets.h"
 #include "gaussian/asset_file.h"
 #include "render/splat_renderer.h"
 

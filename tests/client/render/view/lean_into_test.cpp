@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "client/render/renderer_fixture.h"
+#include "client/render/renderer/renderer_fixture.h"
 #include "viewer/camera/render_scale.h"
 
 namespace livegs {

@@ -5,7 +5,7 @@
 // (tests/common/splat/key_sorter_test.cpp).
 #include <cmath>
 
-#include "client/render/renderer_fixture.h"
+#include "client/render/renderer/renderer_fixture.h"
 
 namespace livegs {
 namespace {

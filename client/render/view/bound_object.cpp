@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/bound_object.h"
+#include "render/view/bound_object.h"
 
 #include <string>
 

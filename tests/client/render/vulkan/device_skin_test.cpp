@@ -2,7 +2,7 @@
 // Pictures of kernels that the device skins, from drivers alone.
 #include <random>
 
-#include "client/render/renderer_fixture.h"
+#include "client/render/renderer/renderer_fixture.h"
 #include "common/gaussian/shared_data.h"
 #include "common/skin/rest_bodies.h"
 #include "gaussian/asset_file.h"

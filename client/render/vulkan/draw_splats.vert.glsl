@@ -2,7 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_multiview : require
-#include "render/draw_splats_layout.h"
+#include "render/vulkan/draw_splats_layout.h"
 #include "splat/project_splats_layout.h"
 
 layout(std430, set = 0, binding = 0) readonly restrict buffer Order { uint order[]; };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/splat_painter.h"
+#include "render/vulkan/splat_pass.h"
 
 #include <array>
 #include <cmath>
@@ -10,9 +10,9 @@
 #include "core/log.h"
 #include "draw_splats_frag.spv.h"
 #include "draw_splats_vert.spv.h"
-#include "render/draw_pipeline.h"
-#include "render/draw_splats_layout.h"
-#include "render/eye_images.h"
+#include "render/vulkan/draw_pipeline.h"
+#include "render/vulkan/draw_splats_layout.h"
+#include "render/vulkan/eye_images.h"
 #include "resolve_eyes_frag.spv.h"
 #include "resolve_eyes_vert.spv.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/render/posed_assets.h"
+#include "client/render/renderer/posed_assets.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/most_visible_kernels.h"
+#include "render/renderer/most_visible_kernels.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 
 #include "core/clock.h"
 #include "core/log.h"
-#include "render/pick_kernel.h"
+#include "render/view/pick_kernel.h"
 
 namespace livegs {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The device's picture beside the oracle's.
-#include "client/render/posed_assets.h"
-#include "client/render/renderer_fixture.h"
+#include "client/render/renderer/posed_assets.h"
+#include "client/render/renderer/renderer_fixture.h"
 #include "sample/sample_scene.h"
 
 namespace livegs {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/draw_pipeline.h"
+#include "render/vulkan/draw_pipeline.h"
 
 #include <array>
 #include <vector>

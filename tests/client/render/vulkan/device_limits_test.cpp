@@ -2,8 +2,8 @@
 // A device whose memory ends, and its clock.
 #include <algorithm>
 
-#include "client/render/renderer_fixture.h"
-#include "render/most_visible_kernels.h"
+#include "client/render/renderer/renderer_fixture.h"
+#include "render/renderer/most_visible_kernels.h"
 #include "render/scene_view.h"
 
 namespace livegs {

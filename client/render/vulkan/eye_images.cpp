@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/eye_images.h"
+#include "render/vulkan/eye_images.h"
 
 #include <algorithm>
 #include <cstring>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/device_timer.h"
+#include "render/vulkan/device_timer.h"
 
 #include "core/assert.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Captured assets by the device as the client draws them, beside the oracle: small ones, small pictures. All sixteen at
 // 480 x 360 are picture_bench's, at night.
-#include "client/render/posed_assets.h"
-#include "client/render/renderer_fixture.h"
+#include "client/render/renderer/posed_assets.h"
+#include "client/render/renderer/renderer_fixture.h"
 #include "common/gaussian/shared_data.h"
 #include "gaussian/asset_file.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/pick_kernel.h"
+#include "render/view/pick_kernel.h"
 
 #include <Eigen/LU>
 #include <algorithm>

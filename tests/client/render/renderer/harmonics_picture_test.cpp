@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The colour of a kernel that drivers turn, from skinning to the picture, against closed forms: each coefficient of each
 // band, for kernels posed outright, of a rigid body and of an elastic one, drawn by the oracle and by the device.
-#include "client/render/renderer_fixture.h"
+#include "client/render/renderer/renderer_fixture.h"
 #include "common/skin/rest_bodies.h"
 #include "common/splat/real_harmonics.h"
 

@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_multiview : require
 #extension GL_EXT_samplerless_texture_functions : require
-#include "render/draw_splats_layout.h"
+#include "render/vulkan/draw_splats_layout.h"
 
 layout(set = 0, binding = 0) uniform texture2DArray blended;
 layout(push_constant) uniform Constants { ResolveConstants constants; };
