@@ -17,7 +17,7 @@
 #include "core/clock.h"
 #include "recording/recording_writer.h"
 #include "scratch_folder.h"
-#include "stream/recording_playback.h"
+#include "stream/replay/recording_playback.h"
 #include "wire/rest_body_codec.h"
 
 using namespace livegs;

@@ -16,7 +16,7 @@
 #include <string_view>
 
 #include "bench/arguments.h"
-#include "client/stream/sink_log.h"
+#include "client/stream/session/sink_log.h"
 #include "core/log.h"
 #include "render/choose_camera.h"
 #include "system/fault_proxy.h"

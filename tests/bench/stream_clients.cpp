@@ -17,7 +17,7 @@
 #include "core/clock.h"
 #include "core/log.h"
 #include "livegs/v1/session.grpc.pb.h"
-#include "stream/session_client.h"
+#include "stream/session/session_client.h"
 #include "trust/state_folder.h"
 #include "wire/frame_codec.h"
 

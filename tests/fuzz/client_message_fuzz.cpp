@@ -5,7 +5,7 @@
 #include "fuzz/fuzz_target.h"
 #include "recording/sample_codec.h"
 #include "session/simulation/input_check.h"
-#include "stream/input_message.h"
+#include "stream/session/input_message.h"
 
 namespace livegs::fuzz {
 namespace {

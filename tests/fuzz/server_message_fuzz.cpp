@@ -2,7 +2,7 @@
 // What a client takes from a server: a livegs.v1.JoinReply, then messages of the stream with events and frames.
 #include "fuzz/moving_objects.h"
 #include "livegs/v1/session.pb.h"
-#include "stream/known_objects.h"
+#include "stream/received/known_objects.h"
 #include "wire/frame_stream.h"
 #include "wire/rest_body_codec.h"
 

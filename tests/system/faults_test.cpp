@@ -13,7 +13,7 @@
 #include <fstream>
 #include <thread>
 
-#include "client/stream/sink_log.h"
+#include "client/stream/session/sink_log.h"
 #include "common/gaussian/synthetic_asset.h"
 #include "core/clock.h"
 #include "core/content_hash.h"
@@ -21,8 +21,8 @@
 #include "scratch_folder.h"
 #include "server/session/rpc/raw_client.h"
 #include "session/sessions/session_table.h"
-#include "stream/asset_cache.h"
-#include "stream/session_client.h"
+#include "stream/received/asset_cache.h"
+#include "stream/session/session_client.h"
 #include "system/fault_proxy.h"
 #include "system/lateness.h"
 #include "system/noise_server.h"

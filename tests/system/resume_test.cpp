@@ -7,11 +7,11 @@
 #include <fstream>
 #include <thread>
 
-#include "client/stream/sink_log.h"
+#include "client/stream/session/sink_log.h"
 #include "core/clock.h"
 #include "scratch_folder.h"
-#include "stream/retry_schedule.h"
-#include "stream/session_client.h"
+#include "stream/channel/retry_schedule.h"
+#include "stream/session/session_client.h"
 #include "system/fault_proxy.h"
 #include "system/lateness.h"
 #include "system/served_scene.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a person does to a running scene from a window, over the wire: halt, step, reset, a force.
-#include "stream/scene_control.h"
+#include "stream/session/scene_control.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 #include "scenes/box_scene.h"
 #include "session/live/run_controller.h"
 #include "session/rpc/grpc_server.h"
-#include "stream/session_client.h"
+#include "stream/session/session_client.h"
 
 namespace livegs {
 namespace {

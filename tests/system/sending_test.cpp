@@ -2,9 +2,9 @@
 // What is sent to a client that can take little, or looks away, over the wire.
 #include <gtest/gtest.h>
 
-#include "client/stream/sink_log.h"
+#include "client/stream/session/sink_log.h"
 #include "core/clock.h"
-#include "stream/session_client.h"
+#include "stream/session/session_client.h"
 #include "system/fault_proxy.h"
 #include "system/noise_server.h"
 

@@ -16,7 +16,7 @@
 #include "session/publish/zmq_publisher.h"
 #include "session/rpc/grpc_server.h"
 #include "session/simulation/scene_run.h"
-#include "stream/spectator.h"
+#include "stream/session/spectator.h"
 
 namespace livegs {
 namespace {

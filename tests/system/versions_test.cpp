@@ -4,7 +4,7 @@
 
 #include <atomic>
 
-#include "client/stream/scripted_server.h"
+#include "client/stream/session/scripted_server.h"
 #include "server/session/rpc/raw_client.h"
 #include "system/programs_fixture.h"
 

@@ -6,7 +6,7 @@
 #include <map>
 #include <mutex>
 
-#include "stream/session_client.h"
+#include "stream/session/session_client.h"
 #include "system/window_hands.h"
 #include "viewer/camera/camera_file.h"
 #include "viewer/camera/orbit_camera.h"

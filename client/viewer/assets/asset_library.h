@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "gaussian/gaussian_asset.h"
-#include "stream/asset_cache.h"
-#include "stream/session_client.h"
+#include "stream/received/asset_cache.h"
+#include "stream/session/session_client.h"
 
 namespace livegs {
 

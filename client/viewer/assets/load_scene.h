@@ -2,7 +2,7 @@
 #pragma once
 
 #include "render/scene_view.h"
-#include "stream/received.h"
+#include "stream/received/received.h"
 #include "viewer/assets/asset_library.h"
 
 namespace livegs {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "render/scene_view.h"
-#include "stream/received.h"
+#include "stream/received/received.h"
 #include "viewer/assets/asset_library.h"
 
 namespace livegs {

@@ -7,7 +7,7 @@
 #include "core/input_sample.h"
 #include "core/result.h"
 #include "render/scene_view.h"
-#include "stream/received.h"
+#include "stream/received/received.h"
 
 namespace livegs {
 

@@ -11,8 +11,8 @@
 #include "core/result.h"
 #include "render/choose_renderer.h"
 #include "render/scene_view.h"
-#include "stream/asset_cache.h"
-#include "stream/session_client.h"
+#include "stream/received/asset_cache.h"
+#include "stream/session/session_client.h"
 #include "trust/server_access.h"
 #include "viewer/assets/progressive_objects.h"
 

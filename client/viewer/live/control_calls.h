@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "stream/scene_control.h"
+#include "stream/session/scene_control.h"
 
 namespace livegs {
 

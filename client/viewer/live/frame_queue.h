@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "render/scene_view.h"
-#include "stream/received.h"
+#include "stream/received/received.h"
 #include "viewer/assets/progressive_objects.h"
 
 namespace livegs {

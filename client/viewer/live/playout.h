@@ -5,9 +5,9 @@
 #include <deque>
 #include <optional>
 
-#include "stream/frame_history.h"
-#include "stream/playout_clock.h"
-#include "stream/received.h"
+#include "stream/received/frame_history.h"
+#include "stream/time/playout_clock.h"
+#include "stream/received/received.h"
 
 namespace livegs {
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/format_text.h"
-#include "stream/frame_reader.h"
+#include "stream/received/frame_reader.h"
 
 namespace livegs {
 namespace {

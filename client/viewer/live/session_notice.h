@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "stream/session_client.h"
+#include "stream/session/session_client.h"
 #include "viewer/live/frame_queue.h"
 
 namespace livegs {

@@ -11,7 +11,7 @@
 
 #include "core/result.h"
 #include "render/splat_renderer.h"
-#include "stream/received.h"
+#include "stream/received/received.h"
 
 namespace livegs {
 

@@ -9,9 +9,9 @@
 #include <string>
 
 #include "core/clock.h"
-#include "stream/playback_queue.h"
-#include "stream/scripted_hands.h"
-#include "stream/session_client.h"
+#include "stream/replay/playback_queue.h"
+#include "stream/session/scripted_hands.h"
+#include "stream/session/session_client.h"
 #include "viewer/assets/asset_library.h"
 #include "viewer/output/frame_log.h"
 

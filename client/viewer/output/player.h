@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "render/scene_view.h"
-#include "stream/frame_history.h"
-#include "stream/stream_item.h"
+#include "stream/received/frame_history.h"
+#include "stream/received/stream_item.h"
 #include "viewer/assets/asset_library.h"
 #include "viewer/output/frame_log.h"
 #include "xr/display.h"

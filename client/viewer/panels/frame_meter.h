@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "render/splat_renderer.h"
-#include "stream/received.h"
+#include "stream/received/received.h"
 #include "xr/window_panels.h"
 
 namespace livegs {

@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "stream/received.h"
+#include "stream/received/received.h"
 #include "viewer/panels/parameter_slider.h"
 #include "xr/window_panels.h"
 

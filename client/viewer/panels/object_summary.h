@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "stream/received.h"
+#include "stream/received/received.h"
 
 namespace livegs {
 

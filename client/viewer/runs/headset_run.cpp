@@ -8,7 +8,7 @@
 #include "core/clock.h"
 #include "core/format_text.h"
 #include "core/log.h"
-#include "stream/session_client.h"
+#include "stream/session/session_client.h"
 #include "viewer/camera/camera_file.h"
 #include "viewer/camera/initial_camera.h"
 #include "viewer/hands/force_arrow.h"

@@ -9,7 +9,7 @@
 #include "core/format_text.h"
 #include "core/log.h"
 #include "render/choose_camera.h"
-#include "stream/session_client.h"
+#include "stream/session/session_client.h"
 #include "viewer/live/scene_loader.h"
 #include "viewer/panels/object_summary.h"
 #include "viewer/output/player.h"

@@ -6,7 +6,7 @@
 #include "core/format_text.h"
 #include "core/log.h"
 #include "render/choose_camera.h"
-#include "stream/recording_playback.h"
+#include "stream/replay/recording_playback.h"
 #include "viewer/live/connected_scene.h"
 #include "viewer/output/player.h"
 #include "viewer/output/write_pictures.h"

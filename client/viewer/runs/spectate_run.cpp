@@ -12,7 +12,7 @@
 #include "core/format_text.h"
 #include "core/log.h"
 #include "render/choose_camera.h"
-#include "stream/playback_queue.h"
+#include "stream/replay/playback_queue.h"
 #include "trust/host_port.h"
 #include "viewer/assets/load_scene.h"
 #include "viewer/output/player.h"

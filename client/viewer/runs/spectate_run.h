@@ -4,7 +4,7 @@
 #include <atomic>
 #include <optional>
 
-#include "stream/spectator.h"
+#include "stream/session/spectator.h"
 #include "viewer/runs/offscreen_run.h"
 
 namespace livegs {

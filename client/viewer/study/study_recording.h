@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "stream/frame_history.h"
-#include "stream/received.h"
+#include "stream/received/frame_history.h"
+#include "stream/received/received.h"
 #include "viewer/study/force_study.h"
 #include "xr/video_file.h"
 

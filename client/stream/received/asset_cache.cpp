@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stream/received/asset_cache.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+#include "core/clock.h"
+#include "core/content_hash.h"
+#include "core/file.h"
+#include "core/log.h"
+#include "gaussian/asset_file.h"
+
+namespace livegs {
+namespace {
+
+Error system_error(const std::filesystem::path& path, const char* what) {
+  return {ErrorCode::Internal, path.string() + ": " + what + ": " + std::strerror(errno) +
+                                   "; choose another folder with --cache DIR"};
+}
+
+// HASH.part, held against other clients for as long as this lives: whoever comes second waits and then finds
+// the asset there. The system lets go of it if a client dies.
+class PartFile {
+ public:
+  static Result<PartFile> open(const std::filesystem::path& path, const std::stop_token& stop) {
+    constexpr int64_t kLookEvery_ns = 20'000'000;
+    for (;;) {
+      PartFile file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
+      if (file.descriptor_ < 0) return system_error(path, "cannot be written");
+      while (::flock(file.descriptor_, LOCK_EX | LOCK_NB) != 0) {
+        if (errno != EINTR && errno != EWOULDBLOCK) return system_error(path, "cannot be locked");
+        if (stop.stop_requested()) return Error{ErrorCode::Unavailable, path.string() + ": another client fetches it; no longer waited for"};
+        sleep_until_ns(now_ns() + kLookEvery_ns);
+      }
+      struct stat held {
+      }, named{};
+      ::fstat(file.descriptor_, &held);
+      // The client that was waited for has renamed it: start again with a new one.
+      if (::stat(path.c_str(), &named) != 0 || named.st_ino != held.st_ino) continue;
+      file.size_ = static_cast<uint64_t>(held.st_size);
+      return file;
+    }
+  }
+  PartFile(PartFile&& other) noexcept
+      : descriptor_(std::exchange(other.descriptor_, -1)), size_(other.size_) {}
+  ~PartFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+
+  uint64_t size() const { return size_; }
+  bool truncate() {
+    size_ = 0;
+    return ::ftruncate(descriptor_, 0) == 0;
+  }
+  bool append(std::span<const std::byte> bytes) {
+    while (!bytes.empty()) {
+      const ssize_t written = ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(size_));
+      if (written < 0 && errno == EINTR) continue;
+      if (written <= 0) return false;
+      size_ += static_cast<uint64_t>(written);
+      bytes = bytes.subspan(static_cast<size_t>(written));
+    }
+    return true;
+  }
+
+ private:
+  explicit PartFile(int descriptor) : descriptor_(descriptor) {}
+  int descriptor_;
+  uint64_t size_ = 0;
+};
+
+}  // namespace
+
+Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_t asset_bytes, const Fetch& fetch,
+                                                const Progress& progress, std::stop_token stop) const {
+  std::error_code error;
+  std::filesystem::create_directories(folder_, error);
+  if (error) {
+    return Error{ErrorCode::Internal, folder_.string() + ": cannot be made: " + error.message() +
+                                          "; choose another folder with --cache DIR"};
+  }
+  const std::filesystem::path whole = folder_ / (hash + ".ply");
+  const std::filesystem::path part_path = folder_ / (hash + ".part");
+  const std::string name = "asset " + hash.substr(0, 12);
+  const auto cached = [&]() -> std::vector<std::byte> {
+    if (!std::filesystem::exists(whole, error)) return {};
+    auto bytes = read_file(whole);
+    if (bytes && content_hash(*bytes) == hash) return std::move(*bytes);
+    log_warn("%s: is damaged; fetched again", whole.c_str());
+    return {};
+  };
+  if (auto bytes = cached(); !bytes.empty()) return Obtained{std::move(bytes), 0};
+
+  auto part = PartFile::open(part_path, stop);
+  if (!part) return part.error();
+  if (auto bytes = cached(); !bytes.empty()) {  // another client has fetched it meanwhile
+    std::filesystem::remove(part_path, error);
+    return Obtained{std::move(bytes), 0};
+  }
+  if (part->size() > asset_bytes && !part->truncate()) return system_error(part_path, "cannot be truncated");
+
+  uint64_t fetched = 0;
+  ProgressiveDecoder decoder;
+  std::optional<Error> spoilt;  // what is wrong with the bytes that came
+  const auto decode = [&](std::span<const std::byte> bytes) -> Result<void> {
+    const size_t before = decoder.blocks();
+    if (auto decoded = decoder.take(bytes); !decoded) {
+      spoilt = decoded.error();
+      return decoded;
+    }
+    if (progress && decoder.blocks() > before) progress(decoder);
+    return {};
+  };
+  const auto take = [&](uint64_t offset, uint64_t, std::span<const std::byte> bytes) -> Result<void> {
+    if (offset != part->size() || bytes.size() > asset_bytes - part->size())
+      return invalid_data(name + ": its pieces do not come in order or are too many");
+    if (!part->append(bytes)) return system_error(part_path, "cannot be written");
+    fetched += bytes.size();
+    return decode(bytes);
+  };
+  // What lies there from an earlier attempt may be of no use; then once more from the start.
+  for (const bool resumed : {part->size() > 0, false}) {
+    decoder = {};
+    spoilt.reset();
+    if (part->size() > 0) {
+      const auto earlier = read_file(part_path, asset_bytes);
+      if (!earlier) return earlier.error();
+      (void)decode(*earlier);
+    }
+    if (!spoilt && part->size() < asset_bytes) {
+      if (auto done = fetch(part->size(), take); !done && !spoilt) return done.error();
+    }
+    if (!spoilt) {
+      const auto asset = decoder.whole();
+      std::vector<std::byte> bytes = asset ? encode_ply(*asset) : std::vector<std::byte>();
+      if (asset && content_hash(bytes) == hash) {
+        if (auto written = write_file_atomically(whole, bytes); !written)
+          return Error{written.error().code, written.error().message + "; choose another folder with --cache DIR"};
+        std::filesystem::remove(part_path, error);
+        return Obtained{std::move(bytes), fetched};
+      }
+      spoilt = invalid_data("asset: " + std::string(asset ? "the bytes that came have another hash" : "breaks off"));
+    }
+    if (!part->truncate()) return system_error(part_path, "cannot be truncated");
+    if (!resumed) break;
+  }
+  return invalid_data(name + spoilt->message.substr(spoilt->message.find(':')));
+}
+
+Result<std::filesystem::path> AssetCache::default_folder() {
+  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache == '/') {
+    return std::filesystem::path(cache) / "livegs";
+  }
+  if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0') {
+    return std::filesystem::path(home) / ".cache" / "livegs";
+  }
+  return not_found("neither XDG_CACHE_HOME nor HOME is set; choose a folder with --cache DIR");
+}
+
+}  // namespace livegs

@@ -1,0 +1,406 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stream/session/session_client.h"
+
+#include <pthread.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <functional>
+#include <limits>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <thread>
+#include <utility>
+
+#include "core/assert.h"
+#include "core/clock.h"
+#include "core/format_text.h"
+#include "core/log.h"
+#include "livegs/v1/session.grpc.pb.h"
+#include "stream/channel/retry_schedule.h"
+#include "stream/channel/rpc_channel.h"
+#include "stream/session/session_stream.h"
+#include "wire/frame_codec.h"
+
+namespace livegs {
+namespace {
+
+using Clock = std::chrono::system_clock;  // gRPC's deadlines
+
+constexpr std::chrono::seconds kCallDeadline{10};
+// A session that is resumed asks again sooner, in case the answer was lost.
+constexpr std::chrono::seconds kRejoinDeadline{2};
+constexpr int64_t kAskAgainAfter_ns = 100'000'000;  // a server that builds its scene
+// A call for an asset that takes longer is made again from where it was, if anything came; else the server is given up, and
+// what has arrived is kept for the next attempt.
+constexpr std::chrono::seconds kFetchPatience{10};
+constexpr uint64_t kSlowestFetch_bytes_s = 1 << 20;
+// So many streams of kernels one after the other may be given up without a frame, each after twice as long as the one before.
+constexpr int kMostSilentStreams = 3;
+// Streams that bring no frame are opened less and less often, down to once in so long.
+constexpr int64_t kLongestFruitlessPause_ns = 2'000'000'000;
+
+int64_t after(int64_t moment_ns, double duration_s) {
+  const double most_s = seconds_from_ns(std::numeric_limits<int64_t>::max() - moment_ns);
+  if (!(duration_s < most_s / 2)) return std::numeric_limits<int64_t>::max();
+  return moment_ns + static_cast<int64_t>(duration_s * 1e9);
+}
+
+bool connection_broke(const grpc::Status& status) {
+  switch (status.error_code()) {
+    case grpc::StatusCode::UNAVAILABLE:
+    case grpc::StatusCode::CANCELLED:
+    case grpc::StatusCode::INTERNAL:
+    case grpc::StatusCode::UNKNOWN:
+      return true;
+    default:
+      return false;
+  }
+}
+
+}  // namespace
+
+struct SessionClient::Connection {
+  std::string address;
+  ConnectOptions options;
+  JoinedScene scene;
+  KnownObjects objects;        // the session's thread only, once it runs, like the next four
+  ClockOffset clock;
+  std::string session_id, server_instance;
+  double rate_hz = 0;
+  v1::JoinRequest::Encoding encoding = v1::JoinRequest::DRIVERS;
+  int silent_streams = 0;  // without a frame, one after the other
+  StreamSink* sink = nullptr;
+  std::thread thread;
+  std::atomic<bool> ended{false};
+  bool joined_thread = false;  // who calls stop() only
+
+  std::mutex mutex;  // guards everything below
+  std::condition_variable changed;
+  std::shared_ptr<v1::LiveGs::Stub> stub, asset_stub;
+  std::shared_ptr<SessionStream> stream;  // while there is one; shared with who is just sending
+  std::optional<ViewCone> view;           // that was told last
+  bool stopping = false, given_up = false;
+  std::set<grpc::ClientContext*> calls;   // that end when it is given up
+  Result<void> outcome;
+
+  class Call;
+  bool wait(int64_t duration_ns);
+  void give_up();
+  std::shared_ptr<v1::LiveGs::Stub> stub_now() {
+    std::lock_guard lock(mutex);
+    return stub;
+  }
+
+  void run();
+  Result<v1::JoinReply> join(int64_t give_up_ns);
+  Result<void> resume(const SessionStream::Outcome& lost);
+  int64_t first_silence_ns() const;
+  SessionStream::Outcome stream_once();
+
+  // Last, so that it is gone before what it touches.
+  std::optional<std::stop_callback<std::function<void()>>> on_stop;
+};
+
+// A call's context, which is cancelled when the connection is given up.
+class SessionClient::Connection::Call {
+ public:
+  explicit Call(Connection& connection) : connection_(connection) {
+    std::lock_guard lock(connection_.mutex);
+    connection_.calls.insert(&context);
+    if (connection_.given_up) context.TryCancel();
+  }
+  ~Call() {
+    std::lock_guard lock(connection_.mutex);
+    connection_.calls.erase(&context);
+  }
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+  grpc::ClientContext context;
+
+ private:
+  Connection& connection_;
+};
+
+void SessionClient::Connection::give_up() {
+  {
+    std::lock_guard lock(mutex);
+    stopping = given_up = true;
+    if (stream) stream->stop();
+    for (grpc::ClientContext* call : calls) call->TryCancel();
+  }
+  changed.notify_all();
+}
+
+// True when the session is to end.
+bool SessionClient::Connection::wait(int64_t duration_ns) {
+  std::unique_lock lock(mutex);
+  return changed.wait_for(lock, std::chrono::nanoseconds(duration_ns), [&] { return stopping; });
+}
+
+// Connects, and joins with the session's id if there is one. Unavailable, without a message, when nobody answered.
+Result<v1::JoinReply> SessionClient::Connection::join(int64_t give_up_ns) {
+  v1::JoinRequest request;
+  request.set_protocol_version(kProtocolVersion);
+  request.set_client_name(options.client_name);
+  request.set_resumed_session_id(session_id);
+  request.set_most_mbit_s(options.most_mbit_s);
+  request.set_rate_hz(options.rate_hz);
+  request.set_position_bits(options.position_bits);
+  request.set_encoding(options.encoding);
+  grpc::Status status;
+  std::chrono::seconds deadline = session_id.empty() ? kCallDeadline : kRejoinDeadline;
+  for (;;) {
+    const auto channel =
+        connect_channel(address, options.access.get(), give_up_ns, [this](int64_t duration_ns) { return wait(duration_ns); });
+    if (!channel) {
+      if (options.access) {
+        if (auto refused = options.access->refused(); !refused) return refused.error();
+      }
+      return Error{ErrorCode::Unavailable, ""};
+    }
+    auto connected = std::shared_ptr<v1::LiveGs::Stub>(v1::LiveGs::NewStub(channel));
+    v1::JoinReply reply;
+    do {
+      Call call(*this);
+      call.context.set_deadline(Clock::now() + deadline);
+      status = connected->Join(&call.context, request, &reply);
+      if (status.ok()) {
+        std::lock_guard lock(mutex);
+        stub = std::move(connected);
+        asset_stub = v1::LiveGs::NewStub(make_channel(address, options.access.get()));
+        return reply;
+      }
+      const bool full = status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED;
+      if (!may_pass(status) || (full && session_id.empty())) return error_from(status, address);
+      if (now_ns() + kAskAgainAfter_ns > give_up_ns || wait(kAskAgainAfter_ns)) return error_from(status, address);
+      // The server is there but its scene is not, yet.
+    } while (status.error_code() == grpc::StatusCode::UNAVAILABLE && channel->GetState(false) == GRPC_CHANNEL_READY);
+    deadline = std::min(2 * deadline, kCallDeadline);
+  }
+}
+
+SessionClient::SessionClient(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
+
+SessionClient::~SessionClient() { (void)stop(); }
+
+Result<std::unique_ptr<SessionClient>> SessionClient::join(const std::string& address,
+                                                           const ConnectOptions& options) {
+  auto connection = std::make_unique<Connection>();
+  connection->address = address;
+  connection->options = options;
+  connection->on_stop.emplace(options.stop, [&joining = *connection] { joining.give_up(); });
+  const auto reply = connection->join(after(now_ns(), options.timeout_s));
+  if (!reply) {
+    if (!reply.error().message.empty()) return reply.error();
+    return Error{ErrorCode::Unavailable,
+                 "no server answers at " + address + (options.access ? " over TLS, as it was paired with," : "") +
+                     format_text(" within %.1f s; start one with livegs-server SCENE%s", options.timeout_s,
+                                 options.access ? ", or forget this one with --unpair if it is in the clear now"
+                                                : "; if it asks for TLS, pair with it: --pair CODE")};
+  }
+  if (options.access) {
+    if (auto remembered = options.access->remember(); !remembered) return remembered.error();
+  }
+  if (reply->looks_only()) log_warn("%s: the token is of scope view: what the hands do is not taken", address.c_str());
+  connection->session_id = connection->scene.session_id = reply->session_id();
+  connection->server_instance = reply->server_instance();
+  connection->scene.rate_hz = connection->rate_hz = reply->rate_hz();
+  connection->encoding = reply->encoding();
+  connection->scene.stream_rate_hz = reply->stream_rate_hz();
+  connection->scene.tick = reply->tick();
+  connection->scene.ball_speed_m_s = reply->ball_speed_m_s();
+  for (const v1::ObjectDescription& description : reply->objects()) {
+    auto object = connection->objects.take(description);
+    if (!object) return Error{object.error().code, address + ": " + object.error().message};
+    connection->scene.objects.push_back(std::move(*object));
+  }
+  return std::unique_ptr<SessionClient>(new SessionClient(std::move(connection)));
+}
+
+const JoinedScene& SessionClient::scene() const { return connection_->scene; }
+
+Result<void> SessionClient::fetch_asset(const std::string& hash, uint64_t asset_bytes, uint64_t offset,
+                                        const TakeChunk& take) {
+  Connection& connection = *connection_;
+  const std::string prefix = connection.address + ": asset " + hash.substr(0, 12);
+  int64_t progress_ns = now_ns();
+  for (;;) {
+    const uint64_t from = offset;
+    std::shared_ptr<v1::LiveGs::Stub> stub;
+    {
+      std::lock_guard lock(connection.mutex);
+      stub = connection.asset_stub;
+    }
+    v1::FetchAssetRequest request;
+    request.set_asset_hash(hash);
+    request.set_offset(offset);
+    Connection::Call call(connection);
+    call.context.set_deadline(Clock::now() + kFetchPatience +
+                              std::chrono::seconds((asset_bytes - std::min(offset, asset_bytes)) / kSlowestFetch_bytes_s));
+    const auto reader = stub->FetchAsset(&call.context, request);
+    v1::AssetChunk chunk;
+    while (reader->Read(&chunk)) {
+      if (auto taken = take(chunk.offset(), chunk.total_bytes(), std::as_bytes(std::span(chunk.data())));
+          !taken) {
+        call.context.TryCancel();
+        (void)reader->Finish();
+        return taken;
+      }
+      offset = chunk.offset() + chunk.data().size();
+      progress_ns = now_ns();
+    }
+    const grpc::Status status = reader->Finish();
+    if (status.ok()) return {};
+    const bool over = now_ns() >= after(progress_ns, connection.options.reconnect_s);
+    const bool slow = status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED && offset > from;
+    if ((!connection_broke(status) && !slow) || over || connection.wait(kRetryPause_ns)) return error_from(status, prefix);
+    log_debug("%s: %s; on from byte %llu", prefix.c_str(), status.error_message().c_str(),
+              static_cast<unsigned long long>(offset));
+    std::lock_guard lock(connection.mutex);
+    if (connection.asset_stub == stub) connection.asset_stub = v1::LiveGs::NewStub(make_channel(connection.address, connection.options.access.get()));
+  }
+}
+
+Result<v1::AnalyzeObjectReply> SessionClient::analyze(const std::string& object) {
+  v1::AnalyzeObjectRequest request;
+  request.set_object(object);
+  v1::AnalyzeObjectReply reply;
+  grpc::ClientContext context;
+  context.set_deadline(Clock::now() + kCallDeadline);
+  const grpc::Status status = connection_->stub_now()->AnalyzeObject(&context, request, &reply);
+  if (!status.ok()) return error_from(status, connection_->address);
+  return reply;
+}
+
+void SessionClient::start(StreamSink& sink) {
+  Connection& connection = *connection_;
+  LIVEGS_ASSERT(connection.sink == nullptr);
+  connection.sink = &sink;
+  connection.thread = std::thread([&connection] {
+    pthread_setname_np(pthread_self(), "session");
+    connection.run();
+  });
+}
+
+void SessionClient::send(const InputSample& sample) {
+  std::shared_ptr<SessionStream> stream;
+  {
+    std::lock_guard lock(connection_->mutex);
+    stream = connection_->stream;
+  }
+  if (stream) stream->send(sample);
+}
+
+void SessionClient::look(const ViewCone& view) {
+  std::shared_ptr<SessionStream> stream;
+  {
+    std::lock_guard lock(connection_->mutex);
+    connection_->view = view;
+    stream = connection_->stream;
+  }
+  if (stream) stream->look(view);
+}
+
+int64_t SessionClient::Connection::first_silence_ns() const {
+  const bool kernels = FrameReader::brings_kernels(encoding);
+  const double first_s = std::ldexp(kernels ? options.first_kernels_s : seconds_from_ns(kServerSilentAfter_ns), std::min(silent_streams, 8));
+  return std::min(after(0, first_s), kLongestSilence_ns);
+}
+
+SessionStream::Outcome SessionClient::Connection::stream_once() {
+  const auto used = stub_now();
+  const auto opened =
+      std::make_shared<SessionStream>(*used, session_id, rate_hz, encoding, first_silence_ns(), SessionStream::Ends{*sink, clock, objects});
+  {
+    std::lock_guard lock(mutex);
+    if (stopping) opened->stop();
+    if (view) opened->look(*view);
+    stream = opened;
+  }
+  SessionStream::Outcome done = opened->run();
+  std::lock_guard lock(mutex);
+  stream.reset();
+  return done;
+}
+
+void SessionClient::Connection::run() {
+  const auto end = [&](Result<void> result) {
+    std::lock_guard lock(mutex);
+    outcome = std::move(result);
+    ended = true;
+  };
+  int64_t fruitless_pause_ns = 0;
+  for (;;) {
+    const SessionStream::Outcome done = stream_once();
+    if (done.error) return end(Error{done.error->code, address + ": " + done.error->message});
+    if (wait(0) || (done.drained && !options.outlive_draining)) return end({});
+    silent_streams = done.silent && done.frames == 0 ? silent_streams + 1 : 0;
+    const bool kernels = FrameReader::brings_kernels(encoding);
+    if (kernels && silent_streams >= kMostSilentStreams) {
+      return end(Error{ErrorCode::Unavailable, address + format_text(": no frame of kernels came whole in %d tries: they are larger than the "
+                                                                     "link carries; ask for --encoding drivers",
+                                                                     silent_streams)});
+    }
+    if (!may_pass(done.status)) return end(error_from(done.status, address));
+    log_warn("%s: %s; connecting again", address.c_str(), done.reason.c_str());
+    sink->on_lost(done.reason);
+    fruitless_pause_ns = done.frames > 0 ? 0 : std::clamp(2 * fruitless_pause_ns, kRetryPause_ns, kLongestFruitlessPause_ns);
+    if (fruitless_pause_ns > 0 && wait(fruitless_pause_ns)) return end({});
+    if (auto resumed = resume(done); !resumed) return wait(0) ? end({}) : end(std::move(resumed));
+  }
+}
+
+Result<void> SessionClient::Connection::resume(const SessionStream::Outcome& lost) {
+  const auto reply = join(after(lost.heard_ns, options.reconnect_s));
+  if (!reply) {
+    if (!reply.error().message.empty() && reply.error().code != ErrorCode::Unavailable) return reply.error();
+    return Error{ErrorCode::Unavailable, "the server at " + address + " went away: " + lost.reason +
+                                             format_text("; looked for it for %.1f s", options.reconnect_s)};
+  }
+  ResumedSession resumed;
+  resumed.same_server = reply->server_instance() == server_instance;
+  resumed.outage_s = seconds_from_ns(now_ns() - lost.heard_ns);
+  session_id = reply->session_id();
+  server_instance = reply->server_instance();
+  rate_hz = reply->rate_hz();
+  encoding = reply->encoding();
+  if (!resumed.same_server) clock = ClockOffset();
+  std::vector<const v1::ObjectDescription*> descriptions;
+  for (const v1::ObjectDescription& description : reply->objects()) descriptions.push_back(&description);
+  auto difference = objects.replace(descriptions);
+  if (!difference) return Error{difference.error().code, address + ": " + difference.error().message};
+  log_info("%s: back after %.1f s, %s; %zu objects are new, %zu changed, %zu went", address.c_str(), resumed.outage_s,
+           resumed.same_server ? "the same server" : "a server that was started anew", difference->added.size(),
+           difference->changed.size(), difference->removed.size());
+  sink->on_resumed(resumed);
+  for (const uint32_t id : difference->removed) sink->on_object_removed(id);
+  for (StreamedObject& object : difference->added) sink->on_object_added(std::move(object));
+  for (StreamedObject& object : difference->changed) {
+    // Revisions count breaks of one simulation only.
+    resumed.same_server ? sink->on_object_changed(std::move(object)) : sink->on_object_added(std::move(object));
+  }
+  return {};
+}
+
+Result<void> SessionClient::stop() {
+  Connection& connection = *connection_;
+  if (connection.joined_thread || !connection.thread.joinable()) return connection.outcome;
+  {
+    std::lock_guard lock(connection.mutex);
+    connection.stopping = true;
+    if (connection.stream) connection.stream->stop();
+  }
+  connection.changed.notify_all();
+  connection.thread.join();
+  connection.joined_thread = true;
+  return connection.outcome;
+}
+
+bool SessionClient::ended() const { return connection_->ended; }
+
+}  // namespace livegs

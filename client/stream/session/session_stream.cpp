@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stream/session/session_stream.h"
+
+#include <pthread.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+#include <utility>
+
+#include "core/clock.h"
+#include "core/format_text.h"
+#include "core/log.h"
+#include "stream/session/input_message.h"
+
+namespace livegs {
+namespace {
+
+constexpr std::chrono::milliseconds kSignOfLife{50};
+constexpr std::chrono::milliseconds kLookEvery{50};  // whether the server is silent
+constexpr int64_t kSilentGaps = 5;  // of the longest time that a frame of kernels took to come
+constexpr int64_t kHalfClosePatience_ns = 1'000'000'000;
+constexpr size_t kSamplesPerMessage = 3;
+constexpr int64_t kAsksAgainAfter_ns = 250'000'000;  // for a key frame: the one that was asked for may be spoiled too
+
+Eigen::Vector3f vector_of(const google::protobuf::RepeatedField<float>& numbers) {
+  return numbers.size() == 3 ? Eigen::Vector3f(numbers[0], numbers[1], numbers[2]) : Eigen::Vector3f::Zero();
+}
+
+// The first frame of a stream has waited for the client to be ready.
+constexpr double kOldKernels_ms = 150;
+constexpr size_t kOldKernelsInARow = 3;
+
+}  // namespace
+
+SessionStream::SessionStream(v1::LiveGs::Stub& stub, std::string session_id, double rate_hz, v1::JoinRequest::Encoding encoding,
+                             int64_t first_silence_ns, Ends ends)
+    : stub_(stub), session_id_(std::move(session_id)), ends_(ends), first_silence_ns_(first_silence_ns), frames_(encoding),
+      of_kernels_(FrameReader::brings_kernels(encoding)), aim_(rate_hz) {}
+
+SessionStream::Outcome SessionStream::run() {
+  heard_ns_ = now_ns();
+  stream_ = stub_.Stream(&context_);
+  std::thread writer([this] {
+    pthread_setname_np(pthread_self(), "stream writer");
+    write();
+  });
+  std::thread reader([this] {
+    pthread_setname_np(pthread_self(), "stream reader");
+    read();
+  });
+  {
+    std::unique_lock lock(mutex_);
+    int64_t stopping_ns = 0;
+    while (!ended_) {
+      over_.wait_for(lock, kLookEvery, [&] { return ended_; });
+      const int64_t now = now_ns();
+      if (stopping_ && stopping_ns == 0) stopping_ns = now;
+      const int64_t most_ns = longest_silence_ns();
+      const bool silent = now - heard_ns_ > most_ns;
+      if (silent && !outcome_.silent) {
+        outcome_.silent = true;
+        outcome_.reason = most_ns <= kServerSilentAfter_ns ? "nothing came from it for a second"
+                                                           : format_text("nothing came from it for %.1f s", seconds_from_ns(most_ns));
+        if (of_kernels_ && outcome_.frames == 0) outcome_.reason += "; frames of kernels may be larger than the link carries";
+      }
+      if (silent || (stopping_ns != 0 && now - stopping_ns > kHalfClosePatience_ns)) context_.TryCancel();
+    }
+  }
+  writer.join();
+  reader.join();
+  outcome_.heard_ns = heard_ns_;
+  if (outcome_.reason.empty()) outcome_.reason = outcome_.status.error_message();
+  if (outcome_.reason.empty()) outcome_.reason = "the stream ended";
+  return std::move(outcome_);
+}
+
+int64_t SessionStream::longest_silence_ns() const {
+  if (outcome_.frames == 0) return first_silence_ns_;
+  return of_kernels_ ? std::clamp(kSilentGaps * longest_gap_ns_, kServerSilentAfter_ns, kLongestSilence_ns) : kServerSilentAfter_ns;
+}
+
+void SessionStream::send(const InputSample& sample) {
+  {
+    std::lock_guard lock(mutex_);
+    samples_.push_back(sample);
+    samples_.back().for_tick = aim_.tick_at(now_ns());
+    if (samples_.size() > kSamplesPerMessage) samples_.pop_front();
+    samples_new_ = true;
+  }
+  to_send_.notify_one();
+}
+
+void SessionStream::look(const ViewCone& view) {
+  std::lock_guard lock(mutex_);
+  view_ = view;
+}
+
+void SessionStream::stop() {
+  {
+    std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  to_send_.notify_one();
+}
+
+void SessionStream::write() {
+  v1::ClientMessage message;
+  message.set_session_id(session_id_);  // in the first message only
+  for (bool first = true;; first = false) {
+    {
+      std::unique_lock lock(mutex_);
+      if (!first) {
+        to_send_.wait_for(lock, kSignOfLife,
+                          [&] { return stopping_ || ended_ || samples_new_ || acknowledgement_new_; });
+      }
+      if (stopping_ || ended_) break;
+      samples_new_ = acknowledgement_new_ = false;
+      message.set_acknowledged_tick(acknowledged_tick_);
+      message.set_key_frame_wanted(std::exchange(key_frame_wanted_, false));
+      for (const InputSample& sample : samples_) write_input(sample, *message.add_inputs());
+      if (view_) write_view(*view_, *message.mutable_view());
+      view_.reset();
+    }
+    message.set_sent_ns(now_ns());
+    if (!stream_->Write(message)) break;
+    message.Clear();
+  }
+  stream_->WritesDone();
+}
+
+void SessionStream::read() {
+  v1::ServerMessage message;
+  Result<void> taken;
+  while (stream_->Read(&message)) {
+    const int64_t received_ns = now_ns();
+    longest_gap_ns_ = std::max<int64_t>(longest_gap_ns_, received_ns - heard_ns_);
+    heard_ns_ = received_ns;
+    taken = take(message, received_ns);
+    if (!taken) {
+      context_.TryCancel();
+      break;
+    }
+  }
+  const grpc::Status status = stream_->Finish();
+  {
+    std::lock_guard lock(mutex_);
+    outcome_.status = status;
+    if (!taken) outcome_.error = taken.error();
+    ended_ = true;
+  }
+  over_.notify_one();
+  to_send_.notify_one();
+}
+
+Result<void> SessionStream::take(const v1::SessionEvent& event) {
+  switch (event.kind_case()) {
+    case v1::SessionEvent::kObjectAdded:
+    case v1::SessionEvent::kObjectChanged: {
+      const bool added = event.has_object_added();
+      auto object = ends_.objects.take(added ? event.object_added() : event.object_changed());
+      if (!object) return object.error();
+      added ? ends_.sink.on_object_added(std::move(*object)) : ends_.sink.on_object_changed(std::move(*object));
+      break;
+    }
+    case v1::SessionEvent::kObjectRemoved:
+      ends_.objects.remove(event.object_removed().object_id());
+      ends_.sink.on_object_removed(event.object_removed().object_id());
+      break;
+    case v1::SessionEvent::kDraining: {
+      {
+        std::lock_guard lock(mutex_);
+        outcome_.drained = true;
+      }
+      ends_.sink.on_draining(event.draining());
+      break;
+    }
+    case v1::SessionEvent::KIND_NOT_SET:
+      break;  // an event of a later version, which this one can do without
+  }
+  return {};
+}
+
+void SessionStream::take_clock(const v1::ServerMessage& message, int64_t received_ns) {
+  if (message.echoed_ns() <= echoed_ns_ || message.heard_ns() == 0) return;  // heard of before
+  echoed_ns_ = message.echoed_ns();
+  ends_.clock.add({echoed_ns_, message.heard_ns(), message.sent_ns(), received_ns});
+  std::lock_guard lock(mutex_);
+  aim_.arrived(echoed_ns_, message.heard_ns());
+}
+
+void SessionStream::tell_of_old_kernels(const ReceivedFrame& frame) {
+  if (!of_kernels_ || told_ || !frame.clock) return;
+  const double age_ms = milliseconds_from_ns(frame.decoded_ns + frame.clock->offset_ns - frame.stepped_ns);
+  old_frames_ = age_ms > kOldKernels_ms ? old_frames_ + 1 : 0;
+  if (old_frames_ < kOldKernelsInARow) return;
+  told_ = true;
+  log_warn("frames of kernels are %.0f ms old when they can be drawn: moving, packing and sending %.1f MB takes longer than the "
+           "ticks they are of; --encoding drivers is as current as the link",
+           age_ms, 1e-6 * static_cast<double>(frame.bytes));
+}
+
+Result<void> SessionStream::take(v1::ServerMessage& message, int64_t received_ns) {
+  take_clock(message, received_ns);
+  for (const v1::SessionEvent& event : message.events()) {
+    if (auto taken = take(event); !taken) return taken;
+  }
+  if (message.frame().empty()) return {};
+  ReceivedFrame frame;
+  frame.tick = message.tick();
+  frame.stepped_ns = message.stepped_ns();
+  frame.encode_begun_ns = message.encode_begun_ns();
+  frame.sent_ns = message.sent_ns();
+  frame.received_ns = received_ns;
+  frame.clock = ends_.clock.at(received_ns);
+  frame.step_ms = message.step_ms();
+  frame.input_sequence = message.input_sequence();
+  frame.run = message.run();
+  for (const v1::HandState& hand : message.hands()) {
+    frame.hands.push_back({hand.hand(), hand.object_id(), vector_of(hand.point_m()), vector_of(hand.force_n()),
+                           hand.grabbed(), hand.contact_impulse_n_s()});
+  }
+  {
+    std::lock_guard lock(mutex_);
+    aim_.saw(frame);
+  }
+  const uint64_t tick = frame.tick;
+  const bool waits = frames_.needs_key_frame() && received_ns - asked_ns_ < kAsksAgainAfter_ns;
+  auto drivers = frames_.read(std::as_bytes(std::span(message.frame())));
+  if (drivers) {
+    frame.bytes = message.frame().size();
+    frame.drivers = std::make_shared<const DriverFrame>(std::move(*drivers));
+    frame.decoded_ns = now_ns();
+    tell_of_old_kernels(frame);
+    ends_.sink.on_frame(std::move(frame));
+  } else {
+    log_debug("frame %llu: %s", static_cast<unsigned long long>(tick), drivers.error().message.c_str());
+  }
+  {
+    std::lock_guard lock(mutex_);
+    outcome_.frames += drivers ? 1 : 0;
+    if (!drivers && !waits) {
+      key_frame_wanted_ = true;
+      asked_ns_ = received_ns;
+    }
+    acknowledged_tick_ = tick;
+    acknowledgement_new_ = true;
+  }
+  to_send_.notify_one();
+  return {};
+}
+
+}  // namespace livegs

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stream/time/playout_clock.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace livegs {
+namespace {
+
+constexpr int64_t kLeastSpan_ns = 1'000'000'000;  // that a rate is taken from
+constexpr double kRateNoise = 0.05;               // what jitter makes of it
+constexpr double kCorrection_ns = 400e6;          // an error goes with this time constant
+
+template <class Number>
+Number quantile(std::vector<Number> numbers, double share) {
+  const auto rank = numbers.begin() + std::lround(share * static_cast<double>(numbers.size() - 1));
+  std::nth_element(numbers.begin(), rank, numbers.end());
+  return *rank;
+}
+
+}  // namespace
+
+void PlayoutClock::arrived(int64_t simulated_ns, int64_t received_ns) {
+  const bool stands = !arrivals_.empty() && simulated_ns <= arrivals_.back().simulated_ns;
+  const bool silent = !arrivals_.empty() && received_ns - arrivals_.back().received_ns > kSilence_ns;
+  if (stands || silent) arrivals_.clear();
+  arrivals_.push_back({simulated_ns, received_ns});
+  while (arrivals_.front().received_ns < received_ns - kWindow_ns) arrivals_.pop_front();
+}
+
+double PlayoutClock::rate() const {
+  if (arrivals_.empty()) return 1;
+  const Arrival &first = arrivals_.front(), &last = arrivals_.back();
+  const auto passed = static_cast<double>(last.received_ns - first.received_ns);
+  if (passed < kLeastSpan_ns) return 1;
+  const double rate = static_cast<double>(last.simulated_ns - first.simulated_ns) / passed;
+  return std::abs(rate - 1) < kRateNoise ? 1 : std::clamp(rate, 0.01, 4.0);
+}
+
+double PlayoutClock::wanted_ns(int64_t drawn_ns) const {
+  if (arrivals_.size() < 2) return 0;
+  const Arrival& newest = arrivals_.back();
+  const double rate = this->rate();
+  // How long after the newest came, were everything even, one shows a moment of then.
+  const auto late = [&](int64_t received_ns, int64_t simulated_ns) {
+    return static_cast<double>(received_ns - newest.received_ns) -
+           static_cast<double>(simulated_ns - newest.simulated_ns) / rate;
+  };
+  std::vector<double> needed, intervals;
+  double quickest = late(newest.received_ns, newest.simulated_ns);
+  for (size_t i = 1; i < arrivals_.size(); ++i) {
+    needed.push_back(late(arrivals_[i].received_ns, arrivals_[i - 1].simulated_ns));
+    quickest = std::min(quickest, late(arrivals_[i].received_ns, arrivals_[i].simulated_ns));
+  }
+  const double delay = std::min(quantile(std::move(needed), kShareInTime), quickest + static_cast<double>(kMostJitter_ns));
+  return rate * (static_cast<double>(drawn_ns - newest.received_ns) - delay);
+}
+
+int64_t PlayoutClock::at(int64_t now_ns, int64_t displayed_ns) {
+  if (arrivals_.empty()) return 0;
+  leads_ns_.push_back(displayed_ns - now_ns);
+  if (leads_ns_.size() > kLeadsKept) leads_ns_.pop_front();
+  // A picture's frames have to be there when it is drawn, which is that much before it is seen.
+  const int64_t lead = quantile(std::vector<int64_t>(leads_ns_.begin(), leads_ns_.end()), kShareInTime);
+  const int64_t drawn_ns = displayed_ns - lead;
+  const auto newest = static_cast<double>(arrivals_.back().simulated_ns);
+  const double passed = rate() * static_cast<double>(std::max<int64_t>(0, drawn_ns - last_drawn_ns_));
+  const double error = newest + wanted_ns(drawn_ns) - (shown_ns_ + passed);
+  const bool jumps = !shows_ || std::abs(error) > static_cast<double>(kJump_ns);
+  shown_ns_ += jumps ? passed + error : passed * (1 + std::clamp(error / kCorrection_ns, -kMostHaste, kMostHaste));
+  if (arrivals_.size() < 2) shown_ns_ = std::min(shown_ns_, newest);
+  shows_ = true;
+  last_drawn_ns_ = std::max(last_drawn_ns_, drawn_ns);
+  return static_cast<int64_t>(shown_ns_);
+}
+
+}  // namespace livegs

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "common/gaussian/synthetic_asset.h"
+#include "core/content_hash.h"
+#include "core/file.h"
+#include "gaussian/asset_file.h"
+#include "gaussian/progressive_asset.h"
+#include "scratch_folder.h"
+#include "stream/received/asset_cache.h"
+
+namespace livegs {
+namespace {
+
+// Sends an asset in pieces of 1000, and may be cut off.
+class Source {
+ public:
+  // So many kernels of 56 bytes or a bit less each.
+  explicit Source(size_t kernels) : asset(synthetic_asset(kernels, 0, 7)), ply(encode_ply(asset)), bytes(encode_progressive(asset)) {
+    hash = content_hash(ply);
+  }
+  AssetCache::Fetch fetch(size_t cut_after = ~size_t{0}) {
+    return [this, cut_after](uint64_t offset, const TakeChunk& take) -> Result<void> {
+      offsets.push_back(offset);
+      size_t sent = 0;
+      for (size_t at = offset; at < bytes.size(); at += 1000) {
+        if (sent >= cut_after) return Error{ErrorCode::Unavailable, "cut"};
+        const size_t length = std::min<size_t>(1000, bytes.size() - at);
+        if (auto taken = take(at, bytes.size(), std::span(bytes).subspan(at, length)); !taken) return taken;
+        sent += length;
+      }
+      return {};
+    };
+  }
+  const GaussianAsset asset;
+  const std::vector<std::byte> ply;  // what the cache keeps
+  std::vector<std::byte> bytes;      // what is sent
+  std::string hash;
+  std::vector<uint64_t> offsets;
+};
+
+TEST(AssetCache, FetchesOnceThenFindsItThere) {
+  const ScratchFolder folder;
+  const AssetCache cache(folder / "cache");
+  Source source(100);
+  const auto first = cache.obtain(source.hash, source.bytes.size(), source.fetch());
+  ASSERT_TRUE(first) << first.error().message;
+  EXPECT_EQ(first->bytes, source.ply);
+  EXPECT_EQ(first->fetched_bytes, source.bytes.size());
+  const auto second = cache.obtain(source.hash, source.bytes.size(), source.fetch());
+  ASSERT_TRUE(second) << second.error().message;
+  EXPECT_EQ(second->bytes, source.ply);
+  EXPECT_EQ(second->fetched_bytes, 0u);
+  EXPECT_EQ(source.offsets.size(), 1u);
+}
+
+TEST(AssetCache, TakesUpWhereItWasCutOff) {
+  const ScratchFolder folder;
+  const AssetCache cache(folder / "cache");
+  Source source(100);
+  ASSERT_FALSE(cache.obtain(source.hash, source.bytes.size(), source.fetch(3000)));
+  const auto rest = cache.obtain(source.hash, source.bytes.size(), source.fetch());
+  ASSERT_TRUE(rest) << rest.error().message;
+  EXPECT_EQ(rest->bytes, source.ply);
+  EXPECT_EQ(rest->fetched_bytes, source.bytes.size() - 3000);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "cache" / (source.hash + ".part")));
+  EXPECT_EQ(source.offsets, (std::vector<uint64_t>{0, 3000}));
+}
+
+TEST(AssetCache, APartThatIsWrongIsFetchedFromTheStart) {
+  const ScratchFolder folder;
+  Source source(100);
+  folder.write("cache/" + source.hash + ".part", std::string(2000, 'x'));
+  const AssetCache cache(folder / "cache");
+  const auto whole = cache.obtain(source.hash, source.bytes.size(), source.fetch());
+  ASSERT_TRUE(whole) << whole.error().message;
+  EXPECT_EQ(whole->bytes, source.ply);
+  EXPECT_EQ(source.offsets, (std::vector<uint64_t>{0}));
+}
+
+TEST(AssetCache, AnAssetThatWasDamagedOnDiskIsFetchedAgain) {
+  const ScratchFolder folder;
+  Source source(100);
+  folder.write("cache/" + source.hash + ".ply", std::string(4500, 'x'));
+  const AssetCache cache(folder / "cache");
+  const auto whole = cache.obtain(source.hash, source.bytes.size(), source.fetch());
+  ASSERT_TRUE(whole) << whole.error().message;
+  EXPECT_EQ(whole->fetched_bytes, source.bytes.size());
+  EXPECT_EQ(*read_file(folder.path() / "cache" / (source.hash + ".ply")), source.ply);
+}
+
+TEST(AssetCache, BytesOfAnotherHashAreRefused) {
+  const ScratchFolder folder;
+  const AssetCache cache(folder / "cache");
+  Source source(100);
+  source.bytes = encode_progressive(synthetic_asset(100, 0, 8));
+  const auto refused = cache.obtain(source.hash, source.bytes.size(), source.fetch());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::InvalidData);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "cache" / (source.hash + ".ply")));
+}
+
+// Told at the block that is spoilt, before the rest is fetched.
+TEST(AssetCache, BytesThatAreNoAssetAreRefused) {
+  const ScratchFolder folder;
+  const AssetCache cache(folder / "cache");
+  Source source(9000);
+  source.bytes[300] ^= std::byte{1};
+  const auto refused = cache.obtain(source.hash, source.bytes.size(), source.fetch());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::InvalidData);
+  EXPECT_EQ(refused.error().message.find("asset " + source.hash.substr(0, 12) + ": a block"), 0u) << refused.error().message;
+  EXPECT_EQ(source.offsets.size(), 1u);
+}
+
+// What came is told of while the rest is still to come, of what an earlier attempt left, too.
+TEST(AssetCache, TellsWhatCanBeDrawnBeforeItIsWhole) {
+  const ScratchFolder folder;
+  const AssetCache cache(folder / "cache");
+  Source source(9000);
+  std::vector<size_t> kernels;
+  const auto tell = [&](const ProgressiveDecoder& so_far) { kernels.push_back(so_far.part().asset.size()); };
+  const size_t most = source.bytes.size() * 6 / 10;
+  ASSERT_FALSE(cache.obtain(source.hash, source.bytes.size(), source.fetch(most), tell));
+  EXPECT_EQ(kernels, (std::vector<size_t>{1024, 3072}));
+  kernels.clear();
+  const auto whole = cache.obtain(source.hash, source.bytes.size(), source.fetch(), tell);
+  ASSERT_TRUE(whole) << whole.error().message;
+  EXPECT_EQ(kernels, (std::vector<size_t>{3072, 7168, 9000}));
+  EXPECT_EQ(whole->bytes, source.ply);
+  EXPECT_LE(whole->fetched_bytes, source.bytes.size() - most);
+}
+
+TEST(AssetCache, MoreBytesThanPromisedAreRefused) {
+  const ScratchFolder folder;
+  const AssetCache cache(folder / "cache");
+  Source source(100);
+  EXPECT_FALSE(cache.obtain(source.hash, 2000, source.fetch()));
+  EXPECT_LE(std::filesystem::file_size(folder.path() / "cache" / (source.hash + ".part")), 2000u);
+}
+
+TEST(AssetCache, ClientsThatAskAtOnceFetchOnce) {
+  const ScratchFolder folder;
+  Source source(4000);
+  std::vector<std::thread> clients;
+  std::atomic<uint64_t> fetched{0};
+  std::mutex source_mutex;  // the test's source is for one thread; the cache lets one through anyway
+  for (int i = 0; i < 8; ++i) {
+    clients.emplace_back([&] {
+      const AssetCache cache(folder / "cache");
+      const auto obtained =
+          cache.obtain(source.hash, source.bytes.size(), [&](uint64_t offset, const TakeChunk& take) {
+            std::lock_guard lock(source_mutex);
+            return source.fetch()(offset, take);
+          });
+      ASSERT_TRUE(obtained) << obtained.error().message;
+      EXPECT_EQ(obtained->bytes, source.ply);
+      fetched += obtained->fetched_bytes;
+    });
+  }
+  for (std::thread& client : clients) client.join();
+  EXPECT_EQ(fetched, source.bytes.size());
+}
+
+TEST(AssetCache, AFolderThatCannotBeMadeIsNamed) {
+  const ScratchFolder folder;
+  const auto file = folder.write("file", "");
+  Source source(1);
+  const auto refused = AssetCache(file / "cache").obtain(source.hash, 10, source.fetch());
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("--cache"), std::string::npos) << refused.error().message;
+}
+
+}  // namespace
+}  // namespace livegs
