@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "xr/display.h"
-#include "xr/video_file.h"
+#include "xr/display/video_file.h"
 
 namespace livegs {
 

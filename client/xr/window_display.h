@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "xr/display.h"
-#include "xr/draw_arrow.h"
-#include "xr/window_panels.h"
+#include "xr/window/draw_arrow.h"
+#include "xr/window/window_panels.h"
 
 namespace livegs {
 

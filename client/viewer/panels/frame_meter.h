@@ -7,7 +7,7 @@
 
 #include "render/splat_renderer.h"
 #include "stream/received/received.h"
-#include "xr/window_panels.h"
+#include "xr/window/window_panels.h"
 
 namespace livegs {
 

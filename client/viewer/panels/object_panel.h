@@ -8,7 +8,7 @@
 
 #include "stream/received/received.h"
 #include "viewer/panels/parameter_slider.h"
-#include "xr/window_panels.h"
+#include "xr/window/window_panels.h"
 
 namespace livegs {
 

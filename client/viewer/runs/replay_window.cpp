@@ -10,7 +10,7 @@
 #include "viewer/live/connected_scene.h"
 #include "viewer/camera/render_scale.h"
 #include "viewer/runs/replay_run.h"
-#include "xr/draw_panels.h"
+#include "xr/window/draw_panels.h"
 #include "xr/window_display.h"
 
 namespace livegs {

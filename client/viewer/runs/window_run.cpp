@@ -24,7 +24,7 @@
 #include "viewer/camera/client_view_cone.h"
 #include "viewer/live/session_notice.h"
 #include "viewer/study/study_recording.h"
-#include "xr/draw_panels.h"
+#include "xr/window/draw_panels.h"
 #include "xr/window_display.h"
 
 namespace livegs {

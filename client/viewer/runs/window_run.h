@@ -12,7 +12,7 @@
 #include "livegs/v1/scene.pb.h"
 #include "viewer/camera/camera_file.h"
 #include "viewer/live/connected_scene.h"
-#include "xr/window_panels.h"
+#include "xr/window/window_panels.h"
 
 namespace livegs {
 

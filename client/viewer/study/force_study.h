@@ -8,7 +8,7 @@
 
 #include "livegs/v1/scene.pb.h"
 #include "render/scene_view.h"
-#include "xr/window_panels.h"
+#include "xr/window/window_panels.h"
 
 namespace livegs {
 

@@ -9,7 +9,7 @@
 #include "stream/received/frame_history.h"
 #include "stream/received/received.h"
 #include "viewer/study/force_study.h"
-#include "xr/video_file.h"
+#include "xr/display/video_file.h"
 
 namespace livegs {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "xr/openxr_plate.h"
+#include "xr/openxr/openxr_text_layer.h"
 
 namespace livegs {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "xr/draw_frame_graph.h"
+#include "xr/window/draw_frame_graph.h"
 
 #include <algorithm>
 #include <cstdio>
 
-#include "xr/window_style.h"
+#include "xr/window/window_style.h"
 
 namespace livegs {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "xr/openxr_swapchain.h"
+#include "xr/openxr/openxr_swapchain.h"
 
 #include <algorithm>
 #include <cmath>

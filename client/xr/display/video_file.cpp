@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "xr/video_file.h"
+#include "xr/display/video_file.h"
 
 #include <fcntl.h>
 #include <signal.h>

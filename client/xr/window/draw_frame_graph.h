@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "xr/window_panels.h"
+#include "xr/window/window_panels.h"
 
 namespace livegs {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "xr/window_panels.h"
+#include "xr/window/window_panels.h"
 
 namespace livegs {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "xr/draw_panels.h"
+#include "xr/window/draw_panels.h"
 
 #include <algorithm>
 #include <array>
 #include <cstdio>
 
-#include "xr/draw_frame_graph.h"
-#include "xr/window_style.h"
+#include "xr/window/draw_frame_graph.h"
+#include "xr/window/window_style.h"
 
 namespace livegs {
 namespace {

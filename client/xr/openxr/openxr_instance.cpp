@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "xr/openxr_instance.h"
+#include "xr/openxr/openxr_instance.h"
 
 #include <cstdio>
 #include <cstdlib>

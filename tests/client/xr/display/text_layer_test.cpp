@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "xr/text_plate.h"
+#include "xr/display/text_layer.h"
 
 #include <gtest/gtest.h>
 

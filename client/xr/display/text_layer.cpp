@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "xr/text_plate.h"
+#include "xr/display/text_layer.h"
 
 #include <imgui.h>
 #include <imgui_internal.h>
@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "xr/window_style.h"
+#include "xr/window/window_style.h"
 
 namespace livegs {
 namespace {

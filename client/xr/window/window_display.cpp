@@ -13,8 +13,8 @@
 #include <utility>
 
 #include "core/assert.h"
-#include "xr/draw_panels.h"
-#include "xr/window_style.h"
+#include "xr/window/draw_panels.h"
+#include "xr/window/window_style.h"
 
 namespace livegs {
 namespace {

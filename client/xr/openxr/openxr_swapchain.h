@@ -8,7 +8,7 @@
 #include "compute/device_image.h"
 #include "compute/vulkan_memory.h"
 #include "splat/image.h"
-#include "xr/openxr_instance.h"
+#include "xr/openxr/openxr_instance.h"
 
 namespace livegs {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "xr/draw_arrow.h"
+#include "xr/window/draw_arrow.h"
 
-#include "xr/window_style.h"
+#include "xr/window/window_style.h"
 
 namespace livegs {
 namespace {

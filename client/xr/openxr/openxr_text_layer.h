@@ -5,9 +5,9 @@
 #include <string>
 
 #include "compute/vulkan_memory.h"
-#include "xr/openxr_instance.h"
-#include "xr/openxr_swapchain.h"
-#include "xr/text_plate.h"
+#include "xr/openxr/openxr_instance.h"
+#include "xr/openxr/openxr_swapchain.h"
+#include "xr/display/text_layer.h"
 
 namespace livegs {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "xr/openxr_hands.h"
+#include "xr/openxr/openxr_hands.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "core/input_sample.h"
-#include "xr/openxr_instance.h"
+#include "xr/openxr/openxr_instance.h"
 
 namespace livegs {
 

@@ -8,10 +8,10 @@
 #include "core/clock.h"
 #include "core/log.h"
 #include "xr/headset_display.h"
-#include "xr/openxr_hands.h"
-#include "xr/openxr_instance.h"
-#include "xr/openxr_plate.h"
-#include "xr/openxr_swapchain.h"
+#include "xr/openxr/openxr_hands.h"
+#include "xr/openxr/openxr_instance.h"
+#include "xr/openxr/openxr_text_layer.h"
+#include "xr/openxr/openxr_swapchain.h"
 
 namespace livegs {
 namespace {

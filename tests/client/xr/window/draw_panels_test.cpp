@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The panels with a mouse of our own: no display is needed to know what a click does.
-#include "xr/draw_panels.h"
+#include "xr/window/draw_panels.h"
 
 #include <gtest/gtest.h>
 #include <imgui.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "xr/window_style.h"
+#include "xr/window/window_style.h"
 
 #include <filesystem>
 
