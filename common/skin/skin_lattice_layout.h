@@ -9,7 +9,7 @@
 #ifdef __cplusplus
 #pragma once
 #endif
-#include "gaussian/posed_kernel_row.h"
+#include "gaussian/asset/posed_kernel_row.h"
 #include "skin/rest_kernel_row.h"
 #ifdef __cplusplus
 namespace livegs {

@@ -6,7 +6,7 @@
 #ifdef __cplusplus
 #pragma once
 #endif
-#include "gaussian/posed_kernel_row.h"
+#include "gaussian/asset/posed_kernel_row.h"
 #ifdef __cplusplus
 namespace livegs {
 #endif

@@ -20,7 +20,7 @@
 #include "common/splat/synthetic_kernels.h"
 #include "compute/vulkan_backend.h"
 #include "core/clock.h"
-#include "gaussian/posed_kernel_row.h"
+#include "gaussian/asset/posed_kernel_row.h"
 #include "render/splat_renderer.h"
 #include "skin/device_skin.h"
 #include "splat/frame_splats.h"

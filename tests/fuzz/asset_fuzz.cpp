@@ -5,7 +5,7 @@
 
 #include "fuzz/fuzz_target.h"
 #include "gaussian/progressive_asset.h"
-#include "gaussian/progressive_layout.h"
+#include "gaussian/progressive/progressive_layout.h"
 
 namespace livegs::fuzz {
 namespace {

@@ -10,14 +10,14 @@
 #include <random>
 #include <string>
 
-#include "common/gaussian/expect_invariants.h"
+#include "common/gaussian/asset/expect_invariants.h"
 #include "common/gaussian/shared_data.h"
 #include "common/gaussian/synthetic_asset.h"
 #include "core/file.h"
 #include "gaussian/asset_file.h"
-#include "gaussian/decompress.h"
-#include "gaussian/establish_invariants.h"
-#include "gaussian/readers.h"
+#include "gaussian/asset/decompress.h"
+#include "gaussian/asset/establish_invariants.h"
+#include "gaussian/asset/readers.h"
 
 namespace livegs {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "common/compute/backends.h"
 #include "common/skin/rest_bodies.h"
-#include "gaussian/posed_kernel_row.h"
+#include "gaussian/asset/posed_kernel_row.h"
 #include "skin/device_skin.h"
 #include "skin/pose_rigid_kernels.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Defects seen in other renderers of splats, each with a picture that would show it. Files' own (quaternions
 // that are not unit, properties out of order, values that are not finite) end in the readers:
-// tests/common/gaussian/invariants_test.cpp and ply_test.cpp. Subgroup sizes: the sort has none
+// tests/common/gaussian/asset/invariants_test.cpp and ply_test.cpp. Subgroup sizes: the sort has none
 // (tests/common/splat/key_sorter_test.cpp).
 #include <cmath>
 

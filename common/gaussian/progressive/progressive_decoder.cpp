@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <zstd.h>
+
+#include <algorithm>
+#include <bit>
+#include <numeric>
+
+#include "gaussian/asset/establish_invariants.h"
+#include "gaussian/progressive_asset.h"
+#include "gaussian/progressive/progressive_layout.h"
+
+namespace livegs {
+namespace {
+
+using namespace progressive_layout;
+
+Error bad(const char* what) { return invalid_data(std::string("asset: ") + what); }
+
+// Column by column out of a block.
+class Columns {
+ public:
+  Columns(Bytes raw, size_t count) : raw_(raw), words_(count) {}
+  // False once a column was none.
+  template <class Take>
+  bool each(const Take& take) {
+    good_ = good_ && decode_column(raw_, words_);
+    for (size_t i = 0; good_ && i < words_.size(); ++i) take(i, words_[i]);
+    return good_;
+  }
+  template <class Take>
+  bool each_float(const Take& take) {
+    return each([&](size_t i, uint32_t word) { take(i, std::bit_cast<float>(word)); });
+  }
+  bool at_end() const { return good_ && raw_.empty(); }
+
+ private:
+  Bytes raw_;
+  std::vector<uint32_t> words_;
+  bool good_ = true;
+};
+
+}  // namespace
+
+// The kernels that `order` names by their arrival; those whose harmonics have not come have none.
+GaussianAsset ProgressiveDecoder::gathered(std::span<const uint32_t> order, int degree) const {
+  GaussianAsset to;
+  to.sh_degree = degree;
+  to.antialiased = asset_.antialiased;
+  to.resize(order.size());
+  const auto rest = static_cast<std::ptrdiff_t>(to.sh_rest_count());
+  std::fill(to.sh_rest.begin(), to.sh_rest.end(), Eigen::Vector3f::Zero());
+  for (size_t i = 0; i < order.size(); ++i) {
+    const size_t at = order[i];
+    to.positions[i] = asset_.positions[at];
+    to.log_scales[i] = asset_.log_scales[at];
+    to.rotations[i] = asset_.rotations[at];
+    to.opacity_logits[i] = asset_.opacity_logits[at];
+    to.sh_dc[i] = asset_.sh_dc[at];
+    if (at < with_harmonics_)
+      std::copy_n(harmonics_.begin() + static_cast<std::ptrdiff_t>(at) * rest, rest, to.sh_rest.begin() + static_cast<std::ptrdiff_t>(i) * rest);
+  }
+  return to;
+}
+
+bool ProgressiveDecoder::complete() const {
+  return !failed_ && has_head_ && indices_.size() == count_ && (degree_ == 0 || with_harmonics_ == count_) && waiting_.empty();
+}
+
+Result<void> ProgressiveDecoder::take(std::span<const std::byte> bytes) {
+  if (failed_) return *failed_;
+  const auto fail = [&](Error error) -> Result<void> {
+    failed_ = error;
+    waiting_ = {};
+    return error;
+  };
+  waiting_.insert(waiting_.end(), bytes.begin(), bytes.end());
+  Bytes left = waiting_;
+  if (!has_head_) {
+    if (left.size() < kHeadBytes) return {};
+    if (auto taken = take_head(left.first(kHeadBytes)); !taken) return fail(taken.error());
+    left = left.subspan(kHeadBytes);
+  }
+  const size_t harmonics = harmonic_columns(degree_);
+  while (!left.empty()) {
+    const bool brings_kernels = indices_.size() < count_;
+    if (!brings_kernels && (degree_ == 0 || with_harmonics_ == count_)) return fail(bad("bytes follow its last block"));
+    if (left.size() < kBlockHeadBytes) break;
+    const auto size = load<uint32_t>(left, 0), kernels = load<uint32_t>(left, 4);
+    const size_t columns = brings_kernels ? kKernelColumns : harmonics;
+    if (kernels == 0 || kernels > kMostBlockKernels ||
+        (brings_kernels ? kernels > count_ - indices_.size() : kernels != block_counts_[harmonic_blocks_])) {
+      return fail(bad("a block has another number of kernels than it may"));
+    }
+    if (size < least_payload_bytes(columns, kernels) || size > most_payload_bytes(columns, kernels))
+      return fail(bad("a block is shorter or longer than its kernels can be"));
+    if (left.size() - kBlockHeadBytes < size) break;
+    if (auto taken = take_block(left.subspan(kBlockHeadBytes, size), kernels); !taken) return fail(taken.error());
+    left = left.subspan(kBlockHeadBytes + size);
+  }
+  waiting_.erase(waiting_.begin(), waiting_.end() - static_cast<std::ptrdiff_t>(left.size()));
+  return {};
+}
+
+Result<void> ProgressiveDecoder::take_head(Bytes head) {
+  if (!std::equal(kMagic.begin(), kMagic.end(), head.begin(),
+                  [](uint8_t a, std::byte b) { return a == std::to_integer<uint8_t>(b); })) {
+    return bad("does not begin as one that is sent does; is the server of another version?");
+  }
+  count_ = load<uint32_t>(head, 8);
+  degree_ = static_cast<int>(byte_at(head, 12));
+  const unsigned flags = byte_at(head, 13);
+  if (count_ == 0 || degree_ > 3 || flags > kAntialiased || load<uint16_t>(head, 14) != 0)
+    return bad("has no kernels, or more harmonics or flags than there are");
+  if (count_ * sizeof(float) * (kFloatColumns + harmonic_columns(degree_)) > kMostDecodedBytes) return bad("is over 4 GiB");
+  asset_.antialiased = flags != 0;
+  has_head_ = true;
+  return {};
+}
+
+Result<void> ProgressiveDecoder::take_block(Bytes payload, uint32_t count) {
+  const bool brings_kernels = indices_.size() < count_;
+  const size_t frame = ZSTD_findFrameCompressedSize(payload.data(), payload.size());
+  if (ZSTD_isError(frame)) return bad("a block is no zstd frame");
+  const Bytes padding = payload.subspan(frame);
+  if (std::any_of(padding.begin(), padding.end(), [](std::byte byte) { return byte != std::byte{0}; }))
+    return bad("bytes follow the zstd frame of a block");
+  std::vector<std::byte> raw(most_raw_bytes(brings_kernels ? kKernelColumns : harmonic_columns(degree_), count));
+  const size_t size = ZSTD_decompress(raw.data(), raw.size(), payload.data(), frame);
+  if (ZSTD_isError(size)) return bad("a block is damaged");
+  const Bytes columns = Bytes(raw).first(size);
+  if (brings_kernels ? !take_kernels(columns, count) : !take_harmonics(columns, count)) return bad("a block's columns are damaged");
+  ++blocks_;
+  return {};
+}
+
+bool ProgressiveDecoder::take_kernels(Bytes raw, size_t count) {
+  const size_t first = indices_.size();
+  Columns columns(raw, count);
+  indices_.resize(first + count);
+  asset_.resize(first + count);
+  uint64_t next = 0;
+  bool in_range = true;
+  columns.each([&](size_t i, uint32_t gap) {
+    next += gap;
+    in_range = in_range && next < count_;
+    indices_[first + i] = static_cast<uint32_t>(next);
+    ++next;
+  });
+  for (int k = 0; k < 3; ++k) columns.each_float([&](size_t i, float value) { asset_.positions[first + i][k] = value; });
+  for (int k = 0; k < 3; ++k) columns.each_float([&](size_t i, float value) { asset_.log_scales[first + i][k] = value; });
+  for (int k = 0; k < 4; ++k) columns.each_float([&](size_t i, float value) { asset_.rotations[first + i].coeffs()[k] = value; });
+  columns.each_float([&](size_t i, float value) { asset_.opacity_logits[first + i] = value; });
+  for (int k = 0; k < 3; ++k) columns.each_float([&](size_t i, float value) { asset_.sh_dc[first + i][k] = value; });
+  block_counts_.push_back(static_cast<uint32_t>(count));
+  return in_range && columns.at_end();
+}
+
+bool ProgressiveDecoder::take_harmonics(Bytes raw, size_t count) {
+  const size_t rest = harmonic_columns(degree_) / 3, first = with_harmonics_ * rest;
+  harmonics_.resize(first + count * rest);
+  Columns columns(raw, count);
+  for (size_t k = 0; k < rest; ++k) {
+    for (int channel = 0; channel < 3; ++channel) {
+      columns.each_float([&](size_t i, float value) { harmonics_[first + i * rest + k][channel] = value; });
+    }
+  }
+  ++harmonic_blocks_;
+  with_harmonics_ += count;
+  return columns.at_end();
+}
+
+AssetPart ProgressiveDecoder::part() const {
+  const auto rest = static_cast<std::ptrdiff_t>(harmonic_columns(degree_) / 3);
+  const auto drawable = [&](uint32_t i) {
+    if (!meets_invariants(asset_, i)) return false;
+    if (i >= with_harmonics_) return true;
+    const auto own = harmonics_.begin() + static_cast<std::ptrdiff_t>(i) * rest;
+    return std::all_of(own, own + rest, [](const Eigen::Vector3f& one) { return one.allFinite(); });
+  };
+  std::vector<uint32_t> order;
+  for (uint32_t i = 0; !failed_ && i < indices_.size(); ++i) {
+    if (drawable(i)) order.push_back(i);
+  }
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return indices_[a] < indices_[b]; });
+  AssetPart part;
+  part.asset = gathered(order, with_harmonics_ > 0 ? degree_ : 0);
+  part.indices.reserve(order.size());
+  for (const uint32_t i : order) part.indices.push_back(indices_[i]);
+  return part;
+}
+
+std::optional<GaussianAsset> ProgressiveDecoder::whole() const {
+  if (!complete()) return std::nullopt;
+  constexpr uint32_t kNone = ~0u;
+  std::vector<uint32_t> order(count_, kNone);
+  for (uint32_t i = 0; i < count_; ++i) {
+    if (std::exchange(order[indices_[i]], i) != kNone) return std::nullopt;
+  }
+  return gathered(order, degree_);
+}
+
+Result<GaussianAsset> decode_progressive(std::span<const std::byte> bytes) {
+  ProgressiveDecoder decoder;
+  if (auto taken = decoder.take(bytes); !taken) return taken.error();
+  if (!decoder.complete()) return bad("breaks off");
+  auto whole = decoder.whole();
+  if (!whole) return bad("has a kernel twice");
+  return std::move(*whole);
+}
+
+}  // namespace livegs

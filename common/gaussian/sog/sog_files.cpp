@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gaussian/sog/sog_files.h"
+
+#include <zip.h>
+
+#include <algorithm>
+
+#include "core/file.h"
+#include "gaussian/asset_file.h"
+
+namespace livegs {
+namespace {
+
+struct CloseZip {
+  void operator()(zip_t* zip) const { zip_discard(zip); }
+  void operator()(zip_file_t* file) const { zip_fclose(file); }
+};
+
+class Bundle : public SogFiles {
+ public:
+  Bundle(std::unique_ptr<zip_t, CloseZip> zip, uint64_t bytes, std::string_view name)
+      : SogFiles(name), zip_(std::move(zip)), bytes_(bytes) {}
+
+ protected:
+  Result<std::vector<std::byte>> read_plain_name(const std::string& file) const override {
+    const std::string prefix = name_ + ": ";
+    zip_stat_t stat;
+    zip_stat_init(&stat);
+    if (zip_stat(zip_.get(), file.c_str(), 0, &stat) != 0 || !(stat.valid & ZIP_STAT_SIZE)) {
+      return invalid_data(prefix + "the archive has no file " + file);
+    }
+    if (stat.size > kMaxCompressionRatio * bytes_)
+      return invalid_data(prefix + "file " + file + " is larger than the archive can hold");
+    const std::unique_ptr<zip_file_t, CloseZip> entry(zip_fopen_index(zip_.get(), stat.index, 0));
+    if (!entry)
+      return invalid_data(prefix + "file " + file + " of the archive cannot be read (" +
+                          zip_strerror(zip_.get()) + ")");
+    std::vector<std::byte> bytes(stat.size);
+    size_t done = 0;
+    while (done < bytes.size()) {
+      const zip_int64_t got = zip_fread(entry.get(), bytes.data() + done, bytes.size() - done);
+      if (got <= 0) return invalid_data(prefix + "file " + file + " of the archive is damaged or cut short");
+      done += static_cast<size_t>(got);
+    }
+    // The checksum is compared when the end is met.
+    std::byte beyond;
+    if (zip_fread(entry.get(), &beyond, 1) != 0)
+      return invalid_data(prefix + "file " + file + " of the archive is damaged");
+    return bytes;
+  }
+
+ private:
+  std::unique_ptr<zip_t, CloseZip> zip_;
+  uint64_t bytes_;
+};
+
+class Folder : public SogFiles {
+ public:
+  Folder(const std::filesystem::path& folder, std::string_view name) : SogFiles(name), folder_(folder) {}
+
+ protected:
+  Result<std::vector<std::byte>> read_plain_name(const std::string& file) const override {
+    return read_file(folder_ / file);
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+}  // namespace
+
+Result<std::vector<std::byte>> SogFiles::read(std::string_view file) const {
+  const bool plain = !file.empty() && file != "." && file != ".." &&
+                     file.find_first_of(std::string_view("/\\:\0", 4)) == file.npos;
+  if (!plain) return invalid_data(name_ + ": meta.json: '" + std::string(file) + "' is no plain file name");
+  return read_plain_name(std::string(file));
+}
+
+Result<std::unique_ptr<SogFiles>> open_sog_bundle(Bytes zip, std::string_view name) {
+  zip_error_t error;
+  zip_error_init(&error);
+  zip_source_t* source = zip_source_buffer_create(zip.data(), zip.size(), 0, &error);
+  std::unique_ptr<zip_t, CloseZip> archive(source ? zip_open_from_source(source, ZIP_RDONLY, &error)
+                                                  : nullptr);
+  if (!archive) {
+    const std::string reason = zip_error_strerror(&error);
+    zip_error_fini(&error);
+    if (source) zip_source_free(source);
+    return invalid_data(std::string(name) + ": is no readable zip archive (" + reason + ")");
+  }
+  zip_error_fini(&error);
+  return std::unique_ptr<SogFiles>(std::make_unique<Bundle>(std::move(archive), zip.size(), name));
+}
+
+std::unique_ptr<SogFiles> open_sog_folder(const std::filesystem::path& folder, std::string_view name) {
+  return std::make_unique<Folder>(folder, name);
+}
+
+}  // namespace livegs

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/result.h"
+#include "gaussian/asset/bytes.h"
+
+namespace livegs {
+
+// The files of a SOG asset: members of a zip archive, or of a folder.
+class SogFiles {
+ public:
+  explicit SogFiles(std::string_view name) : name_(name) {}
+  virtual ~SogFiles() = default;
+
+  // A name with a path in it is refused: nothing outside the asset is ever opened.
+  Result<std::vector<std::byte>> read(std::string_view file) const;
+
+ protected:
+  virtual Result<std::vector<std::byte>> read_plain_name(const std::string& file) const = 0;
+
+  std::string name_;  // what errors call the asset
+};
+
+// `zip` outlives the result.
+Result<std::unique_ptr<SogFiles>> open_sog_bundle(Bytes zip, std::string_view name);
+std::unique_ptr<SogFiles> open_sog_folder(const std::filesystem::path& folder, std::string_view name);
+
+}  // namespace livegs

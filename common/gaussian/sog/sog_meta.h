@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "gaussian/asset/bytes.h"
+
+namespace livegs {
+
+// How three bytes of a pixel become three values: by a table, or (version 1) as fractions between bounds.
+struct SogScale {
+  std::vector<float> codebook;     // 256 values, or none
+  std::array<float, 4> mins = {};  // the fourth is used by sh0 of version 1 only: its opacity logit
+  std::array<float, 4> maxs = {};
+  std::string file;
+};
+
+struct SogPalette {
+  size_t count = 0;
+  int degree = 0;  // called bands in the file
+  std::vector<float> codebook;
+  std::string centroids_file, labels_file;
+};
+
+// meta.json of a SOG asset, checked: every number that must be there is there and finite.
+struct SogMeta {
+  int version = 2;
+  size_t count = 0;
+  bool antialiased = false;
+  std::array<float, 3> means_min = {}, means_max = {};
+  std::string means_low_file, means_high_file, quats_file;
+  SogScale scales, sh0;
+  std::optional<SogPalette> palette;
+};
+
+Result<SogMeta> parse_sog_meta(Bytes json, std::string_view name);
+
+}  // namespace livegs

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "core/result.h"
+#include "gaussian/asset/bytes.h"
+
+namespace livegs {
+
+// An image whose pixels are numbers: four bytes (r g b a) a pixel, rows from the top.
+struct WebpPlane {
+  size_t width = 0;
+  size_t height = 0;
+  std::vector<uint8_t> rgba;
+
+  size_t pixels() const { return width * height; }
+  const uint8_t* pixel(size_t i) const { return rgba.data() + 4 * i; }
+};
+
+// A lossless WebP of at most `max_pixels`. `name` is what errors call the file, `plane` the image in it.
+Result<WebpPlane> decode_webp_plane(Bytes bytes, size_t max_pixels, std::string_view name,
+                                    std::string_view plane);
+
+}  // namespace livegs

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// .spz (Niantic). Versions 1 to 3: the header and the planes in one gzip member. Version 4: a header in the
+// clear, a table of sizes, then a zstd frame a plane.
+#include "gaussian/asset/decompress.h"
+#include "gaussian/asset/readers.h"
+#include "gaussian/spz/spz_planes.h"
+#include "gaussian/asset/y_up.h"
+
+namespace livegs {
+namespace {
+
+constexpr size_t kHeader4Bytes = 32;
+constexpr size_t kStreamEntryBytes = 16;  // u64 compressed size, u64 size
+constexpr int kPositionBits = 24;
+
+Result<void> check_header(const SpzHeader& header, size_t file_bytes, std::string_view name) {
+  const std::string prefix = std::string(name) + ": ";
+  if (header.count == 0) return invalid_data(prefix + "its header says it has no kernels");
+  if (header.sh_degree > kSpzMaxShDegree) {
+    return invalid_data(prefix + "SH degree " + std::to_string(header.sh_degree) + " is none of 0 to 4");
+  }
+  if (header.fractional_bits > kPositionBits) {
+    return invalid_data(prefix + "positions cannot have " + std::to_string(header.fractional_bits) +
+                        " fractional bits of 24");
+  }
+  uint64_t width = 0;
+  for (const uint64_t plane : spz_plane_widths(header)) width += plane;
+  if (width * header.count > kMaxCompressionRatio * file_bytes) {
+    return invalid_data(prefix + "claims " + std::to_string(header.count) + " kernels, more than a file of " +
+                        std::to_string(file_bytes) + " bytes can hold");
+  }
+  return {};
+}
+
+AssetFile unpacked(const SpzHeader& header, const std::array<Bytes, kSpzPlaneCount>& planes) {
+  AssetFile file;
+  file.asset = unpack_spz(header, planes);
+  turn_half_about_x(file.asset);
+  file.format = AssetFormat::Spz;
+  file.format_version = static_cast<int>(header.version);
+  file.y_up_in_file = true;
+  if (header.sh_degree > 3)
+    file.notes.push_back("cut spherical harmonics of degree " + std::to_string(header.sh_degree) + " to 3");
+  return file;
+}
+
+Result<AssetFile> read_gzipped(Bytes bytes, std::string_view name) {
+  const std::string prefix = std::string(name) + ": ";
+  GunzipStream stream(bytes, name);
+  const Result<std::vector<std::byte>> start = stream.take(sizeof(SpzHeader));
+  if (!start) return start.error();
+  const auto header = load<SpzHeader>(*start, 0);
+  if (header.magic != kSpzMagic) return invalid_data(prefix + "is gzip, but does not hold an .spz");
+  if (header.version < 1 || header.version > 3) {
+    return unsupported(prefix + "spz version " + std::to_string(header.version) + " is none of 1 to 4");
+  }
+  const Result<void> checked = check_header(header, bytes.size(), name);
+  if (!checked) return checked.error();
+
+  const std::array<uint64_t, kSpzPlaneCount> widths = spz_plane_widths(header);
+  std::array<std::vector<std::byte>, kSpzPlaneCount> storage;
+  std::array<Bytes, kSpzPlaneCount> planes;
+  for (size_t p = 0; p < kSpzPlaneCount; ++p) {
+    Result<std::vector<std::byte>> plane = stream.take(widths[p] * header.count);
+    if (!plane) return plane.error();
+    storage[p] = std::move(*plane);
+    planes[p] = storage[p];
+  }
+  const Result<size_t> left = stream.drain();
+  if (!left) return left.error();
+  if (*left != 0 && !(header.flags & kSpzHasExtensions)) {
+    return invalid_data(prefix + std::to_string(*left) + " bytes follow the kernels");
+  }
+  return unpacked(header, planes);
+}
+
+Result<AssetFile> read_streams(Bytes bytes, std::string_view name) {
+  const std::string prefix = std::string(name) + ": ";
+  if (bytes.size() < sizeof(SpzHeader)) return invalid_data(prefix + "ends within the spz header");
+  const auto header = load<SpzHeader>(bytes, 0);
+  if (header.version >= 1 && header.version <= 3) {
+    return invalid_data(prefix + "spz version " + std::to_string(header.version) +
+                        " must be compressed with gzip");
+  }
+  if (header.version != 4)
+    return unsupported(prefix + "spz version " + std::to_string(header.version) + " is none of 1 to 4");
+  if (bytes.size() < kHeader4Bytes) return invalid_data(prefix + "ends within the spz header");
+  const Result<void> checked = check_header(header, bytes.size(), name);
+  if (!checked) return checked.error();
+
+  const std::array<uint64_t, kSpzPlaneCount> widths = spz_plane_widths(header);
+  const size_t needed = header.sh_degree == 0 ? kSpzPlaneCount - 1 : kSpzPlaneCount;
+  const size_t stream_count = header.reserved;
+  const size_t table = load<uint32_t>(bytes, sizeof(SpzHeader));
+  if (stream_count != needed) {
+    return invalid_data(prefix + "has " + std::to_string(stream_count) + " streams where SH degree " +
+                        std::to_string(header.sh_degree) + " needs " + std::to_string(needed));
+  }
+  if (table < kHeader4Bytes || table > bytes.size() ||
+      (bytes.size() - table) / kStreamEntryBytes < stream_count) {
+    return invalid_data(prefix + "its table of streams lies outside the file");
+  }
+  size_t at = table + stream_count * kStreamEntryBytes;
+  std::array<std::vector<std::byte>, kSpzPlaneCount> storage;
+  std::array<Bytes, kSpzPlaneCount> planes;
+  for (size_t p = 0; p < stream_count; ++p) {
+    const auto compressed = load<uint64_t>(bytes, table + p * kStreamEntryBytes);
+    const auto size = load<uint64_t>(bytes, table + p * kStreamEntryBytes + 8);
+    if (size != widths[p] * header.count) {
+      return invalid_data(prefix + "stream " + std::to_string(p) + " has " + std::to_string(size) +
+                          " bytes, but " + std::to_string(header.count) + " kernels need " +
+                          std::to_string(widths[p] * header.count));
+    }
+    if (compressed > bytes.size() - at)
+      return invalid_data(prefix + "is cut short within stream " + std::to_string(p));
+    Result<std::vector<std::byte>> plane = zstd_decompress(bytes.subspan(at, compressed), size, name);
+    if (!plane) return plane.error();
+    storage[p] = std::move(*plane);
+    planes[p] = storage[p];
+    at += compressed;
+  }
+  if (at != bytes.size())
+    return invalid_data(prefix + std::to_string(bytes.size() - at) + " bytes follow the last stream");
+  return unpacked(header, planes);
+}
+
+}  // namespace
+
+Result<AssetFile> read_spz(Bytes bytes, std::string_view name) {
+  const bool in_the_clear = bytes.size() >= 4 && load<uint32_t>(bytes, 0) == kSpzMagic;
+  return in_the_clear ? read_streams(bytes, name) : read_gzipped(bytes, name);
+}
+
+}  // namespace livegs
