@@ -12,7 +12,7 @@
 #include "render/view/bound_object.h"
 #include "render/splat_renderer.h"
 #include "skin/driver_frame.h"
-#include "skin/kernel_reach.h"
+#include "skin/bind/kernel_reach.h"
 #include "skin/skin_kernels.h"
 
 namespace livegs {

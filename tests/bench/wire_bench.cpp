@@ -7,7 +7,7 @@
 
 #include "bench/arguments.h"
 #include "bench/time_of.h"
-#include "common/skin/rest_bodies.h"
+#include "common/skin/bind/rest_bodies.h"
 #include "wire/frame_codec.h"
 #include "wire/frame_stream.h"
 

@@ -6,7 +6,7 @@
 
 #include "physics/disjoint_sets.h"
 #include "physics/lattice/lattice_order.h"
-#include "skin/cell_fill.h"
+#include "skin/bind/cell_fill.h"
 
 namespace livegs {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "common/skin/rest_bodies.h"
+#include "common/skin/bind/rest_bodies.h"
 #include "common/wire/mutations.h"
-#include "skin/driver_skinning.h"
+#include "skin/kernels/driver_skinning.h"
 #include "wire/frame_codec.h"
 #include "wire/rest_body_codec.h"
 

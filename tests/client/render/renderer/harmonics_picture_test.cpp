@@ -2,7 +2,7 @@
 // The colour of a kernel that drivers turn, from skinning to the picture, against closed forms: each coefficient of each
 // band, for kernels posed outright, of a rigid body and of an elastic one, drawn by the oracle and by the device.
 #include "client/render/renderer/renderer_fixture.h"
-#include "common/skin/rest_bodies.h"
+#include "common/skin/bind/rest_bodies.h"
 #include "common/splat/real_harmonics.h"
 
 namespace livegs {

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "skin/device_skin.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "core/assert.h"
+#include "core/parallel_for.h"
+#include "skin/kernels/driver_skinning.h"
+#include "skin/kernels/lattice_skinning.h"
+#include "skin/passes/pose_rigid_kernels.h"
+#include "skin/passes/skin_lattice_pass.h"
+
+namespace livegs {
+
+Result<DeviceSkin> DeviceSkin::create(Backend& backend, const RestBody& rest, const KernelBindings& bindings,
+                                      std::span<const uint32_t> kept) {
+  LIVEGS_ASSERT(skins(rest.kind) && bindings.kind == rest.kind);
+  LIVEGS_ASSERT(kept.empty() || kept.back() < bindings.kernels.size());
+  DeviceSkin skin(backend);
+  skin.kind_ = rest.kind;
+  skin.size_ = static_cast<uint32_t>(kept.empty() ? bindings.kernels.size() : kept.size());
+  if (auto made = skin.make_rest_rows(bindings, kept); !made) return made.error();
+  size_t driver_bytes = rest.bodies.size() * sizeof(RigidPoseRow);
+  if (rest.kind == DriverKind::Lattice) {
+    auto cells = skin.make_buffer(rest.cells.size() * sizeof(rest.cells[0]));
+    if (!cells) return cells.error();
+    skin.cells_ = *cells;
+    if (auto done = backend.upload(skin.cells_, std::as_bytes(std::span(rest.cells))); !done) return done.error();
+    driver_bytes = rest.node_coordinates.size() * sizeof(NodeState);
+  }
+  auto drivers = skin.make_buffer(driver_bytes);
+  if (!drivers) return drivers.error();
+  skin.drivers_ = *drivers;
+  return Result<DeviceSkin>(std::move(skin));
+}
+
+DeviceSkin::DeviceSkin(DeviceSkin&& other) noexcept : backend_(other.backend_) { *this = std::move(other); }
+
+DeviceSkin& DeviceSkin::operator=(DeviceSkin&& other) noexcept {
+  std::swap(backend_, other.backend_);
+  std::swap(kind_, other.kind_);
+  std::swap(size_, other.size_);
+  std::swap(body_count_, other.body_count_);
+  std::swap(rest_, other.rest_);
+  std::swap(cells_, other.cells_);
+  std::swap(drivers_, other.drivers_);
+  std::swap(lattice_, other.lattice_);
+  std::swap(device_bytes_, other.device_bytes_);
+  return *this;
+}
+
+DeviceSkin::~DeviceSkin() {
+  rest_.push_back(cells_);
+  rest_.push_back(drivers_);
+  for (const BufferId buffer : rest_) {
+    if (buffer != BufferId{}) (void)backend_->destroy_buffer(buffer);
+  }
+}
+
+Result<BufferId> DeviceSkin::make_buffer(size_t bytes) {
+  auto made = backend_->create_buffer(bytes);
+  if (made) device_bytes_ += bytes;
+  return made;
+}
+
+Result<void> DeviceSkin::make_rest_rows(const KernelBindings& bindings, std::span<const uint32_t> kept) {
+  std::vector<RestKernelRow> rows;
+  for (uint32_t first = 0; first < size_; first += kMaxPartKernels) {
+    const uint32_t count = std::min(kMaxPartKernels, size_ - first);
+    rows.resize(count);
+    parallel_for(count, kSkinBlock, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        const size_t k = kept.empty() ? first + i : kept[first + i];
+        const KernelBinding& binding = bindings.kernels[k];
+        const Symmetric3f& s = bindings.rest_covariances_m2[k];
+        rows[i] = {binding.drivers[0], binding.weights[0], binding.weights[1], binding.weights[2],
+                   s[0], s[1], s[2], s[3], s[4], s[5]};
+        if (kind_ == DriverKind::Rigid) {
+          const Eigen::Vector3f& x = bindings.rest_positions_m[k];
+          rows[i].at_x = x.x();
+          rows[i].at_y = x.y();
+          rows[i].at_z = x.z();
+        }
+      }
+    });
+    auto made = make_buffer(count * sizeof(RestKernelRow));
+    if (!made) return made.error();
+    rest_.push_back(*made);
+    if (auto done = backend_->upload(*made, std::as_bytes(std::span(rows))); !done) return done;
+  }
+  return {};
+}
+
+Result<void> DeviceSkin::move(const RestBody& rest, const KernelBindings& bindings, const ObjectDrivers& drivers) {
+  LIVEGS_ASSERT(rest.kind == kind_ && drivers.kind == kind_);
+  return kind_ == DriverKind::Rigid ? move_bodies(rest, drivers) : move_lattice(rest, bindings, drivers);
+}
+
+Result<void> DeviceSkin::move_bodies(const RestBody& rest, const ObjectDrivers& drivers) {
+  const std::vector<TurnedBody> bodies = turned_bodies(rest, drivers);
+  body_count_ = static_cast<uint32_t>(bodies.size());
+  std::vector<RigidPoseRow> rows;
+  rows.reserve(bodies.size());
+  for (const TurnedBody& body : bodies) {
+    const Eigen::Matrix3f& r = body.world_from_body;
+    const Eigen::Vector3f& x = body.position_m;
+    const Eigen::Quaternionf& q = body.world_from_asset;
+    rows.push_back({r(0, 0), r(0, 1), r(0, 2), x.x(), r(1, 0), r(1, 1), r(1, 2), x.y(),
+                    r(2, 0), r(2, 1), r(2, 2), x.z(), q.x(),   q.y(),   q.z(),   q.w()});
+  }
+  return backend_->upload(drivers_, std::as_bytes(std::span(rows)));
+}
+
+Result<void> DeviceSkin::move_lattice(const RestBody& rest, const KernelBindings& bindings, const ObjectDrivers& drivers) {
+  LIVEGS_ASSERT(drivers.positions_m.size() == rest.node_coordinates.size());
+  const std::vector<NodeState> states = node_states(bindings, drivers.positions_m);
+  const LatticeBody body = lattice_body_of(rest, states);
+  lattice_ = {static_cast<uint32_t>(rest.cells.size()), static_cast<uint32_t>(states.size()), body.cell_width_m,
+              body.lattice_from_asset, body.gradient};
+  return backend_->upload(drivers_, std::as_bytes(std::span(states)));
+}
+
+Result<void> DeviceSkin::pose(uint32_t first, uint32_t count, BufferId posed) const {
+  LIVEGS_ASSERT(count > 0 && first + count <= size_);
+  const uint32_t part = first / kMaxPartKernels, within = first % kMaxPartKernels;
+  LIVEGS_ASSERT(within + count <= kMaxPartKernels);
+  if (kind_ == DriverKind::Rigid) {
+    LIVEGS_ASSERT(body_count_ > 0);
+    const PoseRigidKernelsConstants constants{count, within, body_count_};
+    const std::array buffers{rest_[part], drivers_, posed};
+    return backend_->dispatch(pose_rigid_kernels_pass(), buffers, std::as_bytes(std::span(&constants, 1)), count);
+  }
+  LIVEGS_ASSERT(lattice_.node_count > 0);
+  const Eigen::Quaternionf& q = lattice_.lattice_from_asset;
+  const Eigen::Matrix3f& f = lattice_.body_gradient;
+  const SkinLatticeConstants constants{count,   within,  lattice_.cell_count, lattice_.node_count, lattice_.cell_width_m,
+                                       q.x(),   q.y(),   q.z(),               q.w(),               f(0, 0),
+                                       f(0, 1), f(0, 2), f(1, 0),             f(1, 1),             f(1, 2),
+                                       f(2, 0), f(2, 1), f(2, 2)};
+  const std::array buffers{rest_[part], cells_, drivers_, posed};
+  return backend_->dispatch(skin_lattice_pass(), buffers, std::as_bytes(std::span(&constants, 1)), count);
+}
+
+}  // namespace livegs
