@@ -23,7 +23,7 @@
 #include "gaussian/asset/posed_kernel_row.h"
 #include "render/splat_renderer.h"
 #include "skin/device_skin.h"
-#include "splat/frame_splats.h"
+#include "splat/raster/frame_splats.h"
 
 namespace livegs {
 namespace {

@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_multiview : require
 #include "render/vulkan/draw_splats_layout.h"
-#include "splat/project_splats_layout.h"
+#include "splat/passes/project_splats_layout.h"
 
 layout(std430, set = 0, binding = 0) readonly restrict buffer Order { uint order[]; };
 layout(std430, set = 0, binding = 1) readonly restrict buffer Left0 { SplatRow left_rows_0[]; };

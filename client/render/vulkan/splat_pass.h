@@ -7,7 +7,7 @@
 
 #include "compute/backend.h"
 #include "compute/device_image.h"
-#include "splat/frame_splats.h"
+#include "splat/raster/frame_splats.h"
 #include "splat/image.h"
 
 namespace livegs {

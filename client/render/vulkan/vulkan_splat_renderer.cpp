@@ -13,7 +13,7 @@
 #include "render/vulkan/splat_pass.h"
 #include "render/splat_renderer.h"
 #include "skin/device_skin.h"
-#include "splat/frame_splats.h"
+#include "splat/raster/frame_splats.h"
 
 namespace livegs {
 namespace {

@@ -3,7 +3,7 @@
 // band, for kernels posed outright, of a rigid body and of an elastic one, drawn by the oracle and by the device.
 #include "client/render/renderer/renderer_fixture.h"
 #include "common/skin/bind/rest_bodies.h"
-#include "common/splat/real_harmonics.h"
+#include "common/splat/raster/real_harmonics.h"
 
 namespace livegs {
 namespace {

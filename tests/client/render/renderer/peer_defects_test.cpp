@@ -2,7 +2,7 @@
 // Defects seen in other renderers of splats, each with a picture that would show it. Files' own (quaternions
 // that are not unit, properties out of order, values that are not finite) end in the readers:
 // tests/common/gaussian/asset/invariants_test.cpp and ply_test.cpp. Subgroup sizes: the sort has none
-// (tests/common/splat/key_sorter_test.cpp).
+// (tests/common/splat/passes/key_sorter_test.cpp).
 #include <cmath>
 
 #include "client/render/renderer/renderer_fixture.h"

@@ -8,8 +8,8 @@
 #include "gaussian/asset_file.h"
 #include "render/scene_view.h"
 #include "skin/device_skin.h"
-#include "splat/frame_splats.h"
-#include "splat/project_splats_layout.h"
+#include "splat/raster/frame_splats.h"
+#include "splat/passes/project_splats_layout.h"
 
 namespace livegs {
 namespace {

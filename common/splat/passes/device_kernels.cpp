@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "splat/passes/device_kernels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "core/assert.h"
+#include "core/parallel_for.h"
+#include "splat/half_float.h"
+#include "splat/passes/project_splats_layout.h"
+
+namespace livegs {
+namespace {
+
+constexpr size_t kBlock = 4096;  // kernels
+
+// log2 of the sigmoid. In doubles: of a faint kernel the logarithm of a rounded opacity would be off.
+float log2_opacity(float logit) {
+  return static_cast<float>(-std::log1p(std::exp(-static_cast<double>(logit))) * M_LOG2E);
+}
+
+}  // namespace
+
+Result<DeviceKernels> DeviceKernels::create(Backend& backend, const GaussianAsset& asset, std::vector<uint32_t> kept) {
+  if (asset.size() > UINT32_MAX) {
+    return Error{ErrorCode::TooLarge, std::to_string(asset.size()) + " kernels; a device draws 2^32 at most"};
+  }
+  DeviceKernels kernels(backend);
+  LIVEGS_ASSERT(kept.empty() || kept.back() < asset.size());
+  kernels.asset_size_ = asset.size();
+  kernels.size_ = static_cast<uint32_t>(kept.empty() ? asset.size() : kept.size());
+  kernels.kept_ = std::move(kept);
+  kernels.sh_degree_ = asset.sh_degree;
+  kernels.sh_row_words_ = static_cast<uint32_t>((3 * asset.sh_rest_count() + 1) / 2);
+  kernels.antialiased_ = asset.antialiased;
+  for (uint32_t first = 0; first < kernels.size_; first += kMaxPartKernels) {
+    const uint32_t count = std::min(kMaxPartKernels, kernels.size_ - first);
+    if (auto made = kernels.make_part(asset, first, count); !made) return made.error();
+  }
+  return Result<DeviceKernels>(std::move(kernels));
+}
+
+DeviceKernels::DeviceKernels(DeviceKernels&& other) noexcept : backend_(other.backend_) {
+  *this = std::move(other);
+}
+
+DeviceKernels& DeviceKernels::operator=(DeviceKernels&& other) noexcept {
+  std::swap(backend_, other.backend_);
+  std::swap(parts_, other.parts_);
+  std::swap(kept_, other.kept_);
+  std::swap(asset_size_, other.asset_size_);
+  std::swap(size_, other.size_);
+  std::swap(sh_degree_, other.sh_degree_);
+  std::swap(sh_row_words_, other.sh_row_words_);
+  std::swap(antialiased_, other.antialiased_);
+  std::swap(device_bytes_, other.device_bytes_);
+  return *this;
+}
+
+DeviceKernels::~DeviceKernels() {
+  for (const Part& part : parts_) {
+    for (const BufferId buffer : {part.posed, part.looks, part.bands}) {
+      if (buffer != BufferId{}) (void)backend_->destroy_buffer(buffer);
+    }
+  }
+}
+
+Result<BufferId> DeviceKernels::make_buffer(size_t bytes) {
+  auto made = backend_->create_buffer(bytes);
+  if (made) device_bytes_ += bytes;
+  return made;
+}
+
+Result<void> DeviceKernels::make_part(const GaussianAsset& asset, uint32_t first, uint32_t count) {
+  Part& part = parts_.emplace_back(Part{.first = first, .count = count});
+  const size_t band_words = std::max<size_t>(1, size_t{count} * sh_row_words_);
+  auto looks = make_buffer(count * sizeof(KernelLookRow));
+  if (!looks) return looks.error();
+  part.looks = *looks;
+  auto bands = make_buffer(4 * band_words);
+  if (!bands) return bands.error();
+  part.bands = *bands;
+
+  std::vector<KernelLookRow> look_rows(count);
+  std::vector<uint32_t> words(band_words, 0);
+  const size_t coefficients = asset.sh_rest_count();
+  parallel_for(count, kBlock, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const size_t kernel = kernel_of(first + i);
+      const Eigen::Vector3f& dc = asset.sh_dc[kernel];
+      look_rows[i] = {log2_opacity(asset.opacity_logits[kernel]), dc.x(), dc.y(), dc.z()};
+      for (size_t c = 0; c < 3 * coefficients; ++c) {
+        const float value = asset.sh_rest[kernel * coefficients + c / 3][static_cast<int>(c % 3)];
+        words[i * sh_row_words_ + c / 2] |= static_cast<uint32_t>(half_of_float(value)) << (16 * (c % 2));
+      }
+    }
+  });
+  if (auto done = backend_->upload(part.looks, std::as_bytes(std::span(look_rows))); !done) return done;
+  return backend_->upload(part.bands, std::as_bytes(std::span(words)));
+}
+
+Result<void> DeviceKernels::pose(const PosedKernels& kernels) {
+  LIVEGS_ASSERT(kernels.positions_m.size() == asset_size_);
+  std::vector<PosedKernelRow> rows;
+  for (Part& part : parts_) {
+    if (part.posed == BufferId{}) {
+      auto made = make_buffer(part.count * sizeof(PosedKernelRow));
+      if (!made) return made.error();
+      part.posed = *made;
+    }
+    rows.resize(part.count);
+    parallel_for(part.count, kBlock, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        const size_t kernel = kernel_of(part.first + i);
+        const Eigen::Vector3f& x = kernels.positions_m[kernel];
+        const Symmetric3f& s = kernels.covariances_m2[kernel];
+        const Eigen::Quaternionf& q = kernels.world_from_asset[kernel];
+        rows[i] = {x.x(), x.y(), x.z(), s[0], s[1], s[2], s[3], s[4], s[5], q.x(), q.y(), q.z(), q.w()};
+      }
+    });
+    if (auto done = backend_->upload(part.posed, std::as_bytes(std::span(rows))); !done) return done;
+  }
+  return {};
+}
+
+}  // namespace livegs

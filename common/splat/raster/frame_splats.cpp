@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "splat/raster/frame_splats.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "core/assert.h"
+#include "splat/passes/project_splats.h"
+#include "splat/raster/spherical_harmonics.h"
+
+namespace livegs {
+namespace {
+
+constexpr uint32_t kFewestPosedAtOnce = 4096;
+
+FrameViews frame_views(std::span<const Camera> eyes, const FrameSplats::Options& options) {
+  FrameViews views{};
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero(), axis = Eigen::Vector3d::Zero();
+  for (size_t e = 0; e < eyes.size(); ++e) {
+    views.eye[e] = eye_view(eyes[e], options.max_radius_px, options.min_contribution_px);
+    const Pose& pose = eyes[e].world_from_camera;
+    origin += pose.position_m / static_cast<double>(eyes.size());
+    axis -= pose.orientation.normalized() * Eigen::Vector3d::UnitZ();
+  }
+  const Eigen::Vector3f o = origin.cast<float>(), a = axis.normalized().cast<float>();
+  views.origin_x_m = o.x();
+  views.origin_y_m = o.y();
+  views.origin_z_m = o.z();
+  views.axis_x = a.x();
+  views.axis_y = a.y();
+  views.axis_z = a.z();
+  views.eye_count = static_cast<uint32_t>(eyes.size());
+  views.by_distance = options.order == DepthOrder::Distance ? 1 : 0;
+  return views;
+}
+
+// Of kernels that passes pose: an eighth of the frame takes little memory and still fills a device.
+uint32_t rows_posed_at_once(uint32_t kernels) { return std::min(kernels, std::max(kernels / 8, kFewestPosedAtOnce)); }
+
+// How many more than are wanted a buffer may hold: beyond that it is made anew.
+uint32_t most_spare(uint32_t wanted) { return std::max(wanted / 16, 256u); }
+
+}  // namespace
+
+FrameSplats::FrameSplats(Backend& backend, uint32_t most_part_rows)
+    : backend_(&backend), part_rows_(static_cast<uint32_t>(backend.most_buffer_bytes() / sizeof(SplatRow))) {
+  if (most_part_rows > 0) part_rows_ = std::min(part_rows_, most_part_rows);
+}
+
+FrameSplats::~FrameSplats() { release(); }
+
+void FrameSplats::release() {
+  sorter_.reset();
+  const auto give_back = [&](BufferId& buffer) {
+    if (buffer != BufferId{}) (void)backend_->destroy_buffer(buffer);
+    buffer = {};
+  };
+  give_back(views_);
+  give_back(posed_);
+  for (auto& parts : rows_) std::for_each(std::begin(parts), std::end(parts), give_back);
+  rows_held_[0] = rows_held_[1] = posed_held_ = 0;
+  device_bytes_ = 0;
+}
+
+Result<void> FrameSplats::make_room(uint32_t kernels, size_t eyes, bool poses) {
+  const uint32_t wanted[4] = {kernels, kernels, eyes == 2 ? kernels : 1, poses ? rows_posed_at_once(kernels) : 0};
+  const uint32_t held[4] = {sorter_ ? sorter_->capacity() : 0, rows_held_[0], rows_held_[1], posed_held_};
+  bool fits = true;
+  for (int i = 0; i < 4; ++i) fits = fits && held[i] >= wanted[i] && held[i] <= wanted[i] + most_spare(wanted[i]);
+  if (fits) return {};
+  // A little more than asked for where something grows, so that a ball more is room enough. All goes before anything
+  // is made: the old and the new together might not fit.
+  const bool grows = sorter_.has_value();
+  release();
+  const auto with_spare = [&](uint32_t count) {
+    return count > 1 && grows ? static_cast<uint32_t>(std::min<uint64_t>(count + most_spare(count) / 2, most_kernels())) : count;
+  };
+  const auto failed = [&](const Error& error) {
+    release();
+    return Error{error.code, "a frame of " + std::to_string(kernels) + " kernels: " + error.message};
+  };
+  const auto make = [&](BufferId& buffer, size_t bytes) -> Result<void> {
+    auto made = backend_->create_buffer(bytes);
+    if (!made) return failed(made.error());
+    buffer = *made;
+    device_bytes_ += bytes;
+    return {};
+  };
+  if (auto made = make(views_, sizeof(FrameViews)); !made) return made;
+  for (int e = 0; e < 2; ++e) {
+    const uint32_t count = with_spare(wanted[1 + e]);
+    for (uint32_t part = 0, first = 0; first < count; ++part, first += part_rows_) {
+      if (auto made = make(rows_[e][part], std::min(part_rows_, count - first) * sizeof(SplatRow)); !made) return made;
+    }
+    rows_held_[e] = count;
+  }
+  if (poses) {
+    posed_held_ = with_spare(wanted[3]);
+    if (auto made = make(posed_, posed_held_ * sizeof(PosedKernelRow)); !made) return made;
+  }
+  auto sorter = KeySorter::create(*backend_, with_spare(kernels));
+  if (!sorter) return failed(sorter.error());
+  sorter_.emplace(*std::move(sorter));
+  device_bytes_ += sorter_->device_bytes();
+  return {};
+}
+
+Result<void> FrameSplats::project(std::span<const Object> objects, std::span<const Camera> eyes,
+                                  const Options& options) {
+  if (auto done = prepare(objects, eyes, options); !done) return done;
+  return project_prepared(objects, options);
+}
+
+Result<void> FrameSplats::prepare(std::span<const Object> objects, std::span<const Camera> eyes,
+                                  const Options& options) {
+  LIVEGS_ASSERT(eyes.size() == 1 || eyes.size() == 2);
+  uint64_t total = 0;
+  bool poses = false;
+  for (const Object& object : objects) {
+    total += object.kernels->size();
+    poses = poses || object.pose;
+  }
+  if (total > most_kernels()) {
+    return Error{ErrorCode::TooLarge, "a frame of " + std::to_string(total) + " kernels; the device's buffers hold " +
+                                          std::to_string(most_kernels())};
+  }
+  kernel_count_ = static_cast<uint32_t>(total);
+  if (auto made = make_room(std::max(1u, kernel_count_), eyes.size(), poses); !made) return made;
+  const FrameViews views = frame_views(eyes, options);
+  return backend_->upload(views_, std::as_bytes(std::span(&views, 1)));
+}
+
+Result<void> FrameSplats::project_rows(const Object& object, const Options& options, BufferId posed,
+                                       const DeviceKernels::Part& part, uint32_t first, uint32_t count, uint32_t first_place) {
+  const DeviceKernels& kernels = *object.kernels;
+  const int degree = std::clamp(options.max_sh_degree, 0, std::min(kernels.sh_degree(), kMaxShDegree));
+  const auto row_part = static_cast<int>(first_place / part_rows_);
+  const ProjectSplatsConstants constants{.kernel_count = count,
+                                         .first_kernel = first,
+                                         .first_posed = posed == part.posed ? first : 0,
+                                         .first_key = first_place,
+                                         .first_row = first_place % part_rows_,
+                                         .sh_degree = static_cast<uint32_t>(degree),
+                                         .sh_row_words = kernels.sh_row_words(),
+                                         .antialiased = kernels.antialiased() ? 1u : 0u};
+  const std::array buffers{views_, posed, part.looks, part.bands, rows(0, row_part), rows(1, row_part), sorter_->keys()};
+  return backend_->dispatch(project_splats_pass(), buffers, std::as_bytes(std::span(&constants, 1)), count);
+}
+
+Result<void> FrameSplats::project_prepared(std::span<const Object> objects, const Options& options) {
+  uint32_t place = 0;
+  for (const Object& object : objects) {
+    for (const DeviceKernels::Part& part : object.kernels->parts()) {
+      const uint32_t at_once = object.pose ? posed_held_ : part.count;
+      for (uint32_t first = 0, count = 0; first < part.count; first += count) {
+        count = std::min({at_once, part.count - first, part_rows_ - place % part_rows_});  // of one part of either
+        if (object.pose) {
+          if (auto done = object.pose(part.first + first, count, posed_); !done) return done;
+        }
+        if (auto done = project_rows(object, options, object.pose ? posed_ : part.posed, part, first, count, place); !done)
+          return done;
+        place += count;
+      }
+    }
+  }
+  return {};
+}
+
+Result<void> FrameSplats::sort() {
+  LIVEGS_ASSERT(sorter_.has_value());
+  return sorter_->sort(kernel_count_, {.index_values = true, .drops_keys = true});
+}
+
+}  // namespace livegs

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "splat/passes/radix_sort.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "common/splat/synthetic_kernels.h"
+
+namespace livegs {
+namespace {
+
+std::vector<KeyedIndex> sorted_by_us(std::vector<KeyedIndex> items) {
+  std::vector<KeyedIndex> scratch;
+  radix_sort(items, scratch);
+  return items;
+}
+
+void expect_stable_order(const std::vector<KeyedIndex>& items) {
+  std::vector<KeyedIndex> expected = items;
+  std::stable_sort(expected.begin(), expected.end(),
+                   [](const KeyedIndex& a, const KeyedIndex& b) { return a.key < b.key; });
+  const std::vector<KeyedIndex> sorted = sorted_by_us(items);
+  ASSERT_EQ(sorted.size(), expected.size());
+  for (size_t i = 0; i < sorted.size(); ++i) {
+    ASSERT_EQ(sorted[i].key, expected[i].key) << i;
+    ASSERT_EQ(sorted[i].index, expected[i].index) << i;
+  }
+}
+
+std::vector<KeyedIndex> random_items(size_t count, double distinct_keys, uint64_t seed) {
+  synthetic::Random random(seed);
+  std::vector<KeyedIndex> items;
+  for (size_t i = 0; i < count; ++i) {
+    items.push_back({static_cast<uint32_t>(random.uniform(0, distinct_keys)), static_cast<uint32_t>(i)});
+  }
+  return items;
+}
+
+TEST(RadixSort, OrdersWholeWordsAndKeepsEqualKeysInPlace) {
+  for (const size_t count : {0u, 1u, 2u, 1000u, 65'536u, 65'537u, 200'000u}) {
+    expect_stable_order(random_items(count, 0x1p32, count + 1));
+    expect_stable_order(random_items(count, 10.0, count + 2));
+    expect_stable_order(random_items(count, 1.0, count + 3));
+  }
+}
+
+TEST(RadixSort, KeysOfFloatsAreInTheOrderOfTheFloats) {
+  const float infinity = std::numeric_limits<float>::infinity();
+  const float rising[] = {-infinity, -1e30f, -2.0f,  -1.0f, -1e-30f, -1e-42f, -0.0f,
+                          0.0f,      1e-42f, 1e-30f, 1.0f,  2.0f,    1e30f,   infinity};
+  for (size_t i = 1; i < std::size(rising); ++i)
+    EXPECT_LT(ordered_key(rising[i - 1]), ordered_key(rising[i])) << i;
+}
+
+}  // namespace
+}  // namespace livegs
