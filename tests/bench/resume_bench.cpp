@@ -19,9 +19,9 @@
 #include "client/stream/session/sink_log.h"
 #include "core/log.h"
 #include "render/choose_camera.h"
-#include "system/fault_proxy.h"
-#include "system/programs_fixture.h"
-#include "system/served_scene.h"
+#include "system/support/fault_proxy.h"
+#include "system/programs/programs_fixture.h"
+#include "scenes/served_scene.h"
 #include "viewer/live/scene_loader.h"
 
 using namespace livegs;

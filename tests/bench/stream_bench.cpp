@@ -26,9 +26,9 @@
 #include "core/log.h"
 #include "session/access/server_security.h"
 #include "session/sessions/session_table.h"
-#include "system/fault_proxy.h"
-#include "system/noise_server.h"
-#include "system/served_scene.h"
+#include "system/support/fault_proxy.h"
+#include "system/stream/noise_server.h"
+#include "scenes/served_scene.h"
 
 using namespace livegs;
 using namespace livegs::bench;

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "system/program.h"
+#include "system/support/program.h"
 
 namespace livegs::bench {
 

@@ -9,7 +9,7 @@
 
 #include "openxr_runtime/record_files.h"
 #include "scratch_folder.h"
-#include "system/program.h"
+#include "system/support/program.h"
 
 namespace livegs {
 namespace {

@@ -17,7 +17,7 @@
 #include "scene/build/shape_asset.h"
 #include "scratch_folder.h"
 #include "server/analysis/model/chat/model_endpoint_cases.h"
-#include "system/program.h"
+#include "system/support/program.h"
 
 namespace livegs {
 namespace {

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "scratch_folder.h"
-#include "system/program.h"
+#include "system/support/program.h"
 
 namespace livegs {
 namespace {

@@ -13,7 +13,7 @@
 #include "gaussian/asset_file.h"
 #include "scratch_folder.h"
 #include "splat/image.h"
-#include "system/program.h"
+#include "system/support/program.h"
 
 namespace livegs {
 namespace {

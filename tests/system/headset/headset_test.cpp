@@ -1,0 +1,422 @@
+// SPDX-License-Identifier: Apache-2.0
+// The headset's client on the simulated runtime, against the real server.
+#include <openxr/openxr.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "system/headset/headset_session.h"
+
+namespace livegs {
+namespace {
+
+const std::map<std::string, Eigen::Vector3d> kBoxes = {{"thrown", {0, 0, 0}}, {"pulled", {-0.35, 0, 0}}, {"target", {0.4, 0, 0}}};
+
+// Drawn by the CPU and uploaded: a device in software takes ten times as long for a picture, and hands are looked at once a
+// picture.
+TEST_F(HeadsetSession, HandsGrabThrowPullAndShoot) {
+  const auto done = run(floating(kBoxes), R"(
+0    pose head   0 1.6 0         1 0 0 0
+0    pose left  -0.35 1.6 -0.3   1 0 0 0
+0    pose right  0 1.6 -1        1 0 0 0
+# The right hand takes a box, carries it up and lets it fly; it goes on as fast for long, since a busy machine may see it open late.
+0.6  input right.squeeze 1
+0.8  pose right  0 1.6 -1        1 0 0 0
+1.4  pose right  0 1.8 -1        1 0 0 0
+1.6  pose right  0 1.8 -1        1 0 0 0
+3.6  pose right  0 3.0 -1        1 0 0 0
+2.2  input right.squeeze 0
+# The left hand pulls another by its ray, and shoots at the third.
+0.6  input left.trigger 1
+0.8  pose left  -0.35 1.6 -0.3   1 0 0 0
+1.4  pose left  -0.35 1.8 -0.3   1 0 0 0
+2.0  input left.trigger 0
+2.1  pose left  -0.35 1.8 -0.3   1 0 0 0
+2.3  pose left   0.4 1.6 -0.3    1 0 0 0
+2.5  input left.primary 1
+2.8  input left.primary 0
+2.9  do picture
+3.4  do exit
+)",
+                        {.renderer = RendererChoice::Cpu});
+  ASSERT_TRUE(done) << done.error().message;
+  std::printf("%s", summary_text(*done).c_str());
+  expect_no_complaints();
+  double thrown_up_m = 0, thrown_m_s = 0, pulled_up_m = 0, target_m_s = 0;
+  for (const Seen& tick : seen_) {
+    thrown_up_m = std::max(thrown_up_m, tick.bodies.at("thrown").world_from_body.position_m.y());
+    thrown_m_s = tick.bodies.at("thrown").velocity_m_s.y();
+    pulled_up_m = std::max(pulled_up_m, tick.bodies.at("pulled").world_from_body.position_m.y());
+    target_m_s = std::max(target_m_s, -tick.bodies.at("target").velocity_m_s.z());
+  }
+  EXPECT_GT(thrown_up_m, 0.3);
+  // It still flies: the hand went at 0.6 m/s when it let go. Of a hand that a busy machine lost sight of for a tenth of a second
+  // nobody knows; the cup of headset_break_test is thrown on such a one, too.
+  std::printf("thrown at %.2f m/s\n", thrown_m_s);
+  if (done->hand_to_picture_ms_p95 < 100) {
+    EXPECT_GT(thrown_m_s, 0.3);
+  }
+  EXPECT_GT(pulled_up_m, 0.05);
+  EXPECT_GT(target_m_s, 0.05);  // the ball met it
+  // Each hand was told of what it took; the first.
+  std::set<std::string> felt;
+  for (const auto& row : rows(folder_ / "haptics.csv")) felt.insert(row.at(1));
+  EXPECT_EQ(felt, (std::set<std::string>{"/user/hand/left", "/user/hand/right"}));
+  ASSERT_EQ(kept_.size(), 1u);
+  expect_oracle();
+}
+
+// Of a rule that is broken the core validation layer and the simulated runtime would have told expect_no_complaints(): the same
+// session with one bad call, which goes the way of all others through the layer.
+TEST_F(HeadsetSession, ABadCallIsSeenByTheValidationLayer) {
+  XrPath path = XR_NULL_PATH;
+  std::string before;
+  XrResult refused = XR_SUCCESS;
+  const auto done = run(floating(kBoxes), R"(
+0    pose head   0 1.6 0      1 0 0 0
+0.6  do picture
+1.2  do exit
+)",
+                        {.renderer = RendererChoice::Cpu, .on_kept = [&](const PlannedFrame&, const SceneView&, FaultProxy&) {
+                           before = text(folder_ / "core.txt");
+                           refused = xrStringToPath(XR_NULL_HANDLE, "/user/hand/left", &path);
+                         }});
+  ASSERT_TRUE(done) << done.error().message;
+  ASSERT_EQ(kept_.size(), 1u);
+  EXPECT_EQ(before, "");
+  EXPECT_EQ(refused, XR_ERROR_HANDLE_INVALID);
+  const std::string told = text(folder_ / "core.txt");
+  EXPECT_NE(told.find("VUID-xrStringToPath-instance-parameter"), std::string::npos) << told;
+}
+
+TEST_F(HeadsetSession, OutlivesLostFocusAndLostSessions) {
+  const auto done = run(floating(kBoxes), R"(
+0    pose head   0 1.6 0      1 0 0 0
+# Hands that are behind the head at first, so that nothing but the boxes is seen.
+0    pose left  -0.35 1.6 5   1 0 0 0
+0    pose right  0 1.6 5      1 0 0 0
+0.6  do picture
+1.55 pose left  -0.35 1.6 5   1 0 0 0
+1.55 pose right  0 1.6 5      1 0 0 0
+1.6  pose left  -0.35 1.6 -0.3  1 0 0 0
+1.6  pose right  0.1 1.5 -0.6   1 0 0 0
+1.7  input left.trigger 1
+2.2  do picture
+2.8  do take-focus
+3.2  do give-focus
+3.5  do recentre 0.05 1.65 0.1 8
+3.6  do picture
+5.0  do lose-session
+6.6  do refresh 72
+6.7  do compositor 0.05
+7.1  do compositor 0
+7.2  do cut-session
+8.6  do picture
+9.6  do exit
+)",
+                        {});
+  ASSERT_TRUE(done) << done.error().message;
+  std::printf("%s", summary_text(*done).c_str());
+  expect_no_complaints();
+  EXPECT_EQ(done->counts.sessions, 3u);
+  EXPECT_EQ(done->counts.losses, 2u);
+  EXPECT_EQ(done->counts.recentres, 1u);
+  EXPECT_EQ(done->counts.refresh_changes, 1u);
+  const std::vector<std::string> all = states();
+  EXPECT_EQ(std::count(all.begin(), all.end(), "focused"), 4);
+  ASSERT_FALSE(all.empty());
+  EXPECT_EQ(all.back(), "exiting");
+  ASSERT_EQ(kept_.size(), 4u);
+  expect_oracle();
+  // Nothing but the boxes. The face of one, 0.94 m away, is seen 64 mm / 0.94 m further to the right by the left eye; of the others
+  // a side that goes back to 1.06 m is seen as well.
+  const std::vector<double> parallax = expect_parallax(kept_[0]);
+  ASSERT_EQ(parallax.size(), 3u);
+  EXPECT_NEAR((parallax[0] + parallax[1] + parallax[2]) / 3, 1.0, 0.1);
+  ASSERT_TRUE(kept_[0].seen.contains("thrown"));
+  EXPECT_NEAR(kept_[0].seen.at("thrown").parallax, kEyesApart_m / 0.94, 1e-3 * kEyesApart_m);
+  // The recentre put LOCAL's origin, where one stands in the scene, elsewhere: what the eyes see comes from the other side.
+  const Eigen::Vector3d before = kept_[1].eyes[0].world_from_camera.position_m, after = kept_[2].eyes[0].world_from_camera.position_m;
+  EXPECT_NEAR((after - before).norm(), std::hypot(0.05, 0.05, 0.1), 0.01);
+}
+
+// A hand that comes to a box feels it when it gets there, and once; so does it the box in its hand when that meets a wall,
+// though the server tells of the same touch a little later.
+TEST_F(HeadsetSession, ATouchIsFeltWhenItIsSeenAndOnce) {
+  const auto done = run(floating({{"box", {0, 0, 0}}, {"wall", {-0.35, 0, 0}}}, "wall"), R"(
+0    pose head   0 1.6 0         1 0 0 0
+0    pose left   0 1.6 5         1 0 0 0
+0    pose right  0.3 1.6 -1      1 0 0 0
+1.0  pose right  0.3 1.6 -1      1 0 0 0
+2.0  pose right  0 1.6 -1        1 0 0 0
+2.4  input right.squeeze 1
+3.4  pose right  0 1.6 -1        1 0 0 0
+4.4  pose right  -0.3 1.6 -1     1 0 0 0
+5.0  do exit
+)",
+                        {.eye_size = "64x72", .renderer = RendererChoice::Cpu});
+  ASSERT_TRUE(done) << done.error().message;
+  expect_no_complaints();
+  std::vector<double> touched, met;
+  size_t took = 0;
+  for (const auto& row : rows(folder_ / "haptics.csv")) {
+    const double at_s = std::stod(row.at(0));
+    EXPECT_EQ(row.at(1), "/user/hand/right");
+    std::printf("felt at %.3f s, %s\n", at_s, row.at(2).c_str());
+    if (at_s < 2.4)
+      touched.push_back(at_s);
+    else if (at_s < 3.4)
+      ++took;
+    else
+      met.push_back(at_s);
+  }
+  // The hand's ball of 10 mm meets the face at 60 mm when it is 70 mm from the middle; kernels bulge a little. Foreseen by
+  // 25 ms and the time to a picture, which a busy machine takes longer for: hands are looked at once a picture.
+  const double hand_a_picture_m = 0.3 * 1e-3 * done->draw_ms_p95;
+  ASSERT_EQ(touched.size(), 1u);
+  const double from_middle_m = 0.3 - 0.3 * (touched[0] - 1.0);
+  std::printf("touched %.1f mm from the face; a hand goes %.1f mm a picture\n", 1e3 * (from_middle_m - 0.07), 1e3 * hand_a_picture_m);
+  EXPECT_NEAR(from_middle_m, 0.07, 0.02 + 2 * hand_a_picture_m);
+  EXPECT_EQ(took, 1u);
+  // Faces meet when the hand is at -0.35 + 0.12 = -0.23 m; the box follows its hand by a spring, up to 0.1 s later.
+  ASSERT_EQ(met.size(), 1u);
+  EXPECT_NEAR(-0.3 * (met[0] - 3.4), -0.23, 0.05 + 2 * hand_a_picture_m);
+}
+
+// A ball that the other hand shoots at the box in a hand that keeps still: no hand moves, so nothing is foreseen, and the blow is
+// felt because the server tells of it.
+TEST_F(HeadsetSession, ABlowToWhatAHandHoldsIsFelt) {
+  const auto done = run(floating({{"box", {0, 0, 0}}}), R"(
+0    pose head   0 1.6 0         1 0 0 0
+0    pose left   0 1.6 0         1 0 0 0
+0    pose right  0 1.6 -1        1 0 0 0
+0.6  input right.squeeze 1
+2.0  input left.primary 1
+2.1  input left.primary 0
+3.5  do exit
+)",
+                        {.eye_size = "64x72", .renderer = RendererChoice::Cpu});
+  ASSERT_TRUE(done) << done.error().message;
+  expect_no_complaints();
+  size_t at_rest = 0, struck = 0;
+  for (const auto& row : rows(folder_ / "haptics.csv")) {
+    const double at_s = std::stod(row.at(0));
+    std::printf("%s felt at %.3f s, %s\n", row.at(1).c_str(), at_s, row.at(2).c_str());
+    if (row.at(1) != "/user/hand/right" || at_s < 1.4) continue;
+    ++(at_s < 2.0 ? at_rest : struck);
+  }
+  EXPECT_EQ(at_rest, 0u);
+  EXPECT_GE(struck, 1u);
+}
+
+// A runtime that goes away while it is in use: the run ends with one line that names it and the remedy.
+TEST_F(HeadsetSession, ARuntimeThatVanishesEndsTheRunWithTheRemedy) {
+  const auto done = run(floating({{"box", {0, 0, 0}}}), "0 pose head 0 1.6 0 1 0 0 0\n1.0 do vanish\n30 do exit\n",
+                        {.eye_size = "64x72", .renderer = RendererChoice::Cpu});
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, ErrorCode::Unavailable);
+  EXPECT_NE(done.error().message.find("is going away; start it and the client again"), std::string::npos) << done.error().message;
+  expect_no_complaints();
+}
+
+// The same without a word: from one moment on no call does anything.
+TEST_F(HeadsetSession, ARuntimeThatDiesEndsTheRunWithTheRemedy) {
+  const auto done = run(floating({{"box", {0, 0, 0}}}), "0 pose head 0 1.6 0 1 0 0 0\n1.0 do die\n30 do exit\n",
+                        {.eye_size = "64x72", .renderer = RendererChoice::Cpu});
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, ErrorCode::Unavailable);
+  EXPECT_NE(done.error().message.find("is going away; start it and the client again"), std::string::npos) << done.error().message;
+  ASSERT_FALSE(states().empty());
+  EXPECT_EQ(states().back(), "dead");
+  expect_no_complaints();
+}
+
+// Where a plate's writing lies in a picture: its middle, and how many pixels are in its very colour.
+struct Writing {
+  Eigen::Vector2d middle_px{0, 0};
+  size_t pixels = 0;
+};
+Writing writing(const Image& image) {
+  Writing found;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const float* pixel = image.at(x, y);
+      if (std::abs(255 * pixel[0] - 255) > 25 || std::abs(255 * pixel[1] - 138) > 25 || std::abs(255 * pixel[2] - 120) > 25) continue;
+      found.middle_px += Eigen::Vector2d(x + 0.5, y + 0.5);
+      ++found.pixels;
+    }
+  }
+  if (found.pixels > 0) found.middle_px /= static_cast<double>(found.pixels);
+  return found;
+}
+
+Image upper_half(const Image& image) {
+  const int height = image.height / 2;
+  return {image.width, height, {image.pixels.begin(), image.pixels.begin() + std::ptrdiff_t{4} * image.width * height}};
+}
+
+// The server has gone: the wearer reads it, over the last picture and wherever the head turns, until it is back.
+TEST_F(HeadsetSession, SaysBeforeTheEyesThatTheServerHasGone) {
+  int kept = 0;
+  const auto done = run(floating({{"box", {0, 0, 0}}}), R"(
+0    pose head   0 1.6 0         1 0 0 0
+0.6  do picture
+4.0  do picture
+4.2  pose head   0 1.6 0         1 0 0 0
+4.6  pose head   0 1.6 0         0.98481 0 0.17365 0
+4.8  do picture
+5.0  pose head   0 1.6 0         0.98481 0 0.17365 0
+5.4  pose head   0 1.6 0         1 0 0 0
+9.0  do picture
+9.4  do exit
+)",
+                        {.eye_size = "320x360", .renderer = RendererChoice::Cpu, .on_kept = [&](const PlannedFrame&, const SceneView&, FaultProxy& network) {
+                           ++kept;
+                           if (kept == 1) network.cut();
+                           if (kept == 3) network.heal();
+                         }});
+  ASSERT_TRUE(done) << done.error().message;
+  expect_no_complaints();
+  ASSERT_EQ(kept_.size(), 4u);
+  Writing first;
+  for (size_t i = 0; i < kept_.size(); ++i) {
+    const bool gone = i == 1 || i == 2;
+    for (int eye = 0; eye < 2; ++eye) {
+      const auto shown = read_png(kept_[i].files[eye]);
+      ASSERT_TRUE(shown) << shown.error().message;
+      if (const char* folder = std::getenv("LIVEGS_TEST_PICTURES")) {
+        const std::string name = "notice_" + std::to_string(i) + "_" + std::to_string(eye) + ".png";
+        ASSERT_TRUE(write_png(std::filesystem::path(folder) / name, *shown));
+      }
+      // The scene, as it was last, is where the plate is not.
+      EXPECT_GT(psnr_db(upper_half(*shown), upper_half(kept_[i].oracle[eye])), 50.0) << i;
+      const Writing read = writing(*shown);
+      if (!gone) {
+        EXPECT_EQ(read.pixels, 0u) << i;
+        EXPECT_GT(psnr_db(*shown, kept_[i].oracle[eye]), 50.0) << i;
+        continue;
+      }
+      EXPECT_GT(read.pixels, 100u) << i;
+      if (eye == 0 && i == 1) first = read;
+      if (eye == 0) {
+        EXPECT_LT((read.middle_px - first.middle_px).norm(), 1.0) << i;
+      }
+    }
+  }
+}
+
+// So is what the server says of its run, as a window has it: why a scene could not be loaded anew.
+TEST_F(HeadsetSession, SaysBeforeTheEyesWhyAResetFailed) {
+  const auto done = run(floating({{"box", {0, 0, 0}}}), R"(
+0    pose head   0 1.6 0         1 0 0 0
+0.8  do picture
+1.2  do exit
+)",
+                        {.eye_size = "320x360", .renderer = RendererChoice::Cpu, .run_message = "boxes.scene.json cannot be loaded anew: object box: its asset box.ply is gone; put it back and reset once more"});
+  ASSERT_TRUE(done) << done.error().message;
+  expect_no_complaints();
+  ASSERT_EQ(kept_.size(), 1u);
+  for (int eye = 0; eye < 2; ++eye) {
+    const auto shown = read_png(kept_[0].files[eye]);
+    ASSERT_TRUE(shown) << shown.error().message;
+    EXPECT_GT(writing(*shown).pixels, 100u);
+    EXPECT_GT(psnr_db(upper_half(*shown), upper_half(kept_[0].oracle[eye])), 50.0);
+  }
+}
+
+// And what the client says of its device.
+class HeadsetWithAFullDevice : public HeadsetSession {
+ protected:
+  // The renderer's name at the end.
+  std::string draws_with(size_t bytes) {
+    const auto done = run(floating(kBoxes), R"(
+0    pose head   0 1.6 0         1 0 0 0
+0    pose left   0 1.6 5         1 0 0 0
+0    pose right  0 1.6 5         1 0 0 0
+1.2  do picture
+1.6  do exit
+)",
+                          {.eye_size = "320x360", .renderer = RendererChoice::Auto, .memory_limit_bytes = bytes});
+    EXPECT_TRUE(done) << done.error().message;
+    if (!done) return "";
+    expect_no_complaints();
+    EXPECT_EQ(kept_.size(), 1u);
+    for (const auto& file : kept_.at(0).files) {
+      const auto shown = read_png(file);
+      EXPECT_TRUE(shown && writing(*shown).pixels > 100) << file;
+    }
+    return done->renderer;
+  }
+};
+
+// The pictures of both eyes want 4.6 MB, 2.8 where they are blended in 16-bit floats, and 18 000 kernels 4.4.
+TEST_F(HeadsetWithAFullDevice, SaysBeforeTheEyesThatFewerKernelsAreDrawn) {
+  const std::string renderer = draws_with(6'500'000);
+  EXPECT_EQ(renderer.rfind("vulkan: ", 0), 0u) << renderer;
+}
+
+TEST_F(HeadsetWithAFullDevice, SaysBeforeTheEyesThatTheProcessorDraws) { EXPECT_EQ(draws_with(100'000), "cpu"); }
+
+// Eyes that the display wants larger than they can be drawn in time, looked at twice, and once more from where there is next to
+// nothing to draw: each picture is of one size for both eyes, and as the oracle has it at that size.
+class HeadsetScale : public HeadsetSession {
+ protected:
+  static constexpr int kWidth = 480, kHeight = 540;
+  std::vector<int> widths_when_late_late_and_not(RendererChoice renderer) {
+    const auto done = run(floating(kBoxes), R"(
+0    pose head   0 1.6 0         1 0 0 0
+0    pose left   0 1.6 5         1 0 0 0
+0    pose right  0 1.6 5         1 0 0 0
+2.0  do picture
+2.4  do picture
+2.5  pose head   0 1.6 0         1 0 0 0
+2.6  pose head   0 1.6 0         0 0 1 0
+5.0  do picture
+5.2  do exit
+)",
+                          {.eye_size = std::to_string(kWidth) + "x" + std::to_string(kHeight), .renderer = renderer, .scales = true});
+    EXPECT_TRUE(done) << done.error().message;
+    expect_no_complaints();
+    EXPECT_EQ(kept_.size(), 3u);
+    expect_oracle();
+    std::vector<int> widths;
+    for (const Kept& kept : kept_) {
+      for (int eye = 0; eye < 2; ++eye) {
+        const auto shown = read_png(kept.files[eye]);
+        EXPECT_TRUE(shown && shown->width == kept.eyes[0].width && shown->height == kept.eyes[0].height) << kept.files[eye];
+      }
+      // One share of both sides, or what is seen would be stretched.
+      EXPECT_NEAR(kept.eyes[0].width * kHeight, kept.eyes[0].height * kWidth, kHeight);
+      widths.push_back(kept.eyes[0].width);
+      std::printf("%d x %d of %d x %d\n", kept.eyes[0].width, kept.eyes[0].height, kWidth, kHeight);
+    }
+    widths.resize(3);
+    return widths;
+  }
+};
+
+TEST_F(HeadsetScale, ADeviceThatIsLateDrawsSmaller) {
+  const auto widths = widths_when_late_late_and_not(RendererChoice::Vulkan);
+  EXPECT_LT(widths[0], kWidth);
+  EXPECT_LT(widths[1], kWidth);
+  EXPECT_GE(widths[2], widths[1]);  // in software no picture is cheap
+}
+
+TEST_F(HeadsetScale, OneThatIsInTimeAgainDrawsLarger) {
+  const auto widths = widths_when_late_late_and_not(RendererChoice::Cpu);
+  EXPECT_LT(widths[1], kWidth);
+  EXPECT_GT(widths[2], widths[1]);
+}
+
+// No runtime, and nothing to open a window on: a line each, and the code of what could not be done.
+TEST(Headset, WithoutARuntimeTheRemedyIsNamed) {
+  ::setenv("XR_RUNTIME_JSON", "/nowhere/at_all.json", 1);
+  ::unsetenv("XR_ENABLE_API_LAYERS");
+  const auto display = HeadsetDisplay::open();
+  ASSERT_FALSE(display);
+  EXPECT_EQ(display.error().code, ErrorCode::Unavailable);
+  EXPECT_NE(display.error().message.find("XR_RUNTIME_JSON"), std::string::npos) << display.error().message;
+}
+
+}  // namespace
+}  // namespace livegs

@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: Apache-2.0
+// livegs-server and livegs-client as whole programs: what they say, and how they end, when the world is not
+// as it should be.
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "patience.h"
+#include "splat/image.h"
+#include "system/programs/programs_fixture.h"
+
+namespace livegs {
+namespace {
+
+TEST_F(Programs, StreamPokeAndEndWithoutComplaint) {
+  Program server(server_words());
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  Program client(client_words(port, {"--seconds", "2", "--poke", "box", "--every", "10"}));
+  EXPECT_EQ(client.wait(), 0) << client.err();
+  for (const char* name :
+       {"first.png", "last.png", "last_frame.bin", "camera.json", "frames.csv", "timings.csv"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "view" / name)) << name;
+  }
+  EXPECT_NE(client.out().find("staleness p50"), std::string::npos) << client.out();
+  server.send(SIGTERM);
+  EXPECT_EQ(server.wait(), 0) << server.err();
+  EXPECT_NE(server.out().find("tick p50"), std::string::npos) << server.out();
+  EXPECT_NE(server.out().find("box: "), std::string::npos) << server.out();
+}
+
+// 18 000 kernels want 4 MB of the device: with less the client draws some of them and says how many, with next to nothing the
+// processor draws in its place, and it ends as it should.
+TEST_F(Programs, AClientWhoseDeviceIsFullSaysWhatItDoesAboutIt) {
+  Program server(server_words());
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  for (const auto& [megabytes, notice] : {std::pair("2.5", "% of the kernels; the rest is not drawn"), std::pair("0.05", "; the processor draws from here on")}) {
+    std::vector<std::string> words = client_words(port, {"--seconds", "0.5", "--no-video", "--renderer", "vulkan"}, megabytes);
+    words.insert(words.begin(), {"/usr/bin/env", std::string("LIVEGS_VULKAN_MEMORY_MB=") + megabytes});
+    Program client(words);
+    const int code = client.wait();
+    if (code == 1 && client.err().find("vulkan: no") != std::string::npos) GTEST_SKIP() << client.err();
+    EXPECT_EQ(code, 0) << client.err();
+    for (const std::string& said : {client.err(), client.out()}) EXPECT_NE(said.find(notice), std::string::npos) << megabytes << " MB: " << said;
+    EXPECT_TRUE(std::filesystem::exists(folder_ / megabytes / "last.png"));
+  }
+}
+
+TEST_F(Programs, AClientFindsItsAssetsInTheCacheTheSecondTime) {
+  Program server(server_words());
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  Program first(client_words(port, {"--seconds", "0.2", "--no-video"}));
+  ASSERT_EQ(first.wait(), 0) << first.err();
+  EXPECT_EQ(first.out().find(" 0 of "), std::string::npos) << first.out();
+  Program second(client_words(port, {"--seconds", "0.2", "--no-video"}));
+  ASSERT_EQ(second.wait(), 0) << second.err();
+  EXPECT_NE(second.out().find("; 0 of "), std::string::npos) << second.out();
+  EXPECT_NE(second.out().find("fetched, 0.0 MB"), std::string::npos) << second.out();
+}
+
+TEST_F(Programs, AServerThatIsKilledEndsTheClientWithOneAndItsPicturesStay) {
+  Program server(server_words());
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  Program client(client_words(port, {"--seconds", "0", "--reconnect", "0.5"}));
+  // Frames have come by the time another client, that came later, has had a second of them.
+  ASSERT_TRUE(server.says("streaming to")) << server.err();
+  Program probe(client_words(port, {"--seconds", "1", "--no-video"}, "probe"));
+  ASSERT_EQ(probe.wait(), 0) << probe.err();
+  server.send(SIGKILL);
+  EXPECT_EQ(client.wait(), 1) << client.err();
+  EXPECT_NE(client.err().find("went away"), std::string::npos) << client.err();
+  EXPECT_TRUE(read_png(folder_ / "view" / "last.png"));
+  EXPECT_GT(std::filesystem::file_size(folder_ / "view" / "frames.csv"), 100u);
+}
+
+TEST_F(Programs, AServerThatIsKilledAndStartedAnewIsFoundAgain) {
+  Program server(server_words());
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  Program client(client_words(port, {"--seconds", "0", "--no-video", "--reconnect", "60"}));
+  ASSERT_TRUE(server.says("streaming to")) << server.err();
+  Program probe(client_words(port, {"--seconds", "0.5", "--no-video"}, "probe"));
+  ASSERT_EQ(probe.wait(), 0) << probe.err();
+  server.send(SIGKILL);
+  server.wait();
+  std::vector<std::string> words = server_words();
+  std::replace(words.begin(), words.end(), std::string("127.0.0.1:0"), "127.0.0.1:" + port);
+  Program again(words);
+  ASSERT_TRUE(again.says("streaming to")) << again.err();
+  Program probe_again(client_words(port, {"--seconds", "0.5", "--no-video"}, "probe"));
+  ASSERT_EQ(probe_again.wait(), 0) << probe_again.err();
+  client.send(SIGINT);
+  EXPECT_EQ(client.wait(), 0) << client.err();
+  EXPECT_NE(client.out().find("gone 1 times and came back 1 times"), std::string::npos) << client.out();
+  // As it joined, so it is at the end: nothing was fetched again.
+  const size_t joined = client.err().find(" assets fetched, ");
+  ASSERT_NE(joined, std::string::npos) << client.err();
+  EXPECT_NE(client.out().find(client.err().substr(joined, client.err().find('\n', joined) - joined)), std::string::npos)
+      << client.out();
+}
+
+// A laptop that is closed, and opened again: its session goes on, and nobody waited for it.
+TEST_F(Programs, AClientThatIsStoppedIsDroppedAndComesBack) {
+  Program server(server_words());
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  Program client(client_words(port, {"--seconds", "0", "--no-video", "--reconnect", "60"}));
+  ASSERT_TRUE(server.says("streaming to")) << server.err();
+  client.send(SIGSTOP);
+  ASSERT_TRUE(server.says("its stream ends")) << server.err();
+  client.send(SIGCONT);
+  ASSERT_TRUE(server.says("joined again")) << server.err();
+  client.send(SIGINT);
+  EXPECT_EQ(client.wait(), 0) << client.err();
+}
+
+// Who was there goes on, as somebody does who came later and had the machine to himself no more than that.
+TEST_F(Programs, AClientThatIsKilledLeavesTheOthersAlone) {
+  Program server(server_words());
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  Program victim(client_words(port, {"--seconds", "0", "--no-video"}, "victim"));
+  Program other(client_words(port, {"--seconds", "0", "--no-video"}));
+  ASSERT_TRUE(server.says_often(": streaming to", 2)) << server.err();
+  Program before(client_words(port, {"--seconds", "0.5", "--no-video"}, "before"));
+  ASSERT_EQ(before.wait(), 0) << before.err();
+  victim.send(SIGKILL);
+  ASSERT_TRUE(server.says("its stream broke")) << server.err();
+  Program after(client_words(port, {"--seconds", "1", "--no-video"}, "after"));
+  ASSERT_EQ(after.wait(), 0) << after.err();
+  other.send(SIGINT);
+  EXPECT_EQ(other.wait(), 0) << other.err();
+  const std::vector<uint64_t> later = ticks_of("after"), own = ticks_of("view");
+  ASSERT_GT(later.size(), 10u);
+  const auto shown = static_cast<size_t>(
+      std::count_if(own.begin(), own.end(), [&](uint64_t tick) { return tick >= later.front() && tick <= later.back(); }));
+  std::printf("frames got once a client was killed: %zu, by who came then %zu\n", shown, later.size());
+  EXPECT_GT(shown, later.size() / 2);
+}
+
+TEST_F(Programs, AServerThatIsStoppedTellsItsClients) {
+  Program server(server_words({"--seconds", "3"}));
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  Program client(client_words(port, {"--seconds", "0", "--no-video"}));
+  EXPECT_EQ(client.wait(), 0) << client.err();
+  EXPECT_NE(client.err().find("has run for its time"), std::string::npos) << client.err();
+  EXPECT_EQ(server.wait(), 0) << server.err();
+}
+
+// As systemd or a person ends it: who reads is told why, who does not is not waited for, and the port is free for the next.
+TEST_F(Programs, ATerminatedServerTellsItsClientsWaitsForNoneThatIsStoppedAndLeavesItsPort) {
+  Program server(server_words());
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  Program stopped(client_words(port, {"--seconds", "0", "--no-video"}, "stopped"));
+  ASSERT_TRUE(server.says("streaming to")) << server.err();
+  stopped.send(SIGSTOP);
+  Program client(client_words(port, {"--seconds", "0", "--no-video"}));
+  ASSERT_TRUE(server.says_often(": streaming to", 2)) << server.err();
+  server.send(SIGTERM);
+  EXPECT_EQ(server.wait(), 0) << server.err();
+  EXPECT_NE(server.out().find("tick p50"), std::string::npos) << server.out();
+  EXPECT_EQ(client.wait(), 0) << client.err();
+  EXPECT_NE(client.err().find("the server was stopped (Terminated)"), std::string::npos) << client.err();
+  std::vector<std::string> words = server_words();
+  std::replace(words.begin(), words.end(), std::string("127.0.0.1:0"), "127.0.0.1:" + port);
+  Program next(words);
+  EXPECT_EQ(next.first_line(), port) << next.err();
+}
+
+TEST_F(Programs, AnInterruptedClientKeepsWhatItHas) {
+  Program server(server_words());
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  Program client(client_words(port, {"--seconds", "0", "--no-video"}));
+  ASSERT_TRUE(server.says("streaming to")) << server.err();
+  Program probe(client_words(port, {"--seconds", "1", "--no-video"}, "probe"));
+  ASSERT_EQ(probe.wait(), 0) << probe.err();
+  client.send(SIGINT);
+  EXPECT_EQ(client.wait(), 0) << client.err();
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "view" / "timings.csv"));
+}
+
+TEST_F(Programs, APortInUseIsOneLineAndCodeOne) {
+  Program first(server_words());
+  const std::string port = first.first_line();
+  ASSERT_NE(port, "") << first.err();
+  Program second({LIVEGS_SERVER, folder_ / "boxes.scene.json", "--listen", "127.0.0.1:" + port});
+  EXPECT_EQ(second.wait(), 1);
+  expect_one_line(second, "the port is in use");
+  Program client(client_words(port, {"--seconds", "0.2", "--no-video"}));  // the first one keeps running
+  EXPECT_EQ(client.wait(), 0) << client.err();
+}
+
+TEST_F(Programs, AMissingSceneIsOneLineAndCodeTwo) {
+  Program server({LIVEGS_SERVER, folder_ / "absent.scene.json", "--listen", "127.0.0.1:0"});
+  EXPECT_EQ(server.wait(), 2);
+  expect_one_line(server, "absent.scene.json");
+}
+
+TEST_F(Programs, ADeadlineOutsideItsRangeIsRefusedBeforeAnythingIsLoaded) {
+  for (const std::string seconds : {"0", "0.5", "3601", "soon", "90"}) {
+    Program server({LIVEGS_SERVER, folder_ / "absent.scene.json", "--listen", "127.0.0.1:0", "--model-deadline", seconds});
+    EXPECT_EQ(server.wait(), 2) << seconds;
+    const bool refused = server.err().find("--model-deadline") != std::string::npos;
+    EXPECT_EQ(refused, seconds != "90") << server.err();
+    EXPECT_NE(refused, server.err().find("absent.scene.json") != std::string::npos) << server.err();
+  }
+}
+
+TEST_F(Programs, AServerThatIsNotThereIsOneLineAndCodeOne) {
+  Program client(client_words("1", {"--connect-timeout", "0.3"}));
+  EXPECT_EQ(client.wait(), 1);
+  expect_one_line(client, "no server answers at 127.0.0.1:1");
+}
+
+TEST_F(Programs, ADisplayThatDoesNotExistIsRefused) {
+  Program client({LIVEGS_CLIENT, "127.0.0.1:1", "--display", "hologram"});
+  EXPECT_EQ(client.wait(), 2);
+  EXPECT_NE(client.err().find("offscreen"), std::string::npos) << client.err();
+}
+
+// What a display does not do is not left out in silence: a line says so before anything is opened.
+TEST_F(Programs, WhatADisplayDoesNotDoIsOneLineAndCodeTwo) {
+  const std::string script = folder_.write("hands.json", "{}");
+  struct Case {
+    std::vector<std::string> words;
+    std::string named, remedy;
+  };
+  const std::string force = "cube:0,0,0:1,0,0:1";
+  const std::vector<Case> cases = {{{"--display", "openxr", "--script", script}, "--script:", "--display offscreen"},
+                                   {{"--display", "openxr", "--poke", "box"}, "--poke:", "--display window"},
+                                   {{"--display", "openxr", "--force", force}, "--force:", "--display window"},
+                                   {{"--display", "openxr", "--select", "box"}, "--select:", "--display window"},
+                                   {{"--display", "openxr", "--output", folder_ / "out"}, "--output:", "--display window"},
+                                   {{"--display", "openxr", "--every", "5"}, "--every:", "--display window"},
+                                   {{"--display", "openxr", "--size", "640x480"}, "--size:", "leave it out"},
+                                   {{"--display", "openxr", "--no-video"}, "--no-video:", "--display offscreen"},
+                                   {{"--display", "openxr", "--video-rate", "60"}, "--video-rate:", "--display offscreen"},
+                                   {{"--display", "offscreen", "--full-size"}, "--full-size:", "--display window"},
+                                   {{"--display", "window", "--no-video"}, "--no-video:", "--display offscreen"},
+                                   {{"--display", "window", "--video-rate", "60"}, "--video-rate:", "--display offscreen"},
+                                   {{"--select", "box", "--no-video"}, "--no-video:", "--display offscreen"},
+                                   {{"--display", "window", "--script", script}, "--script:", "--display offscreen"},
+                                   {{"--select", "box", "--script", script}, "--script:", "--display offscreen"},
+                                   {{"--display", "offscreen", "--select", "box"}, "--select:", "--display window"},
+                                   {{"--subscribe", "tcp://127.0.0.1:1", "--poke", "box"}, "--poke:", "leave it out"}};
+  for (const Case& one : cases) {
+    std::vector<std::string> words = {LIVEGS_CLIENT, "127.0.0.1:1"};
+    words.insert(words.end(), one.words.begin(), one.words.end());
+    Program client(words);
+    EXPECT_EQ(client.wait(), 2);
+    expect_one_line(client, one.named);
+    expect_one_line(client, one.remedy);
+  }
+}
+
+// Asked for a device that is not there, it says what would make one; else the CPU draws.
+TEST_F(Programs, WithoutAVulkanDriverThePackageIsNamed) {
+  Program server(server_words());
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  const auto words = [&](const char* renderer) {
+    std::vector<std::string> all = {"/usr/bin/env", "VK_ICD_FILENAMES=/nowhere/driver.json"};
+    const std::vector<std::string> client = client_words(port, {"--seconds", "0.2", "--no-video", "--renderer", renderer});
+    all.insert(all.end(), client.begin(), client.end());
+    return all;
+  };
+  Program vulkan(words("vulkan"));
+  EXPECT_EQ(vulkan.wait(), 1);
+  expect_one_line(vulkan, "install the GPU's driver, or the package mesa-vulkan-drivers");
+  Program any(words("auto"));
+  EXPECT_EQ(any.wait(), 0) << any.err();
+  EXPECT_NE(any.err().find("drawing with the cpu: vulkan: no "), std::string::npos) << any.err();
+}
+
+// The remedy for the headset, then the window's.
+TEST_F(Programs, WithoutAHeadsetAWindowIsTried) {
+  Program client({"/usr/bin/env", "DISPLAY=", "XR_RUNTIME_JSON=/nowhere/at_all.json", LIVEGS_CLIENT, "127.0.0.1:1", "--display", "openxr"});
+  EXPECT_EQ(client.wait(), 1);
+  const std::string err = client.err();
+  EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 2) << err;
+  EXPECT_NE(err.find("XR_RUNTIME_JSON"), std::string::npos) << err;
+  EXPECT_NE(err.find("--display offscreen"), std::string::npos) << err;
+}
+
+TEST_F(Programs, APokeAtNothingNamesWhatThereIs) {
+  Program server(server_words());
+  const std::string port = server.first_line();
+  ASSERT_NE(port, "") << server.err();
+  Program client(client_words(port, {"--poke", "hat"}));
+  EXPECT_EQ(client.wait(), 2);
+  expect_one_line(client, "box, cube");
+}
+
+}  // namespace
+}  // namespace livegs

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is sent to a client that can take little, or looks away, over the wire.
+#include <gtest/gtest.h>
+
+#include "client/stream/session/sink_log.h"
+#include "core/clock.h"
+#include "stream/session/session_client.h"
+#include "system/support/fault_proxy.h"
+#include "system/stream/noise_server.h"
+
+namespace livegs {
+namespace {
+
+std::unique_ptr<SessionClient> join(int port, double most_mbit_s) {
+  ConnectOptions options;
+  options.timeout_s = options.reconnect_s = 60;
+  options.most_mbit_s = most_mbit_s;
+  auto joined = SessionClient::join("127.0.0.1:" + std::to_string(port), options);
+  EXPECT_TRUE(joined) << joined.error().message;
+  return joined ? std::move(*joined) : nullptr;
+}
+
+// Bytes of frames a second, over those that came in the window.
+double bytes_a_second(const SinkLog::State& state, int64_t begin_ns, int64_t end_ns) {
+  double bytes = 0;
+  for (const ReceivedFrame& frame : state.frames) {
+    if (frame.received_ns >= begin_ns && frame.received_ns < end_ns) bytes += static_cast<double>(frame.bytes);
+  }
+  return bytes / seconds_from_ns(end_ns - begin_ns);
+}
+
+// 16 kB at 90 Hz are 11.5 Mbit/s; one client wishes for 4, one is held to 6 by the server, which holds for all.
+TEST(Sending, AClientIsSentNoMoreThanItsCap) {
+  NoiseServer noise(2667);
+  noise.server->cap_clients(6);
+  SinkLog modest_sink, greedy_sink;
+  const auto modest = join(noise.port(), 4), greedy = join(noise.port(), 1000);
+  ASSERT_TRUE(modest && greedy);
+  modest->start(modest_sink);
+  greedy->start(greedy_sink);
+  ASSERT_TRUE(modest_sink.wait_frames(3) && greedy_sink.wait_frames(3));
+  const int64_t begin_ns = now_ns(), end_ns = begin_ns + 3'000'000'000;
+  sleep_until_ns(end_ns);
+  const double modest_mbit_s = 8e-6 * bytes_a_second(modest_sink.state(), begin_ns, end_ns);
+  const double greedy_mbit_s = 8e-6 * bytes_a_second(greedy_sink.state(), begin_ns, end_ns);
+  std::printf("capped at 4: %.2f Mbit/s; at 6: %.2f Mbit/s\n", modest_mbit_s, greedy_mbit_s);
+  // What a tenth of a second saves, and one frame of 16 kB, more than three seconds carry.
+  EXPECT_LE(modest_mbit_s, 4 * 3.1 / 3 + 0.05);
+  EXPECT_LE(greedy_mbit_s, 6 * 3.1 / 3 + 0.05);
+  // And not much less, if the machine lets it.
+  EXPECT_GT(modest_mbit_s, 2);
+  // What is left out are whole frames, here, where there is one object; those that come are fresh.
+  EXPECT_TRUE(modest_sink.state().lost.empty());
+  EXPECT_TRUE(modest->stop());
+  EXPECT_TRUE(greedy->stop());
+}
+
+// A client with room, which shares its bytes with all others. Thirty frames are too few for the server to find it slow on a busy machine.
+TEST(Sending, WhoLooksAwayIsSentAllOfItWhereNothingIsShort) {
+  NoiseServer noise(2667);
+  SinkLog sink;
+  const auto client = join(noise.port(), 0);
+  ASSERT_TRUE(client);
+  client->look({{0, 0, 500}, {0, 0, 1}, 0.7});
+  client->start(sink);
+  ASSERT_TRUE(sink.wait_frames(30));
+  const SinkLog::State state = sink.state();
+  for (size_t i = 0; i < 30; ++i) EXPECT_GT(state.frames[i].bytes, 10'000u) << i;
+  EXPECT_TRUE(client->stop());
+}
+
+// No cap, but a link of 8 Mbit/s, where 16 kB a tick are 11.5: once that has shown, frames are without what is not seen, and come each tick.
+TEST(Sending, WhoLooksAwayBehindANarrowLinkIsSentLess) {
+  NoiseServer noise(2667);
+  FaultProxy proxy(noise.port());
+  proxy.set_link({.delay_ms = 1, .mbit_s = 8});
+  SinkLog sink;
+  const auto client = join(proxy.port(), 0);
+  ASSERT_TRUE(client);
+  client->look({{0, 0, 500}, {0, 0, 1}, 0.7});
+  client->start(sink);
+  ASSERT_TRUE(sink.wait([](const SinkLog::State& state) { return state.frames.size() > 1 && state.frames.back().bytes < 100; }));
+  const size_t from = sink.state().frames.size();
+  ASSERT_TRUE(sink.wait_frames(90));
+  const SinkLog::State state = sink.state();
+  size_t full = 0;
+  for (size_t i = from; i < state.frames.size(); ++i) full += state.frames[i].bytes > 10'000 ? 1 : 0;
+  EXPECT_LE(static_cast<double>(full), static_cast<double>(state.frames.back().tick - state.frames[from].tick) / 9 + 2);
+  EXPECT_TRUE(state.lost.empty());
+  EXPECT_TRUE(client->stop());
+}
+
+// The noise is half a metre around the origin, and goes by the id of the floor, which is some metres wide. The cap is never reached, but
+// who has one is sent no more than it has a use for.
+TEST(Sending, WhoLooksAwayUnderACapIsSentLessAndWhoLooksBackAllOfIt) {
+  NoiseServer noise(2667);
+  SinkLog sink;
+  const auto client = join(noise.port(), 1000);
+  ASSERT_TRUE(client);
+  client->look({{0, 0, 500}, {0, 0, 1}, 0.7});
+  client->start(sink);
+  ASSERT_TRUE(sink.wait_frames(20));
+  // Until the server has heard, all comes; afterwards one frame of nine has the noise in it.
+  ASSERT_TRUE(sink.wait([](const SinkLog::State& state) { return state.frames.back().bytes < 100; }));
+  const size_t away_from = sink.state().frames.size();
+  ASSERT_TRUE(sink.wait_frames(90));
+  SinkLog::State state = sink.state();
+  size_t full = 0, frames = 0;
+  for (size_t i = away_from; i < state.frames.size(); ++i, ++frames) full += state.frames[i].bytes > 10'000 ? 1 : 0;
+  const double ticks = static_cast<double>(state.frames.back().tick - state.frames[away_from].tick);
+  EXPECT_LE(static_cast<double>(full), ticks / 9 + 2);
+  EXPECT_GE(static_cast<double>(full), static_cast<double>(frames) / 9 - 2);
+  client->look({{0, 0, 500}, {0, 0, -1}, 0.7});
+  // Two full frames one after the other: it is seen.
+  ASSERT_TRUE(sink.wait([&](const SinkLog::State& now) {
+    const size_t count = now.frames.size();
+    return count > state.frames.size() + 2 && now.frames[count - 1].bytes > 10'000 && now.frames[count - 2].bytes > 10'000;
+  }));
+  state = sink.state();
+  const size_t back_from = state.frames.size();
+  ASSERT_TRUE(sink.wait_frames(20));
+  state = sink.state();
+  for (size_t i = back_from; i < state.frames.size(); ++i) EXPECT_GT(state.frames[i].bytes, 10'000u);
+  EXPECT_TRUE(state.lost.empty());  // every hash agreed
+  EXPECT_TRUE(client->stop());
+}
+
+}  // namespace
+}  // namespace livegs

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+// A window that is closed, and a client that is interrupted, while the scene is still on its way over a slow network. Xvfb.
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <cstdlib>
+#include <thread>
+
+#include "core/clock.h"
+#include "splat/image.h"
+#include "system/support/fault_proxy.h"
+#include "system/window/panel_text.h"
+#include "system/window/window_hands.h"
+
+namespace livegs {
+namespace {
+
+// A quarter of a minute for all assets. Leaving takes tens of milliseconds; a second is the goal.
+constexpr double kSlow_mbit_s = 1, kMost_s = 5, kPatience_s = 60;
+
+class WhileItLoads : public Programs {
+ protected:
+  void SetUp() override {
+    if (!Screen::there_is_one()) GTEST_SKIP() << "no Xvfb; install xvfb";
+    screen_ = std::make_unique<Screen>();
+    ASSERT_NE(screen_->display, "") << screen_->program->err();
+    server_ = std::make_unique<Program>(server_words());
+    const std::string port = server_->first_line();
+    ASSERT_NE(port, "") << server_->err();
+    network_ = std::make_unique<FaultProxy>(std::stoi(port));
+    address_ = "127.0.0.1:" + std::to_string(network_->port());
+  }
+  std::unique_ptr<Program> client(const std::string& display, std::vector<std::string> more = {}, const std::string& size = "480x320") {
+    std::vector<std::string> words = {"/usr/bin/env", "DISPLAY=" + screen_->display, LIVEGS_CLIENT, address_, "--display", display,
+                                      "--cache", folder_ / "cache", "--threads", "1", "--size", size, "--renderer", "cpu",
+                                      "--connect-timeout", "600", "--output", folder_ / "view"};
+    words.insert(words.end(), more.begin(), more.end());
+    return std::make_unique<Program>(words);
+  }
+  template <class Happened>
+  bool wait_for(Happened happened) {
+    const int64_t begun_ns = now_ns();
+    while (!happened() && seconds_from_ns(now_ns() - begun_ns) < kPatience_s) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    return happened();
+  }
+  // Part of an asset, and by no means all, has come.
+  bool is_fetching() {
+    return wait_for([&] {
+      std::error_code error;
+      for (const auto& entry : std::filesystem::directory_iterator(folder_ / "cache", error)) {
+        if (entry.path().extension() == ".part" && std::filesystem::file_size(entry.path(), error) > 10'000) return true;
+      }
+      return false;
+    });
+  }
+  bool has_window() {
+    return wait_for([&] {
+      hands_ = XHands::at_window(screen_->display, "LiveGS " + address_);
+      return hands_ != nullptr;
+    });
+  }
+  // Columns of a bar in the middle that is filled in part.
+  static int filled_columns(const Image& image) {
+    int filled = 0;
+    for (int x = 0; x < image.width; ++x) {
+      bool blue = false;
+      for (int y = image.height / 4; y < 3 * image.height / 4; ++y) {
+        const float* pixel = image.at(x, y);
+        blue = blue || (std::abs(255 * pixel[0] - 110) < 12 && std::abs(255 * pixel[1] - 170) < 12 && std::abs(255 * pixel[2] - 230) < 12);
+      }
+      filled += blue;
+    }
+    return filled;
+  }
+  void expect_end(Program& program, int code, int64_t asked_ns) {
+    EXPECT_EQ(program.wait(), code) << program.err();
+    const double took_s = seconds_from_ns(now_ns() - asked_ns);
+    std::printf("it ended after %.3f s (goal 1)\n", took_s);
+    EXPECT_LT(took_s, kMost_s);
+  }
+
+  std::unique_ptr<Screen> screen_;
+  std::unique_ptr<Program> server_;
+  std::unique_ptr<FaultProxy> network_;
+  std::unique_ptr<XHands> hands_;
+  std::string address_;
+};
+
+TEST_F(WhileItLoads, TheWindowSaysHowFarItIsAndCanBeClosed) {
+  network_->set_link({.mbit_s = kSlow_mbit_s});
+  const auto window = client("window");
+  ASSERT_TRUE(has_window()) << window->err();
+  ASSERT_TRUE(is_fetching()) << window->err();
+  Image shown;
+  ASSERT_TRUE(wait_for([&] { return filled_columns(shown = hands_->picture()) > 2; })) << window->err();
+  EXPECT_LT(filled_columns(shown), 370);
+  const int64_t asked_ns = now_ns();
+  hands_->close();
+  expect_end(*window, 0, asked_ns);
+}
+
+// What a window says before there is a scene and once its server was killed, side by side.
+TEST_F(WhileItLoads, TheSameWindowOutlivesItsServer) {
+  network_->set_link({.mbit_s = kSlow_mbit_s});
+  const std::string camera = folder_.write("camera.json", R"({ "position_m": [-0.75, 0.5, 1.6], "look_at_m": [-0.75, 0.25, 0],
+                                                              "vertical_fov_deg": 40 })");
+  const auto window = client("window", {"--camera", camera}, "690x460");
+  ASSERT_TRUE(has_window()) << window->err();
+  Image loading, gone;
+  const auto orange = [](const Image& image) {
+    size_t count = 0;
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 315; x < image.width; ++x) count += image.at(x, y)[0] > 0.4f && image.at(x, y)[0] > 1.7f * image.at(x, y)[2];
+    }
+    return count;
+  };
+  ASSERT_TRUE(wait_for([&] { return filled_columns(loading = hands_->picture()) > 40; })) << window->err();
+  network_->set_link({});
+  ASSERT_TRUE(wait_for([&] { return orange(gone = hands_->picture()) > 2000; })) << window->err();
+  EXPECT_EQ(notice_pixels(gone), 0u);
+  server_->send(SIGKILL);
+  ASSERT_TRUE(wait_for([&] { return notice_pixels(gone = hands_->picture()) > 100; })) << window->err();
+  EXPECT_GT(orange(gone), 2000u);
+  const char* folder = std::getenv("LIVEGS_TEST_PICTURES");
+  ASSERT_TRUE(write_png(std::filesystem::path(folder ? folder : folder_ / "") / "window_notices.png", side_by_side({loading, gone})));
+  const int64_t asked_ns = now_ns();
+  hands_->close();
+  expect_end(*window, 0, asked_ns);
+}
+
+TEST_F(WhileItLoads, TheWindowCanBeClosedBeforeTheServerAnswers) {
+  network_->cut();
+  const auto window = client("window");
+  ASSERT_TRUE(has_window()) << window->err();
+  ASSERT_TRUE(wait_for([&] { return network_->connections() > 0; })) << window->err();
+  const int64_t asked_ns = now_ns();
+  hands_->close();
+  expect_end(*window, 0, asked_ns);
+}
+
+TEST_F(WhileItLoads, AWindowCanBeInterrupted) {
+  network_->set_link({.mbit_s = kSlow_mbit_s});
+  const auto window = client("window");
+  ASSERT_TRUE(is_fetching()) << window->err();
+  const int64_t asked_ns = now_ns();
+  window->send(SIGINT);
+  expect_end(*window, 0, asked_ns);
+}
+
+// Without a window it is asked for pictures, and there are none.
+TEST_F(WhileItLoads, AClientWithoutAWindowCanBeInterrupted) {
+  network_->set_link({.mbit_s = kSlow_mbit_s});
+  const auto run = client("offscreen", {"--no-video"});
+  ASSERT_TRUE(is_fetching()) << run->err();
+  const int64_t asked_ns = now_ns();
+  run->send(SIGINT);
+  expect_end(*run, 1, asked_ns);
+  EXPECT_NE(run->err().find("interrupted before the scene was there"), std::string::npos) << run->err();
+}
+
+}  // namespace
+}  // namespace livegs
