@@ -11,7 +11,7 @@
 #include <fstream>
 
 #include "analysis/model/model_endpoint.h"
-#include "bench/made_up_endpoint.h"
+#include "bench/support/made_up_endpoint.h"
 #include "core/clock.h"
 #include "core/log.h"
 #include "scene/views/scene_analysis.h"

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/time_of.h"
+#include "bench/support/time_of.h"
 #include "core/parallel_for.h"
 #include "gaussian/asset_file.h"
 #include "gaussian/progressive_asset.h"

@@ -18,9 +18,9 @@
 #include <optional>
 #include <string>
 
-#include "bench/arguments.h"
-#include "bench/dragged_blocks.h"
-#include "bench/kernel_errors.h"
+#include "bench/support/arguments.h"
+#include "bench/support/dragged_blocks.h"
+#include "bench/support/kernel_errors.h"
 #include "wire/frame_codec.h"
 #include "wire/driver_grid.h"
 #include "wire/frame_stream.h"

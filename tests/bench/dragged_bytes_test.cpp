@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "bench/dragged_blocks.h"
-#include "bench/kernel_errors.h"
+#include "bench/support/dragged_blocks.h"
+#include "bench/support/kernel_errors.h"
 #include "wire/frame_stream.h"
 
 namespace livegs::bench {

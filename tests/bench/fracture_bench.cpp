@@ -11,7 +11,7 @@
 #include <numbers>
 #include <random>
 
-#include "bench/time_of.h"
+#include "bench/support/time_of.h"
 #include "core/parallel_for.h"
 #include "geometry/fracture/fracture_seeds.h"
 #include "geometry/fracture/piece_kernels.h"

@@ -16,8 +16,8 @@
 #include <sstream>
 
 #include "analysis/estimate/object_classes.h"
-#include "bench/judge_prompts.h"
-#include "bench/time_of.h"
+#include "bench/support/judge_prompts.h"
+#include "bench/support/time_of.h"
 #include "server/analysis/estimate/known_objects.h"
 
 using namespace livegs;

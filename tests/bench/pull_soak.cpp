@@ -17,7 +17,7 @@
 #include <random>
 #include <string>
 
-#include "bench/arguments.h"
+#include "bench/support/arguments.h"
 #include "core/clock.h"
 #include "core/format_text.h"
 #include "core/log.h"

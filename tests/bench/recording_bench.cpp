@@ -12,8 +12,8 @@
 #include <filesystem>
 #include <random>
 
-#include "bench/arguments.h"
-#include "bench/dragged_blocks.h"
+#include "bench/support/arguments.h"
+#include "bench/support/dragged_blocks.h"
 #include "core/clock.h"
 #include "recording/recording_writer.h"
 #include "scratch_folder.h"

@@ -15,7 +15,7 @@
 #include <optional>
 #include <string_view>
 
-#include "bench/arguments.h"
+#include "bench/support/arguments.h"
 #include "client/stream/session/sink_log.h"
 #include "core/log.h"
 #include "render/choose_camera.h"

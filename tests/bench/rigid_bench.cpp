@@ -15,7 +15,7 @@
 #include <random>
 #include <string>
 
-#include "bench/time_of.h"
+#include "bench/support/time_of.h"
 #include "core/log.h"
 #include "core/parallel_for.h"
 #include "geometry/mesh/mass_properties.h"

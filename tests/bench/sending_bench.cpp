@@ -10,8 +10,8 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "bench/arguments.h"
-#include "bench/dragged_blocks.h"
+#include "bench/support/arguments.h"
+#include "bench/support/dragged_blocks.h"
 #include "session/frames/shared_frame_payload.h"
 #include "session/frames/tick_encodings.h"
 #include "session/frames/send_budget.h"

@@ -5,7 +5,7 @@
 // needs its singular values.
 #include <cstdio>
 
-#include "bench/time_of.h"
+#include "bench/support/time_of.h"
 #include "common/skin/bind/rest_bodies.h"
 #include "core/parallel_for.h"
 

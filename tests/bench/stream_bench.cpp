@@ -21,8 +21,8 @@
 #include <fstream>
 #include <numeric>
 
-#include "bench/arguments.h"
-#include "bench/stream_clients.h"
+#include "bench/support/arguments.h"
+#include "bench/support/stream_clients.h"
 #include "core/log.h"
 #include "session/access/server_security.h"
 #include "session/sessions/session_table.h"

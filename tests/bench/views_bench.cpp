@@ -8,7 +8,7 @@
 
 #include "analysis/model/fact_slots.h"
 #include "analysis/views/object_views.h"
-#include "bench/time_of.h"
+#include "bench/support/time_of.h"
 #include "scene/scene.h"
 #include "scene/views/scene_drawing.h"
 

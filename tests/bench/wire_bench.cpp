@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <string_view>
 
-#include "bench/arguments.h"
-#include "bench/time_of.h"
+#include "bench/support/arguments.h"
+#include "bench/support/time_of.h"
 #include "common/skin/bind/rest_bodies.h"
 #include "wire/frame_codec.h"
 #include "wire/frame_stream.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/stream_clients.h"
+#include "bench/support/stream_clients.h"
 
 #include <grpcpp/create_channel.h>
 #include <signal.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/judge_prompts.h"
+#include "bench/support/judge_prompts.h"
 
 #include <algorithm>
 #include <cstdio>

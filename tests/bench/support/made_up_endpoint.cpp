@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/made_up_endpoint.h"
+#include "bench/support/made_up_endpoint.h"
 
 #include <fcntl.h>
 #include <sys/wait.h>
