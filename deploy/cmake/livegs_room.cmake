@@ -19,6 +19,7 @@ function(livegs_precompile target set)
     set(headers ${LIVEGS_COMMON_HEADERS})
     if(set STREQUAL "tests")
       find_package(GTest REQUIRED)
+      target_compile_options(livegs_headers_${set} PRIVATE ${LIVEGS_TEST_FLAGS})
       target_link_libraries(livegs_headers_${set} PRIVATE GTest::gtest)
       list(APPEND headers <Eigen/LU> <fstream> <gtest/gtest.h> <random> <sstream>)
     endif()
@@ -27,7 +28,24 @@ function(livegs_precompile target set)
   target_precompile_headers(${target} REUSE_FROM livegs_headers_${set})
 endfunction()
 
-# livegs_add_room(NAME SOURCES ... [PUBLIC ...] [PRIVATE ...] [INCLUDE dir])
+# Several sources of a target are compiled as one: headers and templates are read once for all of them. OFF for short
+# rebuilds after an edit of one file.
+option(LIVEGS_UNITY "Compile the sources of a target in batches" ON)
+set(LIVEGS_UNITY_BATCH 8)
+
+# Test sources are compiled for a short build: they run once, and what they call is optimised in its own room.
+set(LIVEGS_TEST_FLAGS "-O1;-g0")
+
+# Programs that are built on request only: `benches` and `nightly_tests`.
+add_custom_target(benches)
+add_custom_target(nightly_tests)
+
+# livegs_unite(TARGET): compiles the target in batches. A source with compile options of its own stays by itself.
+function(livegs_unite target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${LIVEGS_UNITY} UNITY_BUILD_BATCH_SIZE ${LIVEGS_UNITY_BATCH})
+endfunction()
+
+# livegs_add_room(NAME SOURCES ... [PUBLIC ...] [PRIVATE ...])
 #   A room is one static library livegs_NAME with the alias livegs::NAME. Its headers are included with the
 #   room in the path ("skin/driver_frame.h"), from the folder that holds the room: common/, server/ or client/.
 function(livegs_add_room name)
@@ -37,54 +55,93 @@ function(livegs_add_room name)
   target_include_directories(livegs_${name} PUBLIC ${CMAKE_CURRENT_SOURCE_DIR}/..)
   target_link_libraries(livegs_${name} PUBLIC ${ROOM_PUBLIC} PRIVATE livegs::options ${ROOM_PRIVATE})
   livegs_precompile(livegs_${name} common ${ROOM_PRIVATE})
+  livegs_unite(livegs_${name})
 endfunction()
 
-# livegs_add_test(NAME SOURCES ... LINK ... [LABELS ...] [TIMEOUT seconds] [SERIAL])
-#   One GoogleTest program; every TEST becomes a ctest of its own, found when ctest runs. SERIAL: no other beside it.
-function(livegs_add_test name)
-  cmake_parse_arguments(TEST "SERIAL" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
-  if(NOT TEST_TIMEOUT)
-    set(TEST_TIMEOUT 300)
-  endif()
-  if(NOT TEST_LABELS)
-    set(TEST_LABELS unit)
-  endif()
-  # Several labels are one list-valued property, whose semicolons GoogleTest.cmake of CMake 3.25 expands that often.
-  string(REPEAT "\\" 7 escapes)
-  string(REPLACE ";" "${escapes};" TEST_LABELS "${TEST_LABELS}")
+# livegs_add_test_program(NAME SOURCES ... LINK ...): a GoogleTest program that is no test of ctest by itself.
+function(livegs_add_test_program name)
+  cmake_parse_arguments(TEST "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${TEST_SOURCES})
   target_link_libraries(${name} PRIVATE livegs::options ${TEST_LINK} GTest::gtest_main)
   target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests)
+  target_compile_options(${name} PRIVATE ${LIVEGS_TEST_FLAGS})
   target_compile_definitions(${name} PRIVATE LIVEGS_SHARED_DATA_DIR="${CMAKE_SOURCE_DIR}/../shared/data"
                                              LIVEGS_TESTS_DIR="${CMAKE_SOURCE_DIR}/tests")
   livegs_precompile(${name} tests ${TEST_LINK})
+  livegs_unite(${name})
+endfunction()
+
+# livegs_add_test(NAME SOURCES ... LINK ... [LABELS ...] [TIMEOUT seconds] [SHARDS count] [SERIAL] [EACH])
+#   One GoogleTest program. It is one ctest for each of its SHARDS (2 by default), so that data, tables and devices are
+#   loaded once; the times of its TESTs go to test_times/ in the build tree. EACH: every TEST is a ctest of its own, for
+#   tests of whole programs. SERIAL: no other test runs at the same time. Label nightly: not built and not run by default.
+function(livegs_add_test name)
+  cmake_parse_arguments(TEST "SERIAL;EACH" "TIMEOUT;SHARDS" "SOURCES;LINK;LABELS" ${ARGN})
+  if(NOT TEST_LABELS)
+    set(TEST_LABELS unit)
+  endif()
+  livegs_add_test_program(${name} SOURCES ${TEST_SOURCES} LINK ${TEST_LINK})
+  if("nightly" IN_LIST TEST_LABELS)
+    set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
+    add_dependencies(nightly_tests ${name})
+  endif()
   set(environment)
   if(LIVEGS_SANITIZE MATCHES address AND TEST_LABELS MATCHES vulkan)
     # Drivers and layers keep memory until the process ends; none of it has a frame of ours.
-    set(environment ENVIRONMENT ASAN_OPTIONS=detect_leaks=0)
+    set(environment ASAN_OPTIONS=detect_leaks=0)
   endif()
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
-                       PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT ${TEST_TIMEOUT} RUN_SERIAL ${TEST_SERIAL} ${environment})
+  if(TEST_EACH)
+    if(NOT TEST_TIMEOUT)
+      set(TEST_TIMEOUT 300)
+    endif()
+    # Several labels are one list-valued property, whose semicolons GoogleTest.cmake of CMake 3.25 expands that often.
+    string(REPEAT "\\" 7 escapes)
+    string(REPLACE ";" "${escapes};" TEST_LABELS "${TEST_LABELS}")
+    if(environment)
+      set(environment ENVIRONMENT ${environment})
+    endif()
+    gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
+                         PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT ${TEST_TIMEOUT} RUN_SERIAL ${TEST_SERIAL} ${environment})
+    return()
+  endif()
+  if(NOT TEST_TIMEOUT)
+    set(TEST_TIMEOUT 900)
+  endif()
+  if(NOT TEST_SHARDS)
+    set(TEST_SHARDS 2)
+  endif()
+  foreach(shard RANGE 1 ${TEST_SHARDS})
+    math(EXPR index "${shard} - 1")
+    set(entry ${name})
+    if(TEST_SHARDS GREATER 1)
+      set(entry ${name}.${shard})
+    endif()
+    add_test(NAME ${entry} COMMAND ${name})
+    set_tests_properties(${entry} PROPERTIES
+      LABELS "${TEST_LABELS}" TIMEOUT ${TEST_TIMEOUT} RUN_SERIAL ${TEST_SERIAL}
+      ENVIRONMENT "GTEST_TOTAL_SHARDS=${TEST_SHARDS};GTEST_SHARD_INDEX=${index};GTEST_OUTPUT=xml:${CMAKE_BINARY_DIR}/test_times/${entry}.xml;${environment}")
+  endforeach()
 endfunction()
 
 # livegs_add_second_device(NAME FILTER)
-#   The tests of a program that FILTER names, once more on SwiftShader (Debian's chromium-common has it): unlike lavapipe it
-#   draws both eyes at once, as a GPU does, and rounds 16-bit floats to the nearest. Skipped aloud where it is not installed.
+#   The tests of a program that FILTER names, on SwiftShader (Debian's chromium-common has it): unlike lavapipe it draws both
+#   eyes at once, as a GPU does, and rounds 16-bit floats to the nearest. Nightly. Skipped with a message if not installed.
 set(LIVEGS_SWIFTSHADER_ICD /usr/lib/chromium/vk_swiftshader_icd.json)
 function(livegs_add_second_device name filter)
   add_test(NAME SwiftShader.${name}
            COMMAND sh -c "test -f ${LIVEGS_SWIFTSHADER_ICD} || { echo 'no SwiftShader: apt-get install chromium-common'; exit 77; }; \
                           exec $<TARGET_FILE:${name}> --gtest_filter='${filter}'")
   set_tests_properties(SwiftShader.${name} PROPERTIES
-                       LABELS "parity;vulkan" TIMEOUT 900 SKIP_RETURN_CODE 77 FAIL_REGULAR_EXPRESSION "multiview draws wrong;vulkan: none of;vulkan: no loader;vulkan: no driver"
+                       LABELS "parity;vulkan;nightly" TIMEOUT 900 SKIP_RETURN_CODE 77 FAIL_REGULAR_EXPRESSION "multiview draws wrong;vulkan: none of;vulkan: no loader;vulkan: no driver"
                        ENVIRONMENT "VK_ICD_FILENAMES=${LIVEGS_SWIFTSHADER_ICD};ASAN_OPTIONS=detect_leaks=0")
 endfunction()
 
 # livegs_add_bench(NAME SOURCES ... LINK ...)
-#   A program that is built with the tests and run by hand; its CSV goes to tests/bench/results.
+#   A program that the target `benches` builds and a person runs; its CSV goes to tests/bench/results.
 function(livegs_add_bench name)
   cmake_parse_arguments(BENCH "" "" "SOURCES;LINK" ${ARGN})
-  add_executable(${name} ${BENCH_SOURCES})
+  add_executable(${name} EXCLUDE_FROM_ALL ${BENCH_SOURCES})
+  add_dependencies(benches ${name})
   target_link_libraries(${name} PRIVATE livegs::options ${BENCH_LINK})
   target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests)
   target_compile_definitions(${name} PRIVATE LIVEGS_SHARED_DATA_DIR="${CMAKE_SOURCE_DIR}/../shared/data"
