@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "core/assert.h"
-#include "geometry/mesh/disjoint_sets.h"
+#include "core/disjoint_sets.h"
 #include "geometry/field/inside_grid.h"
 #include "geometry/mesh/mass_properties.h"
 #include "geometry/mesh/mesh_topology.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "geometry/mesh/disjoint_sets.h"
+#include "core/disjoint_sets.h"
 
 namespace livegs {
 namespace {

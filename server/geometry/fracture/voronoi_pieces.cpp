@@ -12,9 +12,9 @@
 #include <string>
 #include <unordered_map>
 
+#include "core/disjoint_sets.h"
 #include "core/parallel_for.h"
 #include "geometry/fracture/cell_parts.h"
-#include "geometry/mesh/disjoint_sets.h"
 #include "geometry/mesh/mesh_topology.h"
 #include "geometry/mesh/triangle_distance.h"
 #include "geometry/fracture/voronoi_neighbours.h"

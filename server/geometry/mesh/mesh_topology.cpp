@@ -5,7 +5,7 @@
 #include <tuple>
 #include <utility>
 
-#include "geometry/mesh/disjoint_sets.h"
+#include "core/disjoint_sets.h"
 
 namespace livegs {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <tuple>
 
-#include "geometry/mesh/disjoint_sets.h"
+#include "core/disjoint_sets.h"
 
 namespace livegs {
 namespace {

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "core/assert.h"
-#include "geometry/mesh/disjoint_sets.h"
+#include "core/disjoint_sets.h"
 
 namespace livegs {
 namespace {

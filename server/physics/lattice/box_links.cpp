@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-#include "physics/disjoint_sets.h"
+#include "core/disjoint_sets.h"
 
 namespace livegs {
 namespace {
@@ -94,7 +94,7 @@ std::vector<std::pair<uint32_t, uint32_t>> link_boxes(const BodyExtent& extent, 
   // Across gaps: the largest part waits for the others to reach it.
   while (widest_m < widest_gap_m) {
     std::vector<uint32_t> part(count), size(count, 0);
-    for (uint32_t i = 0; i < count; ++i) ++size[part[i] = parts.root(i)];
+    for (uint32_t i = 0; i < count; ++i) ++size[part[i] = parts.find(i)];
     const auto largest = static_cast<uint32_t>(std::max_element(size.begin(), size.end()) - size.begin());
     if (size[largest] == count) break;
     widest_m = std::min(2.0 * widest_m, widest_gap_m);

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "physics/disjoint_sets.h"
+#include "core/disjoint_sets.h"
 #include "physics/lattice/lattice_order.h"
 #include "skin/bind/cell_fill.h"
 
@@ -49,7 +49,7 @@ int piece_count(const Lattice& lattice) {
     for (const uint32_t node : cell.nodes) parts.join(cell.nodes[0], node);
   }
   int count = 0;
-  for (uint32_t i = 0; i < lattice.node_coordinates.size(); ++i) count += parts.root(i) == i;
+  for (uint32_t i = 0; i < lattice.node_coordinates.size(); ++i) count += parts.find(i) == i;
   return count;
 }
 

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <unordered_set>
 
-#include "physics/disjoint_sets.h"
+#include "core/disjoint_sets.h"
 #include "physics/lattice/lattice_order.h"
 
 namespace livegs {
@@ -50,7 +50,7 @@ struct Materials {
 Materials number_materials(std::span<const BoxInCell> entries, DisjointSets& joined) {
   std::vector<uint32_t> roots;
   for (uint32_t e = 0; e < entries.size(); ++e) {
-    if (joined.root(e) == e) roots.push_back(e);
+    if (joined.find(e) == e) roots.push_back(e);
   }
   std::sort(roots.begin(), roots.end(), [&](uint32_t a, uint32_t b) {
     return std::make_pair(lattice_key(entries[a].cell), a) < std::make_pair(lattice_key(entries[b].cell), b);
@@ -61,7 +61,7 @@ Materials number_materials(std::span<const BoxInCell> entries, DisjointSets& joi
     number[root] = static_cast<uint32_t>(materials.cells.size());
     materials.cells.push_back(entries[root].cell);
   }
-  for (uint32_t e = 0; e < entries.size(); ++e) materials.of_entry.push_back(number[joined.root(e)]);
+  for (uint32_t e = 0; e < entries.size(); ++e) materials.of_entry.push_back(number[joined.find(e)]);
   return materials;
 }
 
@@ -131,7 +131,7 @@ VirtualCells make_virtual_cells(std::span<const BoxInCell> entries, Links links,
     };
     std::vector<uint32_t> roots;
     for (uint32_t corner = 0; corner < 8 * count; ++corner) {
-      if (corners.root(corner) == corner) roots.push_back(corner);
+      if (corners.find(corner) == corner) roots.push_back(corner);
     }
     std::sort(roots.begin(), roots.end(), [&](uint32_t a, uint32_t b) {
       return std::make_pair(lattice_key(place_of(a)), a) < std::make_pair(lattice_key(place_of(b)), b);
@@ -144,7 +144,7 @@ VirtualCells make_virtual_cells(std::span<const BoxInCell> entries, Links links,
     }
     std::vector<std::array<uint32_t, 8>> nodes(count);
     for (uint32_t m = 0; m < count; ++m) {
-      for (uint32_t c = 0; c < 8; ++c) nodes[m][c] = node_of[corners.root(8 * m + c)];
+      for (uint32_t c = 0; c < 8; ++c) nodes[m][c] = node_of[corners.find(8 * m + c)];
     }
 
     // Materials of one cell that share every node move as one: they are one.

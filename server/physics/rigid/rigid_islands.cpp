@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "physics/disjoint_sets.h"
+#include "core/disjoint_sets.h"
 #include "physics/rigid/joint/joint_group.h"
 
 namespace livegs {
@@ -39,7 +39,7 @@ std::vector<RigidIsland> rigid_islands(std::span<RigidBody* const> bodies, Islan
   std::vector<uint32_t> island_of(bodies.size(), 0);
   for (RigidBody* body : bodies) {
     if (body->asleep) continue;
-    const uint32_t root = sets.root(body->slot);
+    const uint32_t root = sets.find(body->slot);
     if (root == body->slot) {
       island_of[root] = static_cast<uint32_t>(islands.size());
       islands.emplace_back();
@@ -52,7 +52,7 @@ std::vector<RigidIsland> rigid_islands(std::span<RigidBody* const> bodies, Islan
     if (!body->asleep) continue;
     for (ContactPatch& patch : body->patches) {
       if (!patch.other || patch.other->asleep) continue;
-      islands[island_of[sets.root(patch.other->slot)]].contacts.push_back({body, &patch});
+      islands[island_of[sets.find(patch.other->slot)]].contacts.push_back({body, &patch});
     }
   }
   for (RigidIsland& island : islands) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "physics/disjoint_sets.h"
+#include "core/disjoint_sets.h"
 #include "physics/motion/free_rotation.h"
 #include "physics/world/world_state.h"
 
@@ -126,10 +126,10 @@ std::vector<std::vector<World::State::SteppedTogether>> World::State::meet(doubl
     }
   }
   std::vector<SteppedTogether> stepped(count);
-  for (uint32_t i = 0; i < count; ++i) stepped[together.root(i)].push_back(elastic_objects[i]);
+  for (uint32_t i = 0; i < count; ++i) stepped[together.find(i)].push_back(elastic_objects[i]);
   std::vector<std::vector<SteppedTogether>> groups(count);
   for (uint32_t i = 0; i < count; ++i) {
-    if (!stepped[i].empty()) groups[sets.root(i)].push_back(std::move(stepped[i]));
+    if (!stepped[i].empty()) groups[sets.find(i)].push_back(std::move(stepped[i]));
   }
   std::erase_if(groups, [](const auto& group) { return group.empty(); });
   return groups;
@@ -231,13 +231,13 @@ void World::State::rest_company(double tick_s) {
       if (other < std::ssize(ids) && ids[other] == id) sets.join(static_cast<uint32_t>(own), static_cast<uint32_t>(other));
     }
   }
-  const auto root_of = [&](uint64_t id) { return sets.root(static_cast<uint32_t>(place_of(id))); };
+  const auto root_of = [&](uint64_t id) { return sets.find(static_cast<uint32_t>(place_of(id))); };
   std::vector<char> restless(ids.size(), 0), company(ids.size(), 0);
   for (const ElasticObject* elastic : elastic_objects) {
     if (!elastic->body->rested()) restless[root_of(contact_id_of(elastic->object_id))] = 1;
   }
   for (uint32_t i = 0; i < ids.size(); ++i) {
-    if (sets.root(i) != i) company[sets.root(i)] = 1;
+    if (sets.find(i) != i) company[sets.find(i)] = 1;
   }
   for (RigidBody* body : rigid_bodies) body->company_restless = restless[root_of(body->contact_id())] != 0;
   update_sleep(rigid_bodies, tick_s, broad_phase);

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "physics/disjoint_sets.h"
+#include "core/disjoint_sets.h"
 #include "physics/world/world_state.h"
 
 namespace livegs {
@@ -112,7 +112,7 @@ void World::State::link_joints() {
     if (held.joint.b) sets.join(index_of(held.joint.a), index_of(held.joint.b));
   }
   std::map<uint32_t, std::vector<HeldJoint*>> members;
-  for (HeldJoint& held : joints) members[sets.root(index_of(held.joint.a))].push_back(&held);
+  for (HeldJoint& held : joints) members[sets.find(index_of(held.joint.a))].push_back(&held);
   for (const auto& [root, held] : members) {
     std::vector<RigidJoint> rows;
     for (const HeldJoint* one : held) rows.push_back(one->joint);
