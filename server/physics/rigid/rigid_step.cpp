@@ -7,6 +7,7 @@
 
 #include "core/log.h"
 #include "core/parallel_for.h"
+#include "physics/motion_validity.h"
 #include "physics/rigid/contact/restitution.h"
 #include "physics/rigid/contact/contact_solver.h"
 #include "physics/rigid/contact/find_contacts.h"
@@ -28,9 +29,6 @@ constexpr int kPushSweeps = 1;
 constexpr int kRelaxSweeps = 2;  // with one, a pyramid never comes to rest
 constexpr int kImpactSweeps = 4;
 
-// What moves faster or is farther than this has no motion any more, whatever the numbers say.
-constexpr double kMost_m_s = 1e6;
-constexpr double kFarthest_m = 1e9;
 constexpr int kMostTold = 10;  // in a process
 
 // What fell asleep together wakes together, and so does what is joined. Returns whether anything woke.
@@ -167,8 +165,7 @@ void note_meeting(RigidBody& body, ContactPatch& patch) {
 
 bool moves_finitely(const RigidBody& body) {
   const Pose& pose = body.world_from_body;
-  return body.velocity_m_s.squaredNorm() < kMost_m_s * kMost_m_s && pose.position_m.allFinite() &&
-         pose.position_m.cwiseAbs().maxCoeff() < kFarthest_m &&
+  return body.velocity_m_s.squaredNorm() < kMaxValidSpeed_m_s * kMaxValidSpeed_m_s && is_valid_position(pose.position_m) &&
          pose.orientation.coeffs().allFinite() && body.angular_momentum.allFinite() && body.angular_velocity_rad_s.allFinite();
 }
 

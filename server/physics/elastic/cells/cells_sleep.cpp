@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "physics/elastic/cells/cells_body.h"
+#include "physics/motion_validity.h"
 #include "physics/elastic/rigid_proxy.h"
 #include "physics/motion/free_rotation.h"
 
@@ -23,8 +24,6 @@ constexpr double kMeasuredCalm = 100.0;  // 0.2 mm/s in place of 20
 constexpr double kMeasuredPart = 3e-6;
 // A still body's points that tremble stay this near where they were, in parts of its smallest side, for so long.
 constexpr double kTremble = 0.01, kTrembling_s = 2.0;
-// As of a rigid body (rigid_step.cpp).
-constexpr double kMost_m_s = 1e6, kFarthest_m = 1e9;
 
 }  // namespace
 
@@ -107,9 +106,8 @@ bool CellsBody::trembles(double seen_m_s, double frame_s) {
 
 // By the sums of the last step, which are of all nodes: one that is not finite makes its centre so.
 bool CellsBody::moves_finitely() const {
-  const Vector3d centre = centre_m();
-  return centre.allFinite() && centre.cwiseAbs().maxCoeff() < kFarthest_m && std::isfinite(reach_m_) &&
-         std::isfinite(kinetic_j_) && kinetic_j_ < 0.5 * mass_kg_ * kMost_m_s * kMost_m_s &&
+  return is_valid_position(centre_m()) && std::isfinite(reach_m_) && std::isfinite(kinetic_j_) &&
+         kinetic_j_ < 0.5 * mass_kg_ * kMaxValidSpeed_m_s * kMaxValidSpeed_m_s &&
          motion_.momentum.allFinite() && motion_.angular_momentum.allFinite();
 }
 
