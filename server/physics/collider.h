@@ -35,6 +35,10 @@ struct FieldShape {
 // What a point can jump over without being seen inside.
 double thinnest_m(const FieldShape& shape);
 
+// A sphere trace advances by this part of a field's distance. Beyond its grid a field's distance is the way to the grid
+// and on from there, which may exceed the straight line by a factor of sqrt(2). Larger: a trace may pass through a wall.
+inline constexpr double kFieldMarchFactor = 0.7;
+
 struct Collider {
   std::variant<PlaneShape, BoxShape, SphereShape, FieldShape> shape;
   Pose world_from_collider;

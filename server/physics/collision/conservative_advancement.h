@@ -16,6 +16,10 @@ struct SweepHit {
   Eigen::Vector3d normal;
 };
 
+// A point's displacement in a step is swept if it exceeds this part of the thickness of the other body: of a collider its
+// thinnest wall, of a rigid body the smallest side of its box. Larger: points tunnel through. Smaller: more time.
+inline constexpr double kMaxUnsweptPart = 0.2;
+
 // Conservative advancement: marches along `way_m` by the distance that is certainly free. `sample` gives the signed
 // distance at a point, never more than the true one. Surfaces that the sphere leaves or slides along are passed by.
 template <class Sample>

@@ -22,8 +22,6 @@ struct KeyHash {
   }
 };
 
-// Ways longer than this part of a collider's thickness are followed.
-constexpr double kFollowedWay = 0.2;
 constexpr int kMostMarches = 32;
 
 // What a point could jump over.
@@ -167,7 +165,7 @@ SurfaceSample surface_after_way(const ColliderProbe& collider, const Vector3d& f
   const double thickness = thickness_m(collider.collider());
   if (!(thickness < INFINITY)) return at;
   const Vector3d way = to_m - from_m;
-  const bool sided = side.squaredNorm() > 0.0, fast = way.squaredNorm() > kFollowedWay * kFollowedWay * thickness * thickness;
+  const bool sided = side.squaredNorm() > 0.0, fast = way.squaredNorm() > kMaxUnsweptPart * kMaxUnsweptPart * thickness * thickness;
   if (!fast && (!sided || at.distance_m > 0.0 || at.normal.dot(side) > 0.0)) return at;
   const double start_m = collider.sample(from_m).distance_m;
   const double tolerance = 0.01 * thickness;

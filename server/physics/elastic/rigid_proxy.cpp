@@ -5,23 +5,12 @@
 
 #include "physics/motion/free_rotation.h"
 #include "physics/collision/conservative_advancement.h"
+#include "physics/vector_algebra.h"
 
 namespace livegs {
-namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-// Ways longer than this part of a body's smallest side are followed.
-constexpr double kFollowedWay = 0.2;
-
-Matrix3d cross_matrix(const Vector3d& v) {
-  Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
-
-}  // namespace
 
 void MovingBody::begin_step(double began, double step, double substep_s) {
   before = began > 0.0 ? at_end() : start;
@@ -84,7 +73,7 @@ void MovingBody::count(const ContactSpot&, const Vector3d& point_m, const Vector
 DistanceField::Sample gap_after_way(const RigidShape& shape, const Vector3d& from_m, const Vector3d& to_m) {
   const Vector3d way = to_m - from_m;
   const double smallest = (shape.max_m - shape.min_m).minCoeff();
-  if (way.norm() > kFollowedWay * smallest) {
+  if (way.norm() > kMaxUnsweptPart * smallest) {
     const auto sample = [&](const Vector3d& point) {
       const DistanceField::Sample found = shape.sample(point);
       return SurfaceSample{found.distance_m, found.gradient};

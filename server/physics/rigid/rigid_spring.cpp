@@ -9,20 +9,10 @@
 
 #include "physics/rigid/rigid_body.h"
 #include "physics/motion/free_rotation.h"
+#include "physics/vector_algebra.h"
 
 namespace livegs {
 namespace {
-
-Eigen::Vector3d bounded(const Eigen::Vector3d& vector, double limit) {
-  const double length = vector.norm();
-  return length > limit ? Eigen::Vector3d(limit / length * vector) : vector;
-}
-
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
 
 // The mean velocity of the point over the step: with the arm's turn in it, a body that swings round the point is held on
 // its circle instead of being flung outwards.
@@ -81,8 +71,8 @@ void solve_spring(RigidBody& body, RigidSpring& spring, double step_s) {
       step_s * (spring.turn_stiffness * spring.twist_rad +
                 spring.turn_rate * (spring.target_spin_rad_s - body.angular_velocity_rad_s) - spring.torque_n_m);
   const Eigen::Matrix<double, 6, 1> change = spring.inverse * missing / step_s;
-  const Eigen::Vector3d force = bounded(spring.force_n + change.head<3>(), spring.max_force_n);
-  const Eigen::Vector3d torque = bounded(spring.torque_n_m + change.tail<3>(), spring.max_torque_n_m);
+  const Eigen::Vector3d force = clamp_norm(spring.force_n + change.head<3>(), spring.max_force_n);
+  const Eigen::Vector3d torque = clamp_norm(spring.torque_n_m + change.tail<3>(), spring.max_torque_n_m);
   apply(body, spring, step_s * (force - spring.force_n), step_s * (torque - spring.torque_n_m));
   spring.force_n = force;
   spring.torque_n_m = torque;

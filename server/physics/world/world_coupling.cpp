@@ -5,6 +5,7 @@
 
 #include "core/disjoint_sets.h"
 #include "physics/motion/free_rotation.h"
+#include "physics/vector_algebra.h"
 #include "physics/world/world_state.h"
 
 namespace livegs {
@@ -17,11 +18,6 @@ using Eigen::Vector3d;
 constexpr double kExpectedGravities = 2.0;
 // Bodies within this part of an elastic one's reach are met, beyond what they move in a substep.
 constexpr double kNearby = 0.1;
-
-Vector3d bounded(const Vector3d& v, double limit) {
-  const double length = v.norm();
-  return length > limit ? Vector3d(limit / length * v) : v;
-}
 
 Eigen::AlignedBox3d box_of(const RigidShape& shape, const Pose& at) {
   if (shape.is_ball()) {
@@ -72,8 +68,8 @@ std::vector<std::vector<World::State::SteppedTogether>> World::State::meet(doubl
     copy.asleep = body.asleep;
     if (body.asleep) continue;
     const double limit = kExpectedGravities * gain_m_s;
-    copy.expected_m_s = bounded(rigid_changes[i].velocity_m_s, limit);
-    copy.expected_rad_s = bounded(rigid_changes[i].spin_rad_s, limit / body.shape.bounding_radius_m);
+    copy.expected_m_s = clamp_norm(rigid_changes[i].velocity_m_s, limit);
+    copy.expected_rad_s = clamp_norm(rigid_changes[i].spin_rad_s, limit / body.shape.bounding_radius_m);
   }
 
   const size_t count = elastic_objects.size();

@@ -14,7 +14,6 @@ constexpr double kWithinFragment = 1e-5;  // in bounding radii
 constexpr double kSunkIn_m = 0.005;
 constexpr double kLeastMarch_m = 0.001;
 constexpr int kMostMarches = 4096;
-constexpr double kMarching = 0.7;  // a field's distance beyond its grid may be the square root of 2 too large
 
 // The way to a collider, or `most_m` where it is not met before. One that holds the ray's start does not stop it: a camera
 // stands behind a wall to look into a room.
@@ -30,7 +29,7 @@ double way_to(const Collider& collider, const Eigen::Vector3d& origin_m, const E
   for (int march = 0; march < kMostMarches && way < most_m; ++march) {
     const double free = probe.sample(origin_m + way * direction).distance_m;
     if (!(free > 0.0)) return way;
-    way += std::max(kMarching * free, kLeastMarch_m);
+    way += std::max(kFieldMarchFactor * free, kLeastMarch_m);
   }
   return most_m;
 }

@@ -15,8 +15,10 @@ using Eigen::Vector3d;
 // the paper's own length, where the paper's d_R means what it meant there. No step that the baseline is for is so long
 // (2.7 mm particles at 60 Hz and one substep are the first), so its dependence on the step stays what it is.
 constexpr int kMostSteps = 1000;
-// A particle that goes further than this part of a spacing is followed along its way, or it would jump over the ground.
-constexpr double kFollowedWay = 0.5;
+// A particle's displacement in a step is swept if it exceeds this part of the particle spacing, or the particle would jump
+// over the ground. It differs from kMaxUnsweptPart (rigid_sweep.h): the measure is the particle's own spacing, since
+// the paper's ground has no thickness.
+constexpr double kMaxUnsweptSpacings = 0.5;
 constexpr int kMostProbes = 200;
 
 // Where a point on its way first meets the collider, by sphere tracing; `gap_m` is how near counts, and the least step.
@@ -135,7 +137,7 @@ void LivegsV1Body::resolve_contacts(const SubstepContext& context, double h) {
         contact_tally_.moment += impulse_n_s * (origin_m_ + predicted_m_[i]);
       };
       const Vector3d way = predicted_m_[i] - positions_m_[i];
-      if (way.norm() > kFollowedWay * spacing_m_) {
+      if (way.norm() > kMaxUnsweptSpacings * spacing_m_) {
         const auto met = first_meeting(*collider, origin_m_ + positions_m_[i], way, point.radius_m, 0.01 * spacing_m_);
         const double depth = met ? met->normal.dot(met->point_m - origin_m_ - predicted_m_[i]) : 0.0;
         if (depth > 0.0) push(met->normal, depth);

@@ -23,10 +23,9 @@ constexpr double kOpposite = 0.5;    // less cosine of two normals than minus th
 constexpr double kOneWay = 0.3;      // depths whose sum is a smaller part of their sizes point nowhere
 constexpr double kRestitutionDrop = 0.01;         // a fall of this part of the smaller bounding radius does not bounce
 
-// A field's distance beyond its grid may exceed the true one by up to the square root of 2 (the way to the grid and
-// from there on, in place of the straight line).
+// The part of a sampled distance that is certainly free; the distances of other shapes are exact.
 double marching_factor(const Collider& collider) {
-  return std::holds_alternative<FieldShape>(collider.shape) ? 0.7 : 1.0;
+  return std::holds_alternative<FieldShape>(collider.shape) ? kFieldMarchFactor : 1.0;
 }
 
 double sample_error_m(const Collider& collider) {

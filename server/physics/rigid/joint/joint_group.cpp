@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "physics/motion/free_rotation.h"
+#include "physics/vector_algebra.h"
 
 namespace livegs {
 namespace {
@@ -39,12 +40,6 @@ constexpr double kDependent = 1e-11;
 // 1 / (kLoopSoftness h²) of the mass it holds, h of a short step: too stiff to be seen. A chain or a tree has none.
 constexpr double kLoopSoftness = 1e-4;
 constexpr double kSameNode_m = 1e-3;  // joints closer than this are in one node
-
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
 
 // The rotation, across the axes, that takes b to a; its size is the sine of the angle up to a right angle.
 Eigen::Vector3d tilt_of(const Eigen::Vector3d& axis_a, const Eigen::Vector3d& axis_b) {
