@@ -3,11 +3,11 @@
 #include <memory>
 #include <numbers>
 
-#include "cli/camera_file.h"
 #include "cli/commands.h"
 #include "core/file.h"
 #include "scene/build/place_asset.h"
 #include "scene/views/scene_drawing.h"
+#include "splat/camera_file.h"
 #include "splat/frame_bounds.h"
 #include "splat/rasterise.h"
 #include "wire/frame_codec.h"

@@ -8,7 +8,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "cli/camera_file.h"
 #include "cli/commands.h"
 #include "cli/simulation_record.h"
 #include "core/clock.h"
@@ -16,6 +15,7 @@
 #include "core/log.h"
 #include "core/parallel_for.h"
 #include "scene/build/elastic_report.h"
+#include "splat/camera_file.h"
 #include "splat/frame_bounds.h"
 #include "splat/rasterise.h"
 

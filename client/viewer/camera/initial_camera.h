@@ -6,7 +6,7 @@
 #include "core/result.h"
 #include "render/choose_camera.h"
 #include "render/scene_view.h"
-#include "viewer/camera/camera_file.h"
+#include "splat/camera_file.h"
 #include "viewer/camera/orbit_camera.h"
 
 namespace livegs {

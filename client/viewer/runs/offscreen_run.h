@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/result.h"
+#include "splat/camera_file.h"
 #include "viewer/assets/asset_library.h"
-#include "viewer/camera/camera_file.h"
 #include "viewer/output/frame_log.h"
 #include "viewer/live/connected_scene.h"
 #include "viewer/output/offscreen_sink.h"

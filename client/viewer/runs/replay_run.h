@@ -9,9 +9,9 @@
 
 #include "core/result.h"
 #include "render/choose_renderer.h"
+#include "splat/camera_file.h"
 #include "splat/image.h"
 #include "viewer/assets/asset_library.h"
-#include "viewer/camera/camera_file.h"
 #include "viewer/output/frame_log.h"
 
 namespace livegs {

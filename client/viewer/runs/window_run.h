@@ -10,7 +10,7 @@
 
 #include "core/result.h"
 #include "livegs/v1/scene.pb.h"
-#include "viewer/camera/camera_file.h"
+#include "splat/camera_file.h"
 #include "viewer/live/connected_scene.h"
 #include "xr/window/window_panels.h"
 

@@ -8,7 +8,7 @@
 
 #include "core/file.h"
 #include "core/format_text.h"
-#include "viewer/camera/camera_file.h"
+#include "splat/camera_file.h"
 
 namespace livegs {
 namespace {

@@ -14,7 +14,7 @@
 #include "server/session/simulation/tick_log.h"
 #include "session/rpc/grpc_server.h"
 #include "session/simulation/simulation_loop.h"
-#include "viewer/camera/camera_file.h"
+#include "splat/camera_file.h"
 #include "viewer/runs/offscreen_run.h"
 #include "wire/frame_codec.h"
 

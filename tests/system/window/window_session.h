@@ -6,9 +6,9 @@
 #include <map>
 #include <mutex>
 
+#include "splat/camera_file.h"
 #include "stream/session/session_client.h"
 #include "system/window/window_hands.h"
-#include "viewer/camera/camera_file.h"
 #include "viewer/camera/orbit_camera.h"
 #include "viewer/runs/window_run.h"
 

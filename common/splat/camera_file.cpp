@@ -1,25 +1,39 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "viewer/camera/camera_file.h"
 
 #include <google/protobuf/util/json_util.h>
 
 #include <cmath>
+#include <cstdio>
 #include <numbers>
+#include <string>
 
 #include "core/file.h"
 #include "livegs/v1/scene.pb.h"
+#include "splat/camera_file.h"
 
 namespace livegs {
 namespace {
 
 using Numbers = google::protobuf::RepeatedField<double>;
 
-constexpr double kLargestCoordinate_m = 1e6;
+constexpr double kMaxCoordinate_m = 1e6;
+constexpr double kMinFov_deg = 1, kMaxFov_deg = 170;
+constexpr double kMaxSide_px = 16384;
+
+Result<double> number_of(double number, double low, double high, const std::string& field) {
+  if (number >= low && number <= high) return number;
+  char range[96];
+  std::snprintf(range, sizeof range, ": is %g; it must be between %g and %g", number, low, high);
+  return invalid_data(field + range);
+}
 
 Result<Eigen::Vector3d> vector_of(const Numbers& numbers, const std::string& field) {
-  if (numbers.size() != 3) return invalid_data(field + ": is not [x, y, z]");
-  for (double number : numbers) {
-    if (!(std::abs(number) <= kLargestCoordinate_m)) return invalid_data(field + ": is not within 1e6");
+  if (numbers.size() != 3) {
+    return invalid_data(field + ": has " + std::to_string(numbers.size()) + " numbers; give 3");
+  }
+  for (int i = 0; i < 3; ++i) {
+    const auto number = number_of(numbers[i], -kMaxCoordinate_m, kMaxCoordinate_m, field + "[" + std::to_string(i) + "]");
+    if (!number) return number.error();
   }
   return Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
 }
@@ -40,9 +54,12 @@ Result<Camera> read_camera_file(const std::filesystem::path& path, std::optional
     return invalid_data(name + ": " + std::string(status.message()) +
                         " (field names are those of CameraFile in proto/livegs/v1/scene.proto)");
   }
-  auto position = vector_of(file.position_m(), name + ": position_m");
+  if (file.position_m().empty() || file.look_at_m().empty()) {
+    return invalid_data(name + ": position_m and look_at_m are needed");
+  }
+  const auto position = vector_of(file.position_m(), name + ": position_m");
   if (!position) return position.error();
-  auto target = vector_of(file.look_at_m(), name + ": look_at_m");
+  const auto target = vector_of(file.look_at_m(), name + ": look_at_m");
   if (!target) return target.error();
   Result<Eigen::Vector3d> up = Eigen::Vector3d(0, 1, 0);
   if (file.up_size() > 0) up = vector_of(file.up(), name + ": up");
@@ -50,15 +67,14 @@ Result<Camera> read_camera_file(const std::filesystem::path& path, std::optional
   if ((*target - *position).cross(*up).norm() < 1e-9) {
     return invalid_data(name + ": up is along the view direction, or look_at_m is position_m");
   }
-  const double fov_deg = file.has_vertical_fov_deg() ? file.vertical_fov_deg() : 45.0;
-  if (!(fov_deg >= 1 && fov_deg <= 170))
-    return invalid_data(name + ": vertical_fov_deg: is not within 1 to 170");
+  const auto fov_deg = number_of(file.has_vertical_fov_deg() ? file.vertical_fov_deg() : 45.0, kMinFov_deg, kMaxFov_deg,
+                                 name + ": vertical_fov_deg");
+  if (!fov_deg) return fov_deg.error();
   const PictureSize own{file.has_width() ? file.width() : 640, file.has_height() ? file.height() : 480};
   const PictureSize used = size.value_or(own);
-  if (used.width < 1 || used.width > 16384 || used.height < 1 || used.height > 16384) {
-    return invalid_data(name + ": width and height: are not within 1 to 16384");
-  }
-  return look_at(*position, *target, *up, fov_deg * std::numbers::pi / 180.0, used.width, used.height);
+  if (auto width = number_of(used.width, 1, kMaxSide_px, name + ": width"); !width) return width.error();
+  if (auto height = number_of(used.height, 1, kMaxSide_px, name + ": height"); !height) return height.error();
+  return look_at(*position, *target, *up, *fov_deg * std::numbers::pi / 180.0, used.width, used.height);
 }
 
 Result<PictureChoice> picture_choice(const std::filesystem::path& camera_file, std::optional<PictureSize> size) {

@@ -2,8 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "scratch_folder.h"
-#include "viewer/camera/camera_file.h"
-#include "viewer/output/frame_log.h"
+#include "splat/camera_file.h"
 
 namespace livegs {
 namespace {
@@ -49,13 +48,6 @@ TEST(CameraFile, ErrorsNameTheField) {
     EXPECT_NE(read.error().message.find("bad.json"), std::string::npos);
     EXPECT_NE(read.error().message.find(one.named), std::string::npos) << read.error().message;
   }
-}
-
-TEST(Percentile, IsTheOrderedNumberAtThatRank) {
-  EXPECT_EQ(percentile({}, 0.5), 0.0);
-  EXPECT_EQ(percentile({3}, 0.99), 3.0);
-  EXPECT_EQ(percentile({5, 1, 4, 2, 3}, 0.5), 3.0);
-  EXPECT_EQ(percentile({5, 1, 4, 2, 3}, 1.0), 5.0);
 }
 
 }  // namespace
