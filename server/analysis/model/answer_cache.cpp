@@ -2,8 +2,8 @@
 #include "analysis/model/answer_cache.h"
 
 #include <chrono>
-#include <nlohmann/json.hpp>
 
+#include "analysis/model/raw_answer_json.h"
 #include "core/file.h"
 #include "core/log.h"
 
@@ -11,45 +11,6 @@ namespace livegs {
 namespace {
 
 constexpr size_t kMaxCachedBytes = 1 << 20;
-
-nlohmann::json to_json(const RawAnswer& answer) {
-  return {{"json", answer.json},
-          {"model", answer.model},
-          {"prompt_version", answer.prompt_version},
-          {"prompt_tokens", answer.prompt_tokens},
-          {"completion_tokens", answer.completion_tokens},
-          {"cost_usd", answer.cost_usd},
-          {"wall_s", answer.wall_s},
-          {"transcript", answer.transcript},
-          {"warnings", answer.warnings}};
-}
-
-std::optional<RawAnswer> from_json(const nlohmann::json& json) {
-  if (!json.is_object() || !json.contains("json") || !json["json"].is_string()) return std::nullopt;
-  const auto text = [&](const char* name) {
-    const auto found = json.find(name);
-    return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
-  };
-  const auto number = [&](const char* name) {
-    const auto found = json.find(name);
-    return found != json.end() && found->is_number() ? found->get<double>() : 0.0;
-  };
-  RawAnswer answer;
-  answer.json = text("json");
-  answer.model = text("model");
-  answer.prompt_version = text("prompt_version");
-  answer.prompt_tokens = static_cast<std::int64_t>(number("prompt_tokens"));
-  answer.completion_tokens = static_cast<std::int64_t>(number("completion_tokens"));
-  answer.cost_usd = number("cost_usd");
-  answer.wall_s = number("wall_s");
-  answer.transcript = text("transcript");
-  if (const auto warnings = json.find("warnings"); warnings != json.end() && warnings->is_array()) {
-    for (const nlohmann::json& one : *warnings) {
-      if (one.is_string()) answer.warnings.push_back(one.get<std::string>());
-    }
-  }
-  return answer;
-}
 
 int64_t since_1970_ns() {
   using std::chrono::duration_cast, std::chrono::nanoseconds, std::chrono::system_clock;
@@ -63,7 +24,7 @@ std::filesystem::path failure_path(const std::filesystem::path& folder, const st
 std::optional<std::pair<int64_t, std::string>> read_failure(const std::filesystem::path& path) {
   const auto text = read_text_file(path, kMaxCachedBytes);
   if (!text) return std::nullopt;
-  const nlohmann::json json = nlohmann::json::parse(*text, nullptr, false);
+  const Json json = Json::parse(*text, nullptr, false);
   if (!json.is_object() || !json.contains("until_ns") || !json["until_ns"].is_number_integer() ||
       !json.contains("message") || !json["message"].is_string()) {
     return std::nullopt;
@@ -82,7 +43,7 @@ std::optional<RawAnswer> AnswerCache::answer(const std::string& key) const {
   if (folder_.empty()) return std::nullopt;
   const auto text = read_text_file(folder_ / (key + ".json"), kMaxCachedBytes);
   if (!text) return std::nullopt;
-  auto answer = from_json(nlohmann::json::parse(*text, nullptr, false));
+  auto answer = read_raw_answer(Json::parse(*text, nullptr, false));
   if (answer) answers_[key] = *answer;
   return answer;
 }
@@ -113,7 +74,7 @@ void AnswerCache::keep(const std::string& key, const RawAnswer& answer) {
   std::filesystem::remove(failure_path(folder_, key), ignored);
   std::filesystem::create_directories(folder_, ignored);
   const auto written_as = [](const RawAnswer& one) {
-    return to_json(one).dump(1, ' ', false, nlohmann::json::error_handler_t::replace);
+    return raw_answer_json(one).dump(1, ' ', false, Json::error_handler_t::replace);
   };
   std::string text = written_as(answer);
   if (text.size() > kMaxCachedBytes) {
@@ -133,8 +94,8 @@ void AnswerCache::keep_failure(const std::string& key, const std::string& messag
   if (folder_.empty()) return;
   std::error_code ignored;
   std::filesystem::create_directories(folder_, ignored);
-  const std::string text = nlohmann::json{{"until_ns", until_ns}, {"message", message}}.dump(
-      1, ' ', false, nlohmann::json::error_handler_t::replace);
+  const std::string text = Json{{"until_ns", until_ns}, {"message", message}}.dump(
+      1, ' ', false, Json::error_handler_t::replace);
   if (auto written = write_file_atomically(failure_path(folder_, key), text); !written) {
     log_debug("analysis: the failure is not kept for later: %s", written.error().message.c_str());
   }

@@ -4,6 +4,7 @@
 #include "analysis/model/prompt_set.h"
 #include "analysis/text/prompt_text.h"
 #include "analysis/model/question_slots.h"
+#include "analysis/model/raw_answer_json.h"
 #include "core/content_hash.h"
 #include "core/file.h"
 #include "core/log.h"
@@ -131,46 +132,14 @@ class RecordedExchange final : public Exchange {
     const auto parsed = parse_json(*text);
     const Json* kept =
         parsed && text_member(*parsed, "format") == kFormat ? member(*parsed, "answer") : nullptr;
-    if (!kept || text_member(*kept, "json").empty()) {
-      return invalid_data(file.string() + ": not a recorded answer; delete it and record it again");
-    }
-    RawAnswer answer;
-    answer.json = text_member(*kept, "json");
-    answer.model = text_member(*kept, "model");
-    answer.prompt_version = text_member(*kept, "prompt_version");
-    const auto count = [&](const char* key) {
-      const double value = number_member(*kept, key).value_or(0);
-      return value > 0 && value < 1e15 ? static_cast<std::int64_t>(value) : 0;
-    };
-    answer.prompt_tokens = count("prompt_tokens");
-    answer.completion_tokens = count("completion_tokens");
-    answer.cost_usd = number_member(*kept, "cost_usd").value_or(0);
-    answer.wall_s = number_member(*kept, "wall_s").value_or(0);
-    answer.transcript = text_member(*kept, "transcript");
-    if (const Json* blind = member(*kept, "blind")) answer.blind = *blind == true;
-    if (const Json* warnings = member(*kept, "warnings"); warnings && warnings->is_array()) {
-      for (const Json& warning : *warnings) {
-        if (warning.is_string()) answer.warnings.push_back(warning.get<std::string>());
-      }
-    }
-    return answer;
+    auto answer = kept ? read_raw_answer(*kept) : std::nullopt;
+    if (!answer) return invalid_data(file.string() + ": not a recorded answer; delete it and record it again");
+    return std::move(*answer);
   }
 
   Result<void> write(const std::filesystem::path& file, const OrderedJson& asked,
                      const RawAnswer& answer) const {
-    OrderedJson recording = {{"format", kFormat},
-                                   {"asked", asked},
-                                   {"answer",
-                                    {{"json", answer.json},
-                                     {"model", answer.model},
-                                     {"prompt_version", answer.prompt_version},
-                                     {"prompt_tokens", answer.prompt_tokens},
-                                     {"completion_tokens", answer.completion_tokens},
-                                     {"cost_usd", answer.cost_usd},
-                                     {"wall_s", answer.wall_s},
-                                     {"transcript", answer.transcript},
-                                     {"warnings", answer.warnings}}}};
-    if (answer.blind) recording["answer"]["blind"] = true;
+    const OrderedJson recording = {{"format", kFormat}, {"asked", asked}, {"answer", raw_answer_json(answer)}};
     if (auto written = write_file_atomically(file, dump_json(recording) + "\n"); !written) return written;
     const OrderedJson head = {{"format", kFormat}, {"model", endpoint_.model()}};
     return write_file_atomically(endpoint_.folder() / "endpoint.json", dump_json(head) + "\n");
