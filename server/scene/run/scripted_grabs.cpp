@@ -2,11 +2,11 @@
 #include "scene/run/scripted_grabs.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <span>
 
-#include "core/file.h"
 #include "core/log.h"
+#include "scene/values/csv_lines.h"
 
 namespace livegs {
 namespace {
@@ -16,6 +16,7 @@ constexpr double kLeastGrip_n = 5.0;
 constexpr double kGripLever_m = 0.2;     // torque of the grip: its force at this lever
 constexpr double kFarFromObject_m = 0.1;  // as far as a live hand reaches
 constexpr size_t kMaxPathRows = 100'000;
+constexpr uint64_t kMaxPathBytes = 64 << 20;
 constexpr double kLargestPathPlace_m = 1000.0;
 
 }  // namespace
@@ -54,51 +55,28 @@ GrabPath::Motion GrabPath::at(double time_s) const {
 }
 
 Result<GrabPath> read_grab_path(const std::filesystem::path& path) {
-  auto text = read_text_file(path, 64 << 20);
-  if (!text) return text.error();
   const std::string name = path.filename().string();
   GrabPath result;
-  size_t columns = 0, line_number = 0;
-  for (size_t begin = 0; begin < text->size();) {
-    const size_t end = std::min(text->find('\n', begin), text->size());
-    std::string_view line(text->data() + begin, end - begin);
-    begin = end + 1;
-    ++line_number;
-    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
-    if (line.empty()) continue;
-    if (columns == 0) {
-      columns = line == "time_s,x,y,z" ? 4 : line == "time_s,x,y,z,qw,qx,qy,qz" ? 8 : 0;
-      if (columns == 0) {
-        return invalid_data(name + ": line 1 must be the header time_s,x,y,z or time_s,x,y,z,qw,qx,qy,qz");
-      }
-      continue;
-    }
-    const std::string where = name + ": line " + std::to_string(line_number) + ": ";
-    double values[8] = {0, 0, 0, 0, 1, 0, 0, 0};
-    const char* at = line.data();
-    const char* const stop = line.data() + line.size();
-    for (size_t column = 0; column < columns; ++column) {
-      while (at < stop && *at == ' ') ++at;
-      const auto [rest, error] = std::from_chars(at, stop, values[column]);
-      const bool last = column + 1 == columns;
-      if (error != std::errc() || !std::isfinite(values[column]) || (last ? rest != stop : rest == stop || *rest != ',')) {
-        return invalid_data(where + "expected " + std::to_string(columns) + " numbers");
-      }
-      at = last ? rest : rest + 1;
-    }
-    if (values[0] < 0.0 || values[0] > 1e6 || (!result.times_s.empty() && values[0] <= result.times_s.back())) {
+  const CsvLayout layout{"time_s,x,y,z", "time_s,x,y,z,qw,qx,qy,qz", INFINITY, kMaxPathBytes};
+  const auto take = [&](size_t line, std::span<const double> numbers) -> Result<void> {
+    const std::string where = name + ": line " + std::to_string(line) + ": ";
+    const double time_s = numbers[0];
+    if (time_s < 0.0 || time_s > 1e6 || (!result.times_s.empty() && time_s <= result.times_s.back())) {
       return invalid_data(where + "time_s must rise, from 0 to 1e6");
     }
-    Pose pose{{values[1], values[2], values[3]}, Eigen::Quaterniond(values[4], values[5], values[6], values[7])};
+    Pose pose{{numbers[1], numbers[2], numbers[3]}, Eigen::Quaterniond::Identity()};
+    if (numbers.size() == 8) pose.orientation = Eigen::Quaterniond(numbers[4], numbers[5], numbers[6], numbers[7]);
     if (pose.position_m.cwiseAbs().maxCoeff() > kLargestPathPlace_m) {
       return invalid_data(where + "a place farther than 1000 m");
     }
     if (std::abs(pose.orientation.norm() - 1.0) > 0.01) return invalid_data(where + "qw,qx,qy,qz is no unit quaternion");
     pose.orientation.normalize();
     if (result.poses.size() == kMaxPathRows) return Error{ErrorCode::TooLarge, name + ": has more than 100000 rows"};
-    result.times_s.push_back(values[0]);
+    result.times_s.push_back(time_s);
     result.poses.push_back(pose);
-  }
+    return {};
+  };
+  if (auto read = read_csv_lines(path, layout, take); !read) return read.error();
   if (result.poses.empty()) return invalid_data(name + ": holds no rows");
   return result;
 }

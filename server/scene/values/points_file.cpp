@@ -2,62 +2,36 @@
 #include "scene/values/points_file.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <span>
 
-#include "core/file.h"
 #include "geometry/mesh/mesh_topology.h"
+#include "scene/values/csv_lines.h"
 #include "scene/values/grid_spacing.h"
 
 namespace livegs {
+namespace {
+
+constexpr double kMaxMagnitude = 1e6;  // metres, metres a second
+constexpr uint64_t kMaxFileBytes = 256 << 20;
+
+}  // namespace
 
 Result<PointList> read_points_file(const std::filesystem::path& path) {
-  auto text = read_text_file(path, 256 << 20);
-  if (!text) return text.error();
   const std::string name = path.filename().string();
   PointList list;
-  size_t columns = 0;
-  size_t line_number = 0;
-  for (size_t begin = 0; begin < text->size();) {
-    size_t end = text->find('\n', begin);
-    if (end == std::string::npos) end = text->size();
-    std::string_view line(text->data() + begin, end - begin);
-    begin = end + 1;
-    ++line_number;
-    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
-    if (line.empty()) continue;
-    if (columns == 0) {
-      if (line == "x,y,z")
-        columns = 3;
-      else if (line == "x,y,z,vx,vy,vz")
-        columns = 6;
-      else
-        return invalid_data(name + ": line 1 must be the header x,y,z or x,y,z,vx,vy,vz");
-      continue;
-    }
-    double values[6];
-    const char* at = line.data();
-    const char* const stop = line.data() + line.size();
-    for (size_t column = 0; column < columns; ++column) {
-      while (at < stop && *at == ' ') ++at;
-      const auto [rest, error] = std::from_chars(at, stop, values[column]);
-      const bool last = column + 1 == columns;
-      if (error != std::errc() || !std::isfinite(values[column]) || std::abs(values[column]) > 1e6 ||
-          (last ? rest != stop : rest == stop || *rest != ',')) {
-        return invalid_data(name + ": line " + std::to_string(line_number) + ", column " +
-                            std::to_string(column + 1) + ": expected " + std::to_string(columns) +
-                            " numbers");
-      }
-      at = last ? rest : rest + 1;
-    }
+  const CsvLayout layout{"x,y,z", "x,y,z,vx,vy,vz", kMaxMagnitude, kMaxFileBytes};
+  const auto take = [&](size_t, std::span<const double> numbers) -> Result<void> {
     if (list.positions_m.size() == kMaxPoints) {
       return Error{ErrorCode::TooLarge, name + ": has more than " + std::to_string(kMaxPoints) + " points"};
     }
-    list.positions_m.emplace_back(values[0], values[1], values[2]);
-    if (columns == 6) list.velocities_m_s.emplace_back(values[3], values[4], values[5]);
-  }
+    list.positions_m.emplace_back(numbers[0], numbers[1], numbers[2]);
+    if (numbers.size() == 6) list.velocities_m_s.emplace_back(numbers[3], numbers[4], numbers[5]);
+    return {};
+  };
+  if (auto read = read_csv_lines(path, layout, take); !read) return read.error();
   if (list.positions_m.empty()) return invalid_data(name + ": holds no points");
   return list;
 }
