@@ -37,6 +37,10 @@ struct ObjectFacts {
   bool solid = false;        // given as what takes up room (a shape, a list of points), not captured from outside
 };
 
+// The confidence of an estimate whose name states the material but not the object. An estimate by looks alone has at most
+// 0.35 and is never held against an author's or a model's material; one of at least this is. Smaller: looks
+// overrule authors. Larger: a named material is ignored.
+inline constexpr double kMaterialNamedConfidence = 0.4;
 // How much of an estimate's confidence a guessed scale leaves.
 inline constexpr double kGuessedScaleTrust = 0.8;
 // A guessed scale may be off by two, a volume by eight.

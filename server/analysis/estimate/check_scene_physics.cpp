@@ -22,8 +22,6 @@ constexpr double kLightest_kg_m3 = 0.1, kDensest_kg_m3 = 25000;
 // What an author types may be this factor outside the estimated range before it is remarked on: a correction
 // is welcome, a slip of units is not.
 constexpr double kDoubtfulFactor = 10.0;
-// An estimate by looks alone is less sure than this, and says nothing against the author.
-constexpr double kTellingConfidence = 0.4;
 
 std::string remark(const char* field, double value, const char* unit, const std::string& instead, double low,
                    double high) {
@@ -92,7 +90,7 @@ std::vector<std::string> doubtful_physics(const v1::PhysicalParameters& estimate
   const auto far_from = [](double value, double low, double high) {
     return value < low / kDoubtfulFactor || value > high * kDoubtfulFactor;
   };
-  const bool telling = estimated.confidence() >= kTellingConfidence;
+  const bool telling = estimated.confidence() >= kMaterialNamedConfidence;
   const std::string taken_for = "a " + estimated.label() + " of " + estimated.material() + " has";
   // Told stiffness is that of the whole body, so it is held against s E.
   const double told = merged.structure_coefficient().best() * merged.youngs_modulus_pa().best();

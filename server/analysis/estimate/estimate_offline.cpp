@@ -6,6 +6,8 @@
 #include "analysis/estimate/class_mass.h"
 #include "analysis/knowledge/tables.h"
 #include "analysis/estimate/object_classes.h"
+#include "analysis/estimate/physics_values.h"
+#include "analysis/estimate/stiffness_classes.h"
 #include "core/format_text.h"
 
 // Label first, then geometry, then colour: a name with written priors halves the error that geometry alone
@@ -16,11 +18,6 @@ namespace livegs {
 namespace {
 
 using v1::EstimatedValue;
-
-// Above this E* nothing deforms (LIVE-GS's own limit); between the two only things that are soft by nature
-// do, since hands cannot bend the rest visibly and the solver would spend its substeps on nothing.
-constexpr double kRigidYoungs_pa = 200e6;
-constexpr double kStiffYoungs_pa = 20e6;
 
 void set(EstimatedValue& value, const Span3& span, std::string reason) {
   value.set_low(std::min(span.low, span.best));
@@ -33,13 +30,6 @@ void set(EstimatedValue& value, const Span3& span, std::string reason) {
 // A judgement with a relative spread, kept within [low, high].
 Span3 around(double best, double spread, double low, double high) {
   return {std::max(low, best * (1 - spread)), best, std::min(high, best * (1 + spread))};
-}
-
-bool soft_by_nature(const MaterialRow& material) {
-  for (const char* name : {"elastomer", "foam", "textile", "stuffed", "plant", "food"}) {
-    if (material.material_class == name) return true;
-  }
-  return false;
 }
 
 // What the object is taken for, and why.
@@ -100,7 +90,7 @@ Guess guess_by_looks(const Kinds& kinds, const ObjectFacts& facts) {
                                facts.name.c_str(), kinds.match.alias.c_str(), guess.kind.row->label.c_str(), 100 * best);
   }
   if (kinds.material.row && guess.material->material_class == kinds.material.row->material_class) {
-    guess.confidence = 0.4;
+    guess.confidence = kMaterialNamedConfidence;
     guess.reason = format_text("the name \"%s\" says %s", facts.name.c_str(), guess.material->name.c_str());
   }
   return guess;
@@ -109,10 +99,7 @@ Guess guess_by_looks(const Kinds& kinds, const ObjectFacts& facts) {
 // What it is made of, where that is more than one thing: the shares are of its mass.
 void set_parts(const Kind& kind, v1::PhysicalParameters& answer) {
   for (const ObjectPart& part : kind.row->parts) {
-    v1::MaterialPart& added = *answer.add_parts();
-    added.set_name(part.name);
-    added.set_material(part.material);
-    added.set_mass_share(part.mass_share);
+    add_material_part(answer, part.name, part.material, part.mass_share);
   }
 }
 
@@ -142,8 +129,8 @@ v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
   const Span3 stiffness{structure.low * material.youngs_modulus_pa.low,
                         structure.best * material.youngs_modulus_pa.best,
                         structure.high * material.youngs_modulus_pa.high};
-  const bool soft = soft_by_nature(material);
-  const bool rigid = stiffness.best > kRigidYoungs_pa || (stiffness.best > kStiffYoungs_pa && !soft);
+  const bool soft = is_soft_class(material.material_class);
+  const bool rigid = stiffness.best > kRigidStiffness_pa || (stiffness.best > kStiffStiffness_pa && !soft);
   answer.set_behavior(rigid ? v1::Physics::RIGID : v1::Physics::ELASTIC);
   answer.set_behavior_reason(
       format_text("E* = s E = %.3g %s, %s", stiffness.best * (stiffness.best < 1e9 ? 1e-6 : 1e-9), stiffness.best < 1e9 ? "MPa" : "GPa",

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 
+#include "analysis/knowledge/tables.h"
 #include "livegs/v1/physics.pb.h"
 
 namespace livegs {
@@ -20,6 +21,12 @@ std::span<const PhysicsValue> physics_values();
 
 // Whether a person or the scene said it: nothing else takes its place.
 bool is_locked(const v1::EstimatedValue& value);
+
+inline Span3 span_of(const v1::EstimatedValue& value) { return {value.low(), value.best(), value.high()}; }
+
+// `mass_share`: of the object's mass, 0 to 1.
+void add_material_part(v1::PhysicalParameters& parameters, const std::string& name, const std::string& material,
+                       double mass_share);
 
 // Who said a value, in a word for a person: "offline" (the offline estimator), "model", "scene", "person",
 // "default", "unknown".

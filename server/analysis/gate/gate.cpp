@@ -54,8 +54,6 @@ Span3 fuse(const Span3& a, const Span3& b) {
   return {std::exp(mean - half), std::exp(mean), std::exp(mean + half)};
 }
 
-Span3 span_of(const EstimatedValue& value) { return {value.low(), value.best(), value.high()}; }
-
 Span3 around(double best) { return {best * (1 - kLinearSpread), best, best * (1 + kLinearSpread)}; }
 
 std::string model_says(const Answer& answer) {
@@ -78,10 +76,7 @@ void set_parts(const Answer& answer, v1::PhysicalParameters& result) {
   result.clear_parts();
   if (answer.parts.size() < 2) return;
   for (const AnswerPart& part : answer.parts) {
-    v1::MaterialPart& added = *result.add_parts();
-    added.set_name(part.name);
-    added.set_material(part.material->name);
-    added.set_mass_share(part.share);
+    add_material_part(result, part.name, part.material->name, part.share);
   }
 }
 

@@ -8,6 +8,7 @@
 #include "analysis/gate/mass_bounds.h"
 #include "analysis/estimate/object_classes.h"
 #include "analysis/estimate/physics_values.h"
+#include "analysis/estimate/stiffness_classes.h"
 #include "core/format_text.h"
 
 namespace livegs {
@@ -17,30 +18,14 @@ using v1::EstimatedValue;
 using v1::Physics;
 
 constexpr double kFarFromPrior = 8.0;
-// Below this the estimate is by looks alone, and says nothing of the material.
-constexpr double kTellingConfidence = 0.399;
-// Above E* = 200 MPa all things are rigid, and how much above does not matter; below 1 MPa a hand deforms all. What
-// is of a kind between the two may be called either.
-constexpr double kRigid_pa = 200e6, kYields_pa = 1e6;
-// Above this the estimate takes things for rigid that are not soft by nature.
-constexpr double kStiff_pa = 20e6;
 // A part of less than this share of the mass holds nothing and names nothing.
 constexpr double kHoldingShare = 0.05, kTellingShare = 0.1;
-
-Span3 span_of(const EstimatedValue& value) { return {value.low(), value.best(), value.high()}; }
 
 Span3 product(const Span3& a, const Span3& b) { return {a.low * b.low, a.best * b.best, a.high * b.high}; }
 
 bool far(double value, const Span3& prior) {
   const bool within = value >= prior.low && value <= prior.high;
   return !within && !(std::abs(std::log(value / prior.best)) <= std::log(kFarFromPrior));
-}
-
-bool soft_by_nature(const std::string& material_class) {
-  for (const char* name : {"elastomer", "foam", "textile", "stuffed", "plant", "food"}) {
-    if (material_class == name) return true;
-  }
-  return false;
 }
 
 // One of the things that the name may mean.
@@ -62,8 +47,8 @@ bool means(const ObjectRow& name, const ObjectRow& thing) {
 std::vector<KnownKind> known_kinds(const Kinds& found, const ObjectFacts& facts,
                                    const v1::PhysicalParameters& offline) {
   const bool named = found.match.row && found.match.tail == NameMatch::Tail::Nothing;
-  const double confidence = offline.confidence() / (facts.scale_known ? 1 : kGuessedScaleTrust);
-  if (!named && confidence < kTellingConfidence) return {};
+  const double least_confidence = (facts.scale_known ? 1 : kGuessedScaleTrust) * kMaterialNamedConfidence;
+  if (!named && offline.confidence() < least_confidence) return {};
   std::vector<KnownKind> known;
   KnownKind own;
   add_class(own, offline.material());
@@ -100,7 +85,7 @@ bool material_fits(const Answer& answer, const Kinds& found, const std::vector<K
       for (const std::string& one : kind.classes) {
         if (one == material_class || one == "assembly") return true;
       }
-      if (agreed && soft_by_nature(material_class) == soft_by_nature(kind.classes.front())) return true;
+      if (agreed && is_soft_class(material_class) == is_soft_class(kind.classes.front())) return true;
     }
     return false;
   };
@@ -133,9 +118,9 @@ std::string rigid_at_odds(const Answer& answer, const v1::PhysicalParameters& pr
     }
   }
   const double stiffness = young * (answer.structure_coefficient ? answer.structure_coefficient->best : 1.0);
-  if (!(stiffness < kYields_pa)) return "";
+  if (!(stiffness < kSoftStiffness_pa)) return "";
   return format_text("behaviour: rigid does not fit s E = %.3g MPa of %s, which a hand deforms (below %g MPa)",
-                     stiffness * 1e-6, materials_of(answer).c_str(), kYields_pa * 1e-6);
+                     stiffness * 1e-6, materials_of(answer).c_str(), kSoftStiffness_pa * 1e-6);
 }
 
 std::string behaviour_far(const v1::PhysicalParameters& proposal, const v1::PhysicalParameters& offline,
@@ -143,7 +128,7 @@ std::string behaviour_far(const v1::PhysicalParameters& proposal, const v1::Phys
   const bool rigid = proposal.behavior() == Physics::RIGID;
   if (proposal.behavior() == offline.behavior()) return "";
   for (const KnownKind& kind : known) {
-    if (rigid ? kind.stiffness_pa.best >= kYields_pa : kind.stiffness_pa.best <= kRigid_pa) return "";
+    if (rigid ? kind.stiffness_pa.best >= kSoftStiffness_pa : kind.stiffness_pa.best <= kRigidStiffness_pa) return "";
   }
   return format_text("behaviour: %s, where a thing called \"%s\" is %s, with s E = %.3g MPa",
                      rigid ? "rigid" : "elastic", offline.label().c_str(), rigid ? "elastic" : "rigid",
@@ -158,8 +143,8 @@ std::string stiffness_far(const Answer& answer, const v1::PhysicalParameters& pr
   if (is_locked(young) && is_locked(structure)) return "";
   const auto fits = [&](double told) {
     return std::any_of(known.begin(), known.end(), [&](const KnownKind& kind) {
-      const double stiff = soft_by_nature(kind.classes.front()) ? kRigid_pa : kStiff_pa;
-      return (told > kRigid_pa && kind.stiffness_pa.best > stiff) || !far(told, kind.stiffness_pa);
+      const double stiff = is_soft_class(kind.classes.front()) ? kRigidStiffness_pa : kStiffStiffness_pa;
+      return (told > kRigidStiffness_pa && kind.stiffness_pa.best > stiff) || !far(told, kind.stiffness_pa);
     });
   };
   const double s = structure.best() > 0 ? structure.best() : 1.0;

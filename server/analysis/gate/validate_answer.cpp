@@ -6,6 +6,7 @@
 #include "analysis/gate/mass_bounds.h"
 #include "analysis/estimate/mass_model.h"
 #include "analysis/estimate/object_classes.h"
+#include "analysis/estimate/stiffness_classes.h"
 #include "core/format_text.h"
 
 // What an answer says of itself, held together: units, physics, consistency (steps 5 to 7 of the gate).
@@ -15,10 +16,6 @@ namespace {
 
 using v1::Physics;
 
-// Above this E* nothing deforms (LIVE-GS).
-constexpr double kRigidYoungs_pa = 200e6;
-// Soft things of less than this deform in the hand.
-constexpr double kSoftYoungs_pa = 20e6;
 // The table's ranges are of good material; products vary by this much more.
 constexpr double kMaterialSlack = 3.0;
 constexpr double kMassSlack = 2.0;
@@ -146,14 +143,14 @@ std::optional<Error> make_consistent(Answer& answer, const PromptWords& words) {
     stiffest = std::max(stiffest, part.material->youngs_modulus_pa.best);
   const double stiffness = (answer.structure_coefficient ? answer.structure_coefficient->best : 1.0) *
                            (answer.youngs_modulus_pa ? answer.youngs_modulus_pa->best : stiffest);
-  if (answer.behavior == Physics::ELASTIC && stiffness > kRigidYoungs_pa) {
+  if (answer.behavior == Physics::ELASTIC && stiffness > kRigidStiffness_pa) {
     answer.behavior = Physics::RIGID;
     answer.changes.push_back(
         format_text("behaviour: elastic was changed to rigid, since s E = %.3g MPa is above %g MPa",
-                    stiffness * 1e-6, kRigidYoungs_pa * 1e-6));
-  } else if (answer.behavior == Physics::RIGID && stiffness < 0.05 * kSoftYoungs_pa && !answer.fragile) {
+                    stiffness * 1e-6, kRigidStiffness_pa * 1e-6));
+  } else if (answer.behavior == Physics::RIGID && stiffness < kSoftStiffness_pa && !answer.fragile) {
     return invalid_data(words.say("rigid_yet_soft", {{"stiffness", short_text(stiffness * 1e-6)},
-                                                     {"least", general(0.05 * kSoftYoungs_pa * 1e-6)}}));
+                                                     {"least", general(kSoftStiffness_pa * 1e-6)}}));
   }
   if (answer.fragile) {
     const bool any = std::any_of(answer.parts.begin(), answer.parts.end(),
