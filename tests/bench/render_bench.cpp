@@ -15,6 +15,7 @@
 
 #include "common/splat/synthetic_kernels.h"
 #include "core/parallel_for.h"
+#include "core/percentile.h"
 #include "gaussian/asset_file.h"
 #include "splat/rasterise.h"
 
@@ -36,10 +37,7 @@ struct Percentiles {
   double median, p99;
 };
 
-Percentiles percentiles(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return {values[values.size() / 2], values[std::min(values.size() - 1, values.size() * 99 / 100)]};
-}
+Percentiles percentiles(const std::vector<double>& values) { return {percentile(values, 0.5), percentile(values, 0.99)}; }
 
 // The camera stands `distance_m` from the centre, on a circle a little above it.
 void measure(const char* name, const synthetic::Object& object, const Eigen::Vector3d& centre_m,

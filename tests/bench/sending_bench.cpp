@@ -12,6 +12,7 @@
 
 #include "bench/support/arguments.h"
 #include "bench/support/dragged_blocks.h"
+#include "core/percentile.h"
 #include "session/frames/shared_frame_payload.h"
 #include "session/frames/tick_encodings.h"
 #include "session/frames/send_budget.h"
@@ -28,13 +29,6 @@ double processor_us() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
-}
-
-double percentile(std::vector<double>& numbers, double share) {
-  if (numbers.empty()) return 0;
-  const auto at = numbers.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(numbers.size() - 1));
-  std::nth_element(numbers.begin(), at, numbers.end());
-  return *at;
 }
 
 struct Client {

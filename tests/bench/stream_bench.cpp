@@ -24,6 +24,7 @@
 #include "bench/support/arguments.h"
 #include "bench/support/stream_clients.h"
 #include "core/log.h"
+#include "core/percentile.h"
 #include "session/access/server_security.h"
 #include "session/sessions/session_table.h"
 #include "system/support/fault_proxy.h"
@@ -37,13 +38,6 @@ namespace {
 
 constexpr int64_t kSecond_ns = 1'000'000'000;
 constexpr double kBar_ms = 5;  // for p99 at 64 clients; Measured::goal() has the others
-
-double percentile(std::vector<double>& numbers, double share) {
-  if (numbers.empty()) return 0;
-  const auto at = numbers.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(numbers.size() - 1));
-  std::nth_element(numbers.begin(), at, numbers.end());
-  return *at;
-}
 
 int64_t own_cpu_ns() {
   rusage used{};

@@ -20,6 +20,7 @@
 #include "common/splat/synthetic_kernels.h"
 #include "compute/vulkan_backend.h"
 #include "core/clock.h"
+#include "core/percentile.h"
 #include "gaussian/asset/posed_kernel_row.h"
 #include "render/splat_renderer.h"
 #include "skin/device_skin.h"
@@ -51,10 +52,7 @@ void take(Result<void> result) {
 
 struct Samples {
   std::vector<double> ms;
-  double median() {
-    std::sort(ms.begin(), ms.end());
-    return ms[ms.size() / 2];
-  }
+  double median() const { return percentile(ms, 0.5); }
   double slowest() const { return *std::max_element(ms.begin(), ms.end()); }
 };
 

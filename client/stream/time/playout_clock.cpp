@@ -5,19 +5,14 @@
 #include <cmath>
 #include <vector>
 
+#include "core/percentile.h"
+
 namespace livegs {
 namespace {
 
 constexpr int64_t kLeastSpan_ns = 1'000'000'000;  // that a rate is taken from
 constexpr double kRateNoise = 0.05;               // what jitter makes of it
 constexpr double kCorrection_ns = 400e6;          // an error goes with this time constant
-
-template <class Number>
-Number quantile(std::vector<Number> numbers, double share) {
-  const auto rank = numbers.begin() + std::lround(share * static_cast<double>(numbers.size() - 1));
-  std::nth_element(numbers.begin(), rank, numbers.end());
-  return *rank;
-}
 
 }  // namespace
 
@@ -53,7 +48,7 @@ double PlayoutClock::wanted_ns(int64_t drawn_ns) const {
     needed.push_back(late(arrivals_[i].received_ns, arrivals_[i - 1].simulated_ns));
     quickest = std::min(quickest, late(arrivals_[i].received_ns, arrivals_[i].simulated_ns));
   }
-  const double delay = std::min(quantile(std::move(needed), kShareInTime), quickest + static_cast<double>(kMostJitter_ns));
+  const double delay = std::min(percentile(std::move(needed), kShareInTime), quickest + static_cast<double>(kMostJitter_ns));
   return rate * (static_cast<double>(drawn_ns - newest.received_ns) - delay);
 }
 
@@ -62,7 +57,7 @@ int64_t PlayoutClock::at(int64_t now_ns, int64_t displayed_ns) {
   leads_ns_.push_back(displayed_ns - now_ns);
   if (leads_ns_.size() > kLeadsKept) leads_ns_.pop_front();
   // A picture's frames have to be there when it is drawn, which is that much before it is seen.
-  const int64_t lead = quantile(std::vector<int64_t>(leads_ns_.begin(), leads_ns_.end()), kShareInTime);
+  const int64_t lead = percentile(std::vector<int64_t>(leads_ns_.begin(), leads_ns_.end()), kShareInTime);
   const int64_t drawn_ns = displayed_ns - lead;
   const auto newest = static_cast<double>(arrivals_.back().simulated_ns);
   const double passed = rate() * static_cast<double>(std::max<int64_t>(0, drawn_ns - last_drawn_ns_));

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "core/clock.h"
+#include "core/percentile.h"
 
 namespace livegs {
 namespace {
@@ -21,14 +22,6 @@ Error cannot_write(const std::filesystem::path& path) {
 }
 
 }  // namespace
-
-double percentile(std::vector<double> numbers, double share) {
-  if (numbers.empty()) return 0;
-  const auto rank =
-      numbers.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(numbers.size() - 1));
-  std::nth_element(numbers.begin(), rank, numbers.end());
-  return *rank;
-}
 
 std::optional<double> age_ms(const ReceivedFrame& frame) {
   if (!frame.clock) return std::nullopt;

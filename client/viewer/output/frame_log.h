@@ -15,9 +15,6 @@
 
 namespace livegs {
 
-// The value below which `share` of the numbers lie; 0 for none.
-double percentile(std::vector<double> numbers, double share);
-
 // How long before it came the frame's step was done, by the server's clock as far as it is known; nothing before the
 // first estimate of it.
 std::optional<double> age_ms(const ReceivedFrame& frame);

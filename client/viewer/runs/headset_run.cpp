@@ -8,6 +8,7 @@
 #include "core/clock.h"
 #include "core/format_text.h"
 #include "core/log.h"
+#include "core/percentile.h"
 #include "splat/camera_file.h"
 #include "stream/session/session_client.h"
 #include "viewer/camera/initial_camera.h"

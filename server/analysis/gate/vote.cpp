@@ -6,15 +6,10 @@
 #include "analysis/gate/gate.h"
 #include "core/assert.h"
 #include "core/format_text.h"
+#include "core/percentile.h"
 
 namespace livegs {
 namespace {
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const size_t middle = values.size() / 2;
-  return values.size() % 2 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
-}
 
 double log_median(std::vector<double> values) {
   for (double& value : values) value = std::log(value);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/parallel_for.h"
+#include "core/percentile.h"
 #include "gaussian/opacity.h"
 #include "geometry/field/colour_grid.h"
 #include "geometry/fracture/face_kernels.h"
@@ -97,8 +98,7 @@ double interior_spacing_m(const GaussianAsset& asset, double scale, const Vorono
     if (opacity_of_logit(asset.opacity_logits[k]) >= kOpaque) widths.push_back(0.5f * (log_scale[1] + log_scale[2]));
   }
   if (widths.empty()) return std::max(least_m, body_diagonal_m(pieces) / 100.0);
-  std::nth_element(widths.begin(), widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2), widths.end());
-  const double width_m = std::exp(static_cast<double>(widths[widths.size() / 2])) * scale;
+  const double width_m = std::exp(static_cast<double>(percentile(std::move(widths), 0.5))) * scale;
   // A deviation of 0.6 spacings is what a kernel on a face gets.
   return std::clamp(width_m / 0.6, least_m, std::max(least_m, body_diagonal_m(pieces) / 40.0));
 }

@@ -16,6 +16,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/percentile.h"
 #include "geometry/surface/assemble_surface.h"
 
 namespace livegs {
@@ -184,9 +185,7 @@ double AlphaComplex::median_gap() const {
     const double length2 = (position(a) - position(b)).squaredNorm();
     for (const Vertex& end : {a, b}) gap2[end->info()] = std::min(gap2[end->info()], length2);
   }
-  const auto middle = gap2.begin() + static_cast<std::ptrdiff_t>(gap2.size() / 2);
-  std::nth_element(gap2.begin(), middle, gap2.end());
-  return std::sqrt(*middle);
+  return std::sqrt(percentile(std::move(gap2), 0.5));
 }
 
 void AlphaComplex::thicken_plane(double thickness) {

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <tuple>
 
+#include "core/percentile.h"
+
 namespace livegs {
 
 std::vector<Eigen::Vector3d> thin_by_voxels(std::span<const Eigen::Vector3d> points, double voxel,
@@ -43,8 +45,7 @@ std::vector<Eigen::Vector3d> thin_by_voxels(std::span<const Eigen::Vector3d> poi
   if (least_share > 0.0 && !voxels.empty()) {
     std::vector<size_t> counts;
     for (const Occupied& one : voxels) counts.push_back(one.count);
-    std::nth_element(counts.begin(), counts.begin() + counts.size() / 2, counts.end());
-    least_count = least_share * static_cast<double>(counts[counts.size() / 2]);
+    least_count = least_share * static_cast<double>(percentile(std::move(counts), 0.5));
   }
   std::vector<uint32_t> kept;
   for (const Occupied& one : voxels) {

@@ -17,6 +17,7 @@
 #include "common/gaussian/synthetic_asset.h"
 #include "core/clock.h"
 #include "core/content_hash.h"
+#include "core/percentile.h"
 #include "gaussian/asset_file.h"
 #include "scratch_folder.h"
 #include "server/session/rpc/raw_client.h"

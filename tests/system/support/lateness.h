@@ -7,13 +7,9 @@
 #include <vector>
 
 #include "core/clock.h"
+#include "core/percentile.h"
 
 namespace livegs {
-
-inline double percentile(std::vector<double> numbers, double share) {
-  std::sort(numbers.begin(), numbers.end());
-  return numbers.at(static_cast<size_t>(share * static_cast<double>(numbers.size() - 1)));
-}
 
 // How much later than told this machine wakes a thread up, the worst of a hundred times: what a wait costs beside other work.
 class Lateness {

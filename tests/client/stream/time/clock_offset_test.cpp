@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "core/percentile.h"
 #include "stream/time/clock_offset.h"
 
 namespace livegs {
@@ -60,11 +61,6 @@ Trace trace(const Network& network, uint64_t seed) {
     result.uncertainties_ms.push_back(1e-6 * static_cast<double>(estimate->uncertainty_ns));
   }
   return result;
-}
-
-double percentile(std::vector<double> numbers, double share) {
-  std::sort(numbers.begin(), numbers.end());
-  return numbers.at(static_cast<size_t>(share * static_cast<double>(numbers.size() - 1)));
 }
 
 // 20 ms of jitter and clocks that part by 200 parts in a million, or come together by as much.

@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "core/percentile.h"
 #include "stream/received/frame_history.h"
 #include "stream/time/playout_clock.h"
 
@@ -88,11 +89,6 @@ std::vector<Shown> play(const Network& network, const Display& display, double s
   }
   std::erase_if(shown, [](const Shown& one) { return one.displayed_s < 2; });
   return shown;
-}
-
-double percentile(std::vector<double> numbers, double share) {
-  std::sort(numbers.begin(), numbers.end());
-  return numbers.at(static_cast<size_t>(share * static_cast<double>(numbers.size() - 1)));
 }
 
 // How the moment shown advances, as a share of how the display does, less one; and how far behind the display it is.

@@ -7,6 +7,8 @@
 #include <random>
 #include <vector>
 
+#include "core/percentile.h"
+
 namespace livegs {
 namespace {
 
@@ -25,9 +27,7 @@ double mean(const Sample& sample, const std::function<double(const MassAnswer&)>
 double median_ape(const Sample& sample) {
   std::vector<double> values;
   for (const MassAnswer* answer : sample) values.push_back(ape(*answer));
-  std::sort(values.begin(), values.end());
-  const size_t n = values.size();
-  return 0.5 * (values[(n - 1) / 2] + values[n / 2]);
+  return median(std::move(values));
 }
 
 double max_ape(const Sample& sample) {
@@ -39,9 +39,7 @@ double max_ape(const Sample& sample) {
 double median_width(const Sample& sample) {
   std::vector<double> values;
   for (const MassAnswer* answer : sample) values.push_back(answer->high_kg / answer->low_kg);
-  std::sort(values.begin(), values.end());
-  const size_t n = values.size();
-  return 0.5 * (values[(n - 1) / 2] + values[n / 2]);
+  return median(std::move(values));
 }
 
 double width_needed(const Sample& sample) {
