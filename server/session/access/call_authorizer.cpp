@@ -52,8 +52,8 @@ grpc::Status CallGate::Process(const InputMetadata& metadata, grpc::AuthContext*
   }
   std::lock_guard lock(mutex_);
   // Tokens are few; those that have ended are not worth a sweep.
-  RateLimit& calls = calls_.try_emplace(grant->token_id, kMaxCallsPerSecond, kMaxCallsAtOnce).first->second;
-  if (!calls.take(now_ns())) {
+  TokenBucket& calls = calls_.try_emplace(grant->token_id, kMaxCallsPerSecond, kMaxCallsAtOnce).first->second;
+  if (!calls.try_take(now_ns())) {
     return {grpc::StatusCode::RESOURCE_EXHAUSTED, "more than 200 calls a second with this token"};
   }
   return grpc::Status::OK;

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "session/support/rate_limit.h"
+#include "core/token_bucket.h"
 #include "session/access/token_store.h"
 
 namespace livegs {
@@ -36,7 +36,7 @@ class CallGate final : public grpc::AuthMetadataProcessor {
  private:
   const TokenStore& tokens_;
   std::mutex mutex_;  // guards calls_
-  std::map<std::string, RateLimit> calls_;  // by token
+  std::map<std::string, TokenBucket> calls_;  // by token
 };
 
 // Whose call this is, for a handler. `tokens` null: in the clear.

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <limits>
+
+#include "core/token_bucket.h"
 
 namespace livegs {
 
@@ -17,28 +18,21 @@ class SendBudget {
   // Bytes a second; infinity: no cap. What was saved goes on.
   void set_cap(double bytes_s) {
     cap_bytes_s_ = bytes_s;
-    bytes_ = std::min(bytes_, most_bytes());
+    bytes_.set_rate(bytes_s, bytes_s * kSaved_s);
   }
   bool capped() const { return cap_bytes_s_ < std::numeric_limits<double>::infinity(); }
 
   // What may be sent now; 0 or less: nothing.
   double available_bytes(int64_t now_ns) {
-    if (!capped()) return std::numeric_limits<double>::infinity();
-    if (at_ns_ == 0) at_ns_ = now_ns, bytes_ = most_bytes();
-    bytes_ = std::min(most_bytes(), bytes_ + cap_bytes_s_ * 1e-9 * static_cast<double>(std::max<int64_t>(0, now_ns - at_ns_)));
-    at_ns_ = std::max(at_ns_, now_ns);
-    return bytes_;
+    return capped() ? bytes_.refill(now_ns) : std::numeric_limits<double>::infinity();
   }
   void pay(double bytes) {
-    if (capped()) bytes_ -= bytes;
+    if (capped()) bytes_.pay(bytes);
   }
 
  private:
-  double most_bytes() const { return cap_bytes_s_ * kSaved_s; }
-
   double cap_bytes_s_ = std::numeric_limits<double>::infinity();
-  double bytes_ = 0;
-  int64_t at_ns_ = 0;  // 0: nothing was asked yet
+  TokenBucket bytes_{cap_bytes_s_, cap_bytes_s_};
 };
 
 }  // namespace livegs

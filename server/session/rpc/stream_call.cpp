@@ -107,7 +107,7 @@ std::optional<grpc::Status> StreamCall::take_message() {
   uint64_t stream = 0;
   {
     std::lock_guard lock(mutex_);
-    if (!messages_.take(heard_ns)) {
+    if (!messages_.try_take(heard_ns)) {
       return grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "more than 1000 messages a second");
     }
     session = session_;

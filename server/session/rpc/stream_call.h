@@ -10,8 +10,8 @@
 #include <mutex>
 #include <optional>
 
+#include "core/token_bucket.h"
 #include "session/sessions/client_session.h"
-#include "session/support/rate_limit.h"
 #include "session/frames/send_budget.h"
 #include "session/sessions/session_table.h"
 
@@ -73,7 +73,7 @@ class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
     int64_t stepped_ns = 0, written_ns = 0;
   };
   std::deque<Written> unanswered_;          // frames, at most a window of them
-  RateLimit messages_{kMaxMessagesPerSecond, 2 * kMaxMessagesPerSecond};
+  TokenBucket messages_{kMaxMessagesPerSecond, 2 * kMaxMessagesPerSecond};
   SendBudget budget_;
   int position_bits_ = 16;                  // as the session asked for, like the next
   v1::JoinRequest::Encoding encoding_ = v1::JoinRequest::DRIVERS;

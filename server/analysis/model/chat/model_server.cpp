@@ -292,7 +292,7 @@ ServerAnswer ModelServer::chat(const std::string& body, bool event_stream, std::
         answer.error = {ErrorCode::Unavailable, breaker_.reason() + left};
         return answer;
       }
-      pause_s = seconds_from_ns(bucket_.take(now_ns()));
+      pause_s = seconds_from_ns(bucket_.take_in_debt(now_ns()));
     }
     if (!wait(pause_s, stop)) return cancelled();
     const HttpReply http = send_chat(body, event_stream, deadline_ns, stop);

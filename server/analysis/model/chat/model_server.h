@@ -15,6 +15,7 @@
 #include "analysis/model/model_endpoint.h"
 #include "analysis/model/chat/request_limits.h"
 #include "analysis/model/chat/transcript.h"
+#include "core/token_bucket.h"
 
 namespace livegs {
 

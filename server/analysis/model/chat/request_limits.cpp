@@ -6,16 +6,6 @@
 
 namespace livegs {
 
-std::int64_t TokenBucket::take(std::int64_t now_ns) {
-  if (filled_ns_ >= 0) {
-    const double elapsed_s = static_cast<double>(now_ns - filled_ns_) * 1e-9;
-    tokens_ = std::min(burst_, tokens_ + rate_per_s_ * std::max(0.0, elapsed_s));
-  }
-  filled_ns_ = now_ns;
-  tokens_ -= 1.0;
-  return tokens_ >= 0 ? 0 : static_cast<std::int64_t>(-tokens_ / rate_per_s_ * 1e9);
-}
-
 bool CircuitBreaker::try_pass(std::int64_t now_ns) {
   if (!opened_) return true;
   if (now_ns < until_ns_ || probing_) return false;

@@ -4,22 +4,10 @@
 #include <cstdint>
 #include <string>
 
-// How often and whether an endpoint may be asked. Plain state machines over a clock that the caller reads;
+// Whether and when an endpoint may be asked again; how often is a TokenBucket. Plain state machines over a clock that the caller reads;
 // not synchronised.
 
 namespace livegs {
-
-// Starts full. Rates in requests a second.
-class TokenBucket {
- public:
-  TokenBucket(double rate_per_s, double burst) : rate_per_s_(rate_per_s), burst_(burst), tokens_(burst) {}
-  // Takes one token, into debt if need be; nanoseconds the caller has to wait until the token is real.
-  std::int64_t take(std::int64_t now_ns);
-
- private:
-  double rate_per_s_, burst_, tokens_;
-  std::int64_t filled_ns_ = -1;
-};
 
 // Closed: requests pass. Open: none does until a moment. Then one is let through; its success closes the
 // breaker, its failure opens it again.

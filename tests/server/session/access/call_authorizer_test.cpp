@@ -284,30 +284,6 @@ TEST_F(Gate, AKickedClientIsToldWhyAndMayComeBack) {
   EXPECT_TRUE(client.join().ok());
 }
 
-TEST(RateLimit, LetsSoManyASecondAndSoManyAtOnce) {
-  constexpr int64_t kSecond_ns = 1'000'000'000;
-  RateLimit limit(10, 25);
-  int64_t now = 5 * kSecond_ns;
-  const auto taken = [&](int tries) {
-    int count = 0;
-    for (int i = 0; i < tries; ++i) count += limit.take(now) ? 1 : 0;
-    return count;
-  };
-  EXPECT_EQ(taken(100), 25);
-  now += kSecond_ns;
-  EXPECT_EQ(taken(100), 10);
-  now += kSecond_ns / 2;
-  EXPECT_EQ(taken(100), 5);
-  now += 3600 * kSecond_ns;
-  EXPECT_EQ(taken(100), 25);
-  int steady = 0;
-  for (int i = 0; i < 1000; ++i) {  // ten seconds in steps that its rate does not divide
-    now += kSecond_ns / 100;
-    steady += limit.take(now) ? 1 : 0;
-  }
-  EXPECT_NEAR(steady, 100, 1);
-}
-
 TEST_F(Gate, OneTokenThatCallsTooOftenIsSlowedAndNoOther) {
   CallGate gate(security_->tokens());
   const auto ask = [&](const std::string& secret) {

@@ -136,14 +136,6 @@ TEST(EndpointQuirks, EveryRefusalTakesSomethingAwaySoLearningEnds) {
   }
 }
 
-TEST(TokenBucket, LetsABurstThroughAndThenItsRate) {
-  TokenBucket bucket(2.0, 3.0);
-  for (int i = 0; i < 3; ++i) EXPECT_EQ(bucket.take(0), 0);
-  EXPECT_EQ(bucket.take(0), 500000000);   // one in debt at 2 a second
-  EXPECT_EQ(bucket.take(0), 1000000000);  // two
-  EXPECT_EQ(bucket.take(2000000000), 0);  // 2 s give 4: the debt of 2 and 2 more
-}
-
 TEST(CircuitBreaker, OneProbePassesAndDecides) {
   CircuitBreaker breaker(2, 10.0);
   const std::int64_t second = 1000000000;
