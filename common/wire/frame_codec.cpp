@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/assert.h"
+#include "wire/header.h"
 #include "wire/little_endian.h"
 #include "wire/packed_quaternion.h"
 #include "wire/quantised_box.h"
@@ -17,8 +18,7 @@
 namespace livegs {
 namespace {
 
-constexpr uint32_t kMagic = 0x4647564C;  // "LVGF"
-constexpr uint16_t kVersion = 1;
+constexpr MessageHeader<uint32_t, uint16_t> kHeader{"driver frame", " with LVGF", 0x4647564C, 1};
 constexpr uint8_t kSelfContained = 0;
 constexpr uint8_t kAsleep = 1;
 
@@ -266,8 +266,7 @@ std::vector<std::byte> encode_frame(const DriverFrame& frame, DriverEncoding enc
   const QuantisedBox box = bounds.box();
   ByteWriter out;
   out.reserve(encoded_size(frame, encoding));
-  out.write(kMagic);
-  out.write(kVersion);
+  kHeader.write(out);
   out.write(kSelfContained);
   out.write(uint8_t{0});
   out.write(frame.tick);
@@ -290,11 +289,7 @@ Result<DriverFrame> decode_frame(std::span<const std::byte> bytes) {
   const uint16_t version = in.read<uint16_t>();
   const uint8_t encoding = in.read<uint8_t>();
   const uint8_t reserved = in.read<uint8_t>();
-  if (in.failed() || magic != kMagic) return invalid_data("driver frame: does not begin with LVGF");
-  if (version != kVersion) {
-    return unsupported("driver frame: version " + std::to_string(version) + ", this build reads version " +
-                       std::to_string(kVersion) + "; update the older of server and client");
-  }
+  if (auto known = kHeader.check(magic, version, in.failed()); !known) return known.error();
   if (encoding != kSelfContained) {
     return unsupported("driver frame: unknown encoding " + std::to_string(encoding));
   }

@@ -154,8 +154,7 @@ EncodedStreamFrame encode_stream_frame(const DriverFrame& frame, const StreamBas
                       (!baseline || frame.tick / options.hash_interval != baseline->tick / options.hash_interval);
   ByteWriter out;
   out.reserve(body.size() + 40);
-  out.write(kMagic);
-  out.write(kVersion);
+  kHeader.write(out);
   out.write(static_cast<uint8_t>((baseline ? 0 : kKeyFrame) | (hashed ? kHashed : 0)));
   write_varint(out, frame.tick);
   out.write(frame.simulated_ns);

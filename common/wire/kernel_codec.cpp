@@ -11,6 +11,7 @@
 
 #include "core/assert.h"
 #include "wire/frame_codec.h"
+#include "wire/header.h"
 #include "wire/little_endian.h"
 #include "wire/packed_quaternion.h"
 #include "wire/quantised_box.h"
@@ -19,7 +20,7 @@
 namespace livegs {
 namespace {
 
-constexpr uint8_t kMagic = 0xD8, kVersion = 2;
+constexpr MessageHeader<uint8_t, uint8_t> kHeader{"kernel frame", " like one", 0xD8, 2};
 constexpr size_t kObjectHeaderBytes = 9, kBoxBytes = 24;
 constexpr size_t kExactBytes = 52, kQuantisedBytes = 20;
 constexpr int kPositionBits = 16, kComponentBits = 12, kDeviationBits = 10;
@@ -86,7 +87,7 @@ void write_quantised(ByteWriter& out, const PosedKernels& kernels) {
   }
 }
 
-Error bad(const std::string& what) { return invalid_data("kernel frame: " + what); }
+Error bad(const std::string& what) { return kHeader.invalid(what); }
 
 Result<void> read_exact(ByteReader& in, PosedKernels& kernels) {
   for (size_t k = 0; k < kernels.positions_m.size(); ++k) {
@@ -136,8 +137,7 @@ std::vector<std::byte> encode_kernels(const KernelFrame& frame, KernelEncoding e
   for (const ObjectKernels& object : frame.objects) size += kernel_bytes(object.kernels.positions_m.size(), encoding);
   ByteWriter out;
   out.reserve(size);
-  out.write(kMagic);
-  out.write(kVersion);
+  kHeader.write(out);
   out.write(static_cast<uint8_t>(encoding));
   out.write(uint8_t{0});
   out.write(frame.tick);
@@ -168,11 +168,7 @@ Result<KernelFrame> decode_kernels(std::span<const std::byte> bytes) {
   frame.tick = in.read<uint64_t>();
   frame.simulated_ns = in.read<int64_t>();
   const size_t object_count = in.read<uint32_t>();
-  if (in.failed() || magic != kMagic) return bad("does not begin like one");
-  if (version != kVersion) {
-    return unsupported("kernel frame: version " + std::to_string(version) + ", this build reads version " +
-                       std::to_string(kVersion) + "; update the older of server and client");
-  }
+  if (auto known = kHeader.check(magic, version, in.failed()); !known) return known.error();
   if (encoding > static_cast<uint8_t>(KernelEncoding::Quantised)) return bad("has unknown encoding " + std::to_string(encoding));
   if (reserved != 0) return bad("sets a reserved bit");
   const bool exact = encoding == static_cast<uint8_t>(KernelEncoding::Exact);

@@ -6,12 +6,13 @@
 
 #include "core/assert.h"
 #include "wire/frame_stream.h"
+#include "wire/header.h"
 #include "wire/little_endian.h"
 
 namespace livegs {
 namespace {
 
-constexpr uint8_t kMagic = 0xD7, kVersion = 1;
+constexpr MessageHeader<uint8_t, uint8_t> kHeader{"publication", " like one", 0xD7, 1};
 constexpr size_t kInstanceBytes = 16;
 constexpr const char* kDigits = "0123456789abcdef";
 
@@ -21,15 +22,12 @@ int digit(char c) {
   return static_cast<int>(found - kDigits);
 }
 
-Error bad(const std::string& what) { return invalid_data("publication: " + what); }
-
 }  // namespace
 
 std::vector<std::byte> encode_publication(const Publication& publication) {
   LIVEGS_ASSERT(publication.server_instance.size() == 2 * kInstanceBytes);
   ByteWriter out;
-  out.write(kMagic);
-  out.write(kVersion);
+  kHeader.write(out);
   for (size_t i = 0; i < kInstanceBytes; ++i) {
     out.write(static_cast<uint8_t>(digit(publication.server_instance[2 * i]) << 4 |
                                    digit(publication.server_instance[2 * i + 1])));
@@ -48,11 +46,7 @@ std::vector<std::byte> encode_publication(const Publication& publication) {
 Result<Publication> decode_publication(std::span<const std::byte> bytes) {
   ByteReader in(bytes);
   const auto magic = in.read<uint8_t>(), version = in.read<uint8_t>();
-  if (in.failed() || magic != kMagic) return bad("does not begin like one");
-  if (version != kVersion) {
-    return unsupported("publication: version " + std::to_string(version) + ", this build reads version " +
-                       std::to_string(kVersion) + "; update the older of server and client");
-  }
+  if (auto known = kHeader.check(magic, version, in.failed()); !known) return known.error();
   Publication publication;
   for (size_t i = 0; i < kInstanceBytes; ++i) {
     const auto byte = in.read<uint8_t>();
@@ -60,7 +54,7 @@ Result<Publication> decode_publication(std::span<const std::byte> bytes) {
   }
   publication.event_number = in.read<uint64_t>();
   publication.stepped_ns = in.read<int64_t>();
-  if (in.failed()) return bad("is cut short");
+  if (in.failed()) return kHeader.invalid("is cut short");
   auto frame = StreamReader().read(bytes.subspan(in.offset()));
   if (!frame) return frame.error();
   publication.frame = std::move(*frame);

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "wire/driver_grid.h"
-#include "wire/frame_stream.h"
 #include "wire/grid_coder.h"
+#include "wire/header.h"
 #include "wire/little_endian.h"
 #include "wire/varint.h"
 
@@ -18,8 +18,7 @@
 namespace livegs {
 
 namespace stream_layout {
-inline constexpr uint8_t kMagic = 0xD6;
-inline constexpr uint8_t kVersion = 2;
+inline constexpr MessageHeader<uint8_t, uint8_t> kHeader{"stream frame", " like one", 0xD6, 2};
 inline constexpr uint8_t kKeyFrame = 1, kHashed = 4;
 inline constexpr int32_t kMaxGap = 16;  // ticks over which a straight line is believed
 inline constexpr int kMinExponent = -30, kMaxExponent = 30;

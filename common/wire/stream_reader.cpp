@@ -4,6 +4,7 @@
 
 #include "core/assert.h"
 #include "wire/frame_codec.h"
+#include "wire/frame_stream.h"
 #include "wire/stream_layout.h"
 
 namespace livegs {
@@ -12,7 +13,7 @@ using namespace stream_layout;
 
 namespace {
 
-Error bad(const std::string& what) { return invalid_data("stream frame: " + what); }
+Error bad(const std::string& what) { return kHeader.invalid(what); }
 
 struct Header {
   uint8_t flags = 0;
@@ -25,11 +26,7 @@ Result<Header> read_header(ByteReader& in) {
   const uint8_t magic = in.read<uint8_t>(), version = in.read<uint8_t>();
   Header header;
   header.flags = in.read<uint8_t>();
-  if (in.failed() || magic != kMagic) return bad("does not begin like one");
-  if (version != kVersion) {
-    return unsupported("stream frame: version " + std::to_string(version) + ", this build reads version " +
-                       std::to_string(kVersion) + "; update the older of server and client");
-  }
+  if (auto known = kHeader.check(magic, version, in.failed()); !known) return known.error();
   if ((header.flags & ~(kKeyFrame | kHashed)) != 0) return bad("sets a reserved bit");
   const auto tick = read_varint(in);
   header.simulated_ns = in.read<int64_t>();

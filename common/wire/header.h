@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <string>
+
+#include "core/result.h"
+#include "wire/little_endian.h"
+
+namespace livegs {
+
+// The first bytes of a message: a magic number, then a version; their widths are the format's own.
+template <std::unsigned_integral Magic, std::unsigned_integral Version>
+struct MessageHeader {
+  const char* name;    // of the message, with which its errors begin
+  const char* begins;  // the magic number for people: " with LVGF"
+  Magic magic;
+  Version version;
+
+  void write(ByteWriter& out) const {
+    out.write(magic);
+    out.write(version);
+  }
+  Error invalid(const std::string& what) const { return invalid_data(std::string(name) + ": " + what); }
+  // What was read of both; `cut_short`: the header has more bytes than the message.
+  Result<void> check(Magic read_magic, Version read_version, bool cut_short) const {
+    if (cut_short || read_magic != magic) return invalid(std::string("does not begin") + begins);
+    if (read_version == version) return {};
+    return unsupported(std::string(name) + ": version " + std::to_string(read_version) + ", this build reads version " +
+                       std::to_string(version) + "; update the older of server and client");
+  }
+};
+
+}  // namespace livegs
