@@ -8,6 +8,9 @@ namespace livegs {
 // Nanoseconds of a monotonic clock (CLOCK_MONOTONIC, as OpenXR's timespec conversion uses). Never wall time.
 int64_t now_ns();
 
+// Processor time of the calling thread, in seconds.
+double thread_cpu_s();
+
 // Blocks the calling thread until `moment_ns` of that clock; returns at once if it has passed.
 void sleep_until_ns(int64_t moment_ns);
 

@@ -24,6 +24,7 @@
 #include "physics/breakable_pieces.h"
 #include "physics/world.h"
 #include "server/geometry/fracture/fracture_shapes.h"
+#include "study/harness/make_solver.h"
 #include "study/harness/rigid_solver.h"
 
 using namespace livegs;

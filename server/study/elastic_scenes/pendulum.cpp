@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kGravity_m_s2 = 9.81, kSeconds = 10.0;
+constexpr double kSeconds = 10.0;
 
 }  // namespace
 

@@ -45,7 +45,7 @@ struct RigidMotion {
 };
 
 struct RigidConditions {
-  Eigen::Vector3d gravity_m_s2{0, -9.81, 0};
+  Eigen::Vector3d gravity_m_s2{0, -kGravity_m_s2, 0};
   bool sleep = false;
 };
 
@@ -70,8 +70,5 @@ class RigidSolver {
   virtual void frame() = 0;
   virtual std::vector<RigidMotion> motions() const = 0;
 };
-
-Result<std::unique_ptr<RigidSolver>> make_rigid_solver(const RigidSetup& setup,
-                                                       const RigidConditions& conditions);
 
 }  // namespace livegs::study

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/harness/rigid_stage.h"
 
-#include <ctime>
-
 #include <cmath>
 #include <limits>
 
 #include "core/clock.h"
 #include "core/log.h"
-#include "study/peers/bullet_rigid.h"
-#include "study/peers/livegs_rigid.h"
-#include "study/peers/ode_rigid.h"
+#include "study/harness/make_solver.h"
 
 namespace livegs::study {
 namespace {
@@ -18,35 +14,7 @@ namespace {
 // No scene moves faster or farther of its own.
 constexpr double kFar_m = 1e3, kFast_m_s = 100.0;
 
-double thread_cpu_s() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 }  // namespace
-
-Result<void> RigidSolver::add_soft(const SoftPart&) {
-  return Error{ErrorCode::Unavailable, "soft bodies of this engine are not connected to rigid ones"};
-}
-
-Result<bool> RigidSolver::broken(size_t) const {
-  return Error{ErrorCode::Unavailable, "contact impulses of this engine are not connected"};
-}
-
-Result<std::unique_ptr<RigidSolver>> make_rigid_solver(const RigidSetup& setup,
-                                                       const RigidConditions& conditions) {
-  switch (setup.engine) {
-    case RigidEngine::Livegs:
-      return make_livegs_rigid(setup, conditions);
-    case RigidEngine::Bullet:
-      return make_bullet_rigid(setup, conditions);
-    case RigidEngine::OdeQuick:
-    case RigidEngine::Ode:
-      break;
-  }
-  return make_ode_rigid(setup, conditions);
-}
 
 Result<RigidStage> RigidStage::make(const RigidSetup& setup, const RigidConditions& conditions) {
   auto solver = make_rigid_solver(setup, conditions);

@@ -12,6 +12,8 @@
 
 namespace livegs::study {
 
+inline constexpr double kGravity_m_s2 = 9.81;
+
 enum class Engine {
   Cells,
   LivegsV1,

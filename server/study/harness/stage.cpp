@@ -1,25 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/harness/stage.h"
 
-#include <ctime>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "core/clock.h"
-#include "study/peers/bullet_body.h"
+#include "study/harness/make_solver.h"
 
 namespace livegs::study {
 namespace {
 
 using Eigen::Vector3d;
-
-double thread_cpu_s() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 // Asking for the time costs about a tenth of a small body's substep, so it is taken off.
 double cost_of_asking_s() {
@@ -32,24 +24,11 @@ double cost_of_asking_s() {
   return cost_s;
 }
 
-Result<std::unique_ptr<ElasticBody>> make_body(const Setup& setup, const ElasticBodyDescription& description) {
-  switch (setup.engine) {
-    case Engine::Cells:
-      return make_elastic_body(description, ElasticSolver::Cells, setup.rate_hz, setup.substeps, false);
-    case Engine::LivegsV1:
-      return make_elastic_body(description, ElasticSolver::LivegsV1, setup.rate_hz, setup.substeps, false);
-    case Engine::LivegsV1Steady:
-      return make_elastic_body(description, ElasticSolver::LivegsV1Steady, setup.rate_hz, setup.substeps, false);
-    case Engine::Bullet: break;
-  }
-  return make_bullet_body(description, setup.rate_hz, setup.substeps);
-}
-
 }  // namespace
 
 Result<Stage> Stage::make(const Setup& setup, ElasticBodyDescription description) {
   description.cells = setup.cells;
-  auto body = make_body(setup, description);
+  auto body = make_study_body(setup, description);
   if (!body) return body.error();
   Stage stage;
   stage.body_ = std::move(*body);

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "study/bullet_vector.h"
 #include "study/harness/tetrahedral_box.h"
 
 namespace livegs::study {
@@ -22,11 +23,6 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-btVector3 to_bullet(const Vector3d& v) {
-  return {static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z())};
-}
-Vector3d from_bullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 
 double tetrahedron_volume_m3(const TetrahedralBox& box, const std::array<int, 4>& t) {
   const Vector3d& o = box.nodes_m[t[0]];

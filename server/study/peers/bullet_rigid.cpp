@@ -9,15 +9,13 @@
 #include <memory>
 #include <vector>
 
+#include "study/bullet_vector.h"
+
 namespace livegs::study {
 namespace {
 
 using Eigen::Vector3d;
 
-btVector3 to_bullet(const Vector3d& v) {
-  return {static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z())};
-}
-Vector3d from_bullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 btTransform to_bullet(const Pose& pose) {
   const Eigen::Quaterniond& q = pose.orientation;
   return btTransform(btQuaternion(static_cast<btScalar>(q.x()), static_cast<btScalar>(q.y()),

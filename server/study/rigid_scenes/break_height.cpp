@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSpeed_m_s = 3.0, kGravity_m_s2 = 9.81;
+constexpr double kSpeed_m_s = 3.0;
 constexpr int kDrops = 100;
 
 struct Drop {

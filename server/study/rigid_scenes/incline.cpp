@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kGravity_m_s2 = 9.81, kDegree = M_PI / 180;
+constexpr double kDegree = M_PI / 180;
 constexpr double kSlid_m = 1e-3, kWatched_s = 2.0;  // 0.003 degrees beyond the threshold
 
 // A slab at rest on a plane that falls towards +x.

@@ -10,7 +10,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kGravity_m_s2 = 9.81;
 constexpr double kArm_m = 1.0, kRadius_m = 0.05;
 constexpr double kInertia_m2 = kArm_m * kArm_m + 0.4 * kRadius_m * kRadius_m;  // of 1 kg, about the pivot
 

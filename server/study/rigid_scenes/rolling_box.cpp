@@ -11,7 +11,7 @@ namespace livegs::study {
 using Eigen::Vector3d;
 
 Result<RigidOutcome> rolling_box(const RigidSetup& setup) {
-  constexpr double kBox_kg = 10.0, kBall_kg = 1.0, kPush_n = 150.0, kGravity_m_s2 = 9.81;
+  constexpr double kBox_kg = 10.0, kBall_kg = 1.0, kPush_n = 150.0;
   constexpr double kUnderBox = 0.4, kUnderBalls = 0.8;
   constexpr int kSide = 5, kBalls = kSide * kSide;
   constexpr double kThick_m = 0.2, kRadius_m = 0.05;

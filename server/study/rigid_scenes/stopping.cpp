@@ -31,7 +31,7 @@ Result<RigidOutcome> stopping(const RigidSetup& setup) {
       const double stopped_m = way_m();
       stage->run(1.0);
       drift_m_s = std::max(drift_m_s, std::abs(way_m() - stopped_m));
-      const double ratio = stopped_m / (2.0 * 2.0 / (2 * friction * 9.81));
+      const double ratio = stopped_m / (2.0 * 2.0 / (2 * friction * kGravity_m_s2));
       if (!(std::abs(ratio - 1) <= std::abs(shown - 1))) shown = ratio;
       total->include(*stage);
     }
