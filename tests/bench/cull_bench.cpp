@@ -86,15 +86,18 @@ Camera seen_from(const CloudExtent& extent, double distance, int width, int heig
                  width, height);
 }
 
+std::vector<std::pair<const char*, Camera>> named_views(const CloudExtent& extent) {
+  return {{"afar", seen_from(extent, 3.0, kWidth, kHeight)},
+          {"front", view_of(extent, View::Front, kWidth, kHeight)},
+          {"close", view_of(extent, View::Close, kWidth, kHeight)},
+          {"inside", view_of(extent, View::Inside, kWidth, kHeight)}};
+}
+
 void measure_thresholds() {
   std::printf("asset,kernels,view,width,height,threshold_px,drawn,left_out,psnr_db,cpu_ms,time_share\n");
   for (const Thing& thing : things()) {
     const CloudExtent extent = extent_of(thing.posed);
-    const std::pair<const char*, Camera> views[] = {{"afar", seen_from(extent, 3.0, kWidth, kHeight)},
-                                                    {"front", view_of(extent, View::Front, kWidth, kHeight)},
-                                                    {"close", view_of(extent, View::Close, kWidth, kHeight)},
-                                                    {"inside", view_of(extent, View::Inside, kWidth, kHeight)}};
-    for (const auto& [name, camera] : views) {
+    for (const auto& [name, camera] : named_views(extent)) {
       Rasteriser rasteriser;
       RasterisedView all, some;
       Drawn whole;
@@ -120,11 +123,7 @@ void measure_caps() {
   std::printf("asset,kernels,view,width,height,cap_of_longer_side,psnr_db,cpu_ms,time_share\n");
   for (const Thing& thing : things()) {
     const CloudExtent extent = extent_of(thing.posed);
-    const std::pair<const char*, Camera> views[] = {{"afar", seen_from(extent, 3.0, kWidth, kHeight)},
-                                                    {"front", view_of(extent, View::Front, kWidth, kHeight)},
-                                                    {"close", view_of(extent, View::Close, kWidth, kHeight)},
-                                                    {"inside", view_of(extent, View::Inside, kWidth, kHeight)}};
-    for (const auto& [name, camera] : views) {
+    for (const auto& [name, camera] : named_views(extent)) {
       Rasteriser rasteriser;
       RasterisedView all, some;
       double whole_ms = 0;

@@ -48,5 +48,16 @@ inline Drift momentum_drift(const BodyEnergy& before, const BodyEnergy& after) {
   return {(after.linear_momentum - before.linear_momentum).norm() / before.linear_momentum.norm(),
           (after.angular_momentum - before.angular_momentum).norm() / before.angular_momentum.norm()};
 }
+// The largest drift from now on, over so many ticks.
+inline Drift largest_drift(World& world, int ticks) {
+  const BodyEnergy before = world.energy();
+  Drift largest{0, 0};
+  for (int i = 0; i < ticks; ++i) {
+    world.step();
+    const Drift drift = momentum_drift(before, world.energy());
+    largest = {std::max(largest.linear, drift.linear), std::max(largest.angular, drift.angular)};
+  }
+  return largest;
+}
 
 }  // namespace livegs::soft_fixtures

@@ -25,24 +25,13 @@
 #include "stream/received/asset_cache.h"
 #include "stream/session/session_client.h"
 #include "system/support/fault_proxy.h"
+#include "system/join_server.h"
 #include "system/support/lateness.h"
 #include "system/stream/noise_server.h"
 #include "scenes/served_scene.h"
 
 namespace livegs {
 namespace {
-
-ConnectOptions patient() {
-  ConnectOptions options;
-  options.timeout_s = options.reconnect_s = 60;
-  return options;
-}
-
-std::unique_ptr<SessionClient> join(int port) {
-  auto joined = SessionClient::join("127.0.0.1:" + std::to_string(port), patient());
-  EXPECT_TRUE(joined) << joined.error().message;
-  return joined ? std::move(*joined) : nullptr;
-}
 
 // The age of each frame when it came, on one machine, ms.
 std::vector<double> ages_ms(std::span<const ReceivedFrame> frames) {

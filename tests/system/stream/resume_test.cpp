@@ -13,6 +13,7 @@
 #include "stream/channel/retry_schedule.h"
 #include "stream/session/session_client.h"
 #include "system/support/fault_proxy.h"
+#include "system/join_server.h"
 #include "system/support/lateness.h"
 #include "scenes/served_scene.h"
 #include "viewer/runs/offscreen_run.h"
@@ -45,18 +46,12 @@ class Resume : public ::testing::Test {
   void start(Scene scene, const ConnectOptions& options) {
     served_ = std::make_unique<ServedScene>(std::move(scene));
     proxy_ = std::make_unique<FaultProxy>(served_->port());
-    auto joined = SessionClient::join("127.0.0.1:" + std::to_string(proxy_->port()), options);
-    ASSERT_TRUE(joined) << joined.error().message;
-    client_ = std::move(*joined);
+    client_ = join(proxy_->port(), options);
+    ASSERT_TRUE(client_);
     client_->start(sink_);
     ASSERT_TRUE(sink_.wait_frames(5));
   }
   void start() { start(box_scene(), patient()); }
-  static ConnectOptions patient() {
-    ConnectOptions options;
-    options.timeout_s = options.reconnect_s = 60;
-    return options;
-  }
   // Also when an assertion left early: the sink goes last.
   ~Resume() override { client_.reset(); }
 
@@ -116,8 +111,7 @@ TEST_F(Resume, AfterACutTheFirstConnectionBringsTheFrames) {
 TEST(NarrowLink, FramesOfKernelsThatTakeSecondsAreShown) {
   ServedScene served(box_scene());
   FaultProxy proxy(served.port());
-  ConnectOptions options;
-  options.timeout_s = options.reconnect_s = 60;
+  ConnectOptions options = patient();
   options.encoding = v1::JoinRequest::KERNELS;
   const auto join = [&] { return SessionClient::join("127.0.0.1:" + std::to_string(proxy.port()), options); };
   size_t bytes = 0;

@@ -6,18 +6,16 @@
 #include "core/clock.h"
 #include "stream/session/session_client.h"
 #include "system/support/fault_proxy.h"
+#include "system/join_server.h"
 #include "system/stream/noise_server.h"
 
 namespace livegs {
 namespace {
 
-std::unique_ptr<SessionClient> join(int port, double most_mbit_s) {
-  ConnectOptions options;
-  options.timeout_s = options.reconnect_s = 60;
+std::unique_ptr<SessionClient> join_capped(int port, double most_mbit_s) {
+  ConnectOptions options = patient();
   options.most_mbit_s = most_mbit_s;
-  auto joined = SessionClient::join("127.0.0.1:" + std::to_string(port), options);
-  EXPECT_TRUE(joined) << joined.error().message;
-  return joined ? std::move(*joined) : nullptr;
+  return join(port, options);
 }
 
 // Bytes of frames a second, over those that came in the window.
@@ -34,7 +32,7 @@ TEST(Sending, AClientIsSentNoMoreThanItsCap) {
   NoiseServer noise(2667);
   noise.server->cap_clients(6);
   SinkLog modest_sink, greedy_sink;
-  const auto modest = join(noise.port(), 4), greedy = join(noise.port(), 1000);
+  const auto modest = join_capped(noise.port(), 4), greedy = join_capped(noise.port(), 1000);
   ASSERT_TRUE(modest && greedy);
   modest->start(modest_sink);
   greedy->start(greedy_sink);
@@ -59,7 +57,7 @@ TEST(Sending, AClientIsSentNoMoreThanItsCap) {
 TEST(Sending, WhoLooksAwayIsSentAllOfItWhereNothingIsShort) {
   NoiseServer noise(2667);
   SinkLog sink;
-  const auto client = join(noise.port(), 0);
+  const auto client = join_capped(noise.port(), 0);
   ASSERT_TRUE(client);
   client->look({{0, 0, 500}, {0, 0, 1}, 0.7});
   client->start(sink);
@@ -75,7 +73,7 @@ TEST(Sending, WhoLooksAwayBehindANarrowLinkIsSentLess) {
   FaultProxy proxy(noise.port());
   proxy.set_link({.delay_ms = 1, .mbit_s = 8});
   SinkLog sink;
-  const auto client = join(proxy.port(), 0);
+  const auto client = join_capped(proxy.port(), 0);
   ASSERT_TRUE(client);
   client->look({{0, 0, 500}, {0, 0, 1}, 0.7});
   client->start(sink);
@@ -95,7 +93,7 @@ TEST(Sending, WhoLooksAwayBehindANarrowLinkIsSentLess) {
 TEST(Sending, WhoLooksAwayUnderACapIsSentLessAndWhoLooksBackAllOfIt) {
   NoiseServer noise(2667);
   SinkLog sink;
-  const auto client = join(noise.port(), 1000);
+  const auto client = join_capped(noise.port(), 1000);
   ASSERT_TRUE(client);
   client->look({{0, 0, 500}, {0, 0, 1}, 0.7});
   client->start(sink);

@@ -13,6 +13,7 @@
 #include "core/clock.h"
 #include "patience.h"
 #include "scenes/box_scene.h"
+#include "server/session/no_inputs.h"
 #include "session/publish/zmq_publisher.h"
 #include "session/rpc/grpc_server.h"
 #include "session/simulation/scene_run.h"
@@ -120,10 +121,6 @@ class SpectatorsTest : public ::testing::Test {
     return enough();
   }
 
-  struct NoInputs final : InputSink {
-    void hear(SessionNumber, std::span<const InputSample>) override {}
-    void forget(SessionNumber) override {}
-  };
   NoInputs inputs;
   std::unique_ptr<LiveServer> server;
   std::string where;

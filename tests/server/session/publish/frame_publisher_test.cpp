@@ -12,16 +12,11 @@
 #include "patience.h"
 #include "scene/build/fragile_object.h"
 #include "scenes/box_scene.h"
+#include "server/session/no_inputs.h"
 #include "session/assets/describe_object.h"
 
 namespace livegs {
 namespace {
-
-class NoInputs final : public InputSink {
- public:
-  void hear(SessionNumber, std::span<const InputSample>) override {}
-  void forget(SessionNumber) override {}
-};
 
 // A client that reads whatever there is as soon as it is woken.
 class Reader final : public SessionWriter {

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+
+#include "session/tick/tick_result.h"
+
+namespace livegs {
+
+// Discards all input.
+class NoInputs final : public InputSink {
+ public:
+  void hear(SessionNumber, std::span<const InputSample>) override {}
+  void forget(SessionNumber) override {}
+};
+
+}  // namespace livegs
