@@ -5,6 +5,7 @@
 
 #include "core/parallel_for.h"
 #include "skin/kernels/driver_skinning.h"
+#include "skin/skin_kernels.h"
 
 namespace livegs {
 namespace {
