@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "gaussian/decoded_asset.h"
 #include "gaussian/gaussian_asset.h"
 
 // Every file format of Gaussian splats that is read or written here. All functions may be called from any
@@ -33,20 +34,7 @@
 
 namespace livegs {
 
-enum class AssetFormat { Ply, CompressedPly, Spz, Sog, Splat };
-
 const char* format_name(AssetFormat format);  // "ply", "compressed.ply", "spz", "sog", "splat"
-
-// What deflate can reach at best (zlib's own figure is 1032:1); held against every compressed format.
-inline constexpr uint64_t kMaxCompressionRatio = 1032;
-
-struct AssetFile {
-  GaussianAsset asset;
-  AssetFormat format = AssetFormat::Ply;
-  int format_version = 0;          // spz 1 to 4, sog 1 or 2; 0 where the format has none
-  bool y_up_in_file = false;       // spz: stored as x right, y up, z back, and turned by the reader
-  std::vector<std::string> notes;  // what was changed while reading, a line each
-};
 
 // A file, or, for an unbundled .sog, its folder or the meta.json in it. The format is found by content first,
 // then by extension.

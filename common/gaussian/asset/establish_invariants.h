@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "core/result.h"
-#include "gaussian/asset_file.h"
+#include "gaussian/decoded_asset.h"
 
 namespace livegs {
 

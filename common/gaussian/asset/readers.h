@@ -4,8 +4,9 @@
 #include <filesystem>
 #include <string_view>
 
-#include "gaussian/asset_file.h"
+#include "core/result.h"
 #include "gaussian/asset/bytes.h"
+#include "gaussian/decoded_asset.h"
 #include "gaussian/ply/ply_header.h"
 #include "gaussian/sog/sog_files.h"
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "core/file.h"
-#include "gaussian/asset_file.h"
+#include "gaussian/decoded_asset.h"
 
 namespace livegs {
 namespace {
