@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "splat/raster/project_kernels.h"
+#include "splat/projected_kernel.h"
 
 namespace livegs {
 

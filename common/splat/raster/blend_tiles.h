@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "splat/raster/bin_tiles.h"
-#include "splat/raster/project_kernels.h"
-#include "splat/rasterise.h"
+#include "splat/projected_kernel.h"
+#include "splat/raster/raster_options.h"
 
 namespace livegs {
 
