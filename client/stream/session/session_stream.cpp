@@ -222,7 +222,7 @@ Result<void> SessionStream::take(v1::ServerMessage& message, int64_t received_ns
   }
   {
     std::lock_guard lock(mutex_);
-    aim_.saw(frame);
+    aim_.saw(frame.tick, frame.stepped_ns - static_cast<int64_t>(1e6 * frame.step_ms));
   }
   const uint64_t tick = frame.tick;
   const bool waits = frames_.needs_key_frame() && received_ns - asked_ns_ < kAsksAgainAfter_ns;

@@ -7,9 +7,9 @@
 
 namespace livegs {
 
-void TickAim::saw(const ReceivedFrame& frame) {
-  tick_ = frame.tick;
-  begun_ns_ = frame.stepped_ns - static_cast<int64_t>(1e6 * frame.step_ms);
+void TickAim::saw(uint64_t tick, int64_t begun_ns) {
+  tick_ = tick;
+  begun_ns_ = begun_ns;
 }
 
 void TickAim::arrived(int64_t sent_ns, int64_t heard_ns) {

@@ -5,8 +5,6 @@
 #include <cstdint>
 #include <deque>
 
-#include "stream/received/received.h"
-
 namespace livegs {
 
 // Which tick of the server a sample of hands that is sent now should be meant for, so that each is applied as long after
@@ -16,8 +14,8 @@ class TickAim {
  public:
   explicit TickAim(double rate_hz) : rate_hz_(rate_hz) {}
 
-  // A frame that came; the server begins a tick a period after the one before.
-  void saw(const ReceivedFrame& frame);
+  // The tick of a frame that was received and when it began, by the server's clock; the next begins a period later.
+  void saw(uint64_t tick, int64_t begun_ns);
   // A message that was sent then has arrived then, the one by this clock, the other by the server's.
   void arrived(int64_t sent_ns, int64_t heard_ns);
 

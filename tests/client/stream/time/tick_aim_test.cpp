@@ -40,11 +40,8 @@ Applied apply(double jitter_ms, bool aims) {
   size_t seen = 0;
   for (double now_ms = 3.0; now_ms < 1900 * kPeriod_ms; now_ms += kPeriod_ms) {
     for (; seen < frames.size() && frames[seen].first <= now_ms; ++seen) {
-      ReceivedFrame frame;
-      frame.tick = frames[seen].second;
-      frame.step_ms = 2.0;
-      frame.stepped_ns = ns(kServerAhead_ms + kPeriod_ms * static_cast<double>(frame.tick) + 2.0);
-      aim.saw(frame);
+      const uint64_t tick = frames[seen].second;
+      aim.saw(tick, ns(kServerAhead_ms + kPeriod_ms * static_cast<double>(tick)));
     }
     const uint64_t meant = aims ? aim.tick_at(ns(now_ms)) : 0;
     up_ms = std::max(up_ms, now_ms + travel_ms());
@@ -80,9 +77,7 @@ TEST(TickAim, IsTheNextTickOnAQuietNetwork) {
 TEST(TickAim, KnowsNothingAtFirstAndAsksForNothingFar) {
   TickAim aim(90);
   EXPECT_EQ(aim.tick_at(0), 0u);
-  ReceivedFrame frame;
-  frame.tick = 100;
-  aim.saw(frame);
+  aim.saw(100, 0);
   EXPECT_EQ(aim.tick_at(0), 0u);
   aim.arrived(0, ns(1));
   EXPECT_EQ(aim.tick_at(ns(5)), 101u);
