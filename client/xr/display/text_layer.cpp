@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "xr/window/window_style.h"
+#include "xr/display/fonts.h"
 
 namespace livegs {
 namespace {

@@ -1,29 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "xr/window/window_style.h"
 
-#include <filesystem>
+#include "xr/display/fonts.h"
 
 namespace livegs {
 namespace {
 
-constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 constexpr float kFontSize_px = 14;
 
 ImVec4 colour(float r, float g, float b, float a = 1.0f) { return {r, g, b, a}; }
 
 }  // namespace
-
-ImFont* add_window_font(ImFontAtlas& atlas, float size_px, bool exact) {
-  std::error_code error;
-  ImFontConfig config;
-  if (exact) {
-    config.OversampleH = config.OversampleV = 1;
-    config.PixelSnapH = true;
-  }
-  if (std::filesystem::exists(kFont, error)) return atlas.AddFontFromFileTTF(kFont, size_px, &config);
-  config.SizePixels = size_px;
-  return atlas.AddFontDefault(&config);
-}
 
 void set_window_style() {
   add_window_font(*ImGui::GetIO().Fonts, kFontSize_px);

@@ -17,9 +17,6 @@ inline constexpr ImU32 kTickInk = IM_COL32(130, 205, 140, 255);
 inline constexpr ImU32 kAgeInk = IM_COL32(226, 160, 110, 255);
 inline constexpr ImU32 kDeviceInk = IM_COL32(190, 150, 225, 255);
 
-// DejaVu Sans where it is installed (package fonts-dejavu-core), else ImGui's own font, larger.
-// `exact`: a pixel of the atlas is one of the glyph, for who copies them; else they are finer across.
-ImFont* add_window_font(ImFontAtlas& atlas, float size_px, bool exact = false);
 void set_window_style();
 
 }  // namespace livegs
