@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "core/result.h"
@@ -48,14 +47,6 @@ inline constexpr double kGuessedVolume = 8.0;
 
 // Always answers. Every value carries low <= best <= high, its source and a reason. Pure; any thread.
 v1::PhysicalParameters estimate_offline(const ObjectFacts& facts);
-
-// The longest side, in metres, that an object of this name usually has: {low, best, high}; all zero when the
-// name says nothing. Used to guess the scale of an asset that is not metric.
-struct SizePrior {
-  double low_m = 0, best_m = 0, high_m = 0;
-  std::string label;
-};
-SizePrior size_prior(std::string_view name);
 
 // What can be said of an author's words without the object: every number finite and within its physical range, no
 // contradictions. The message begins with the field's name and holds its range.

@@ -6,8 +6,8 @@
 #include "core/log.h"
 #include "gaussian/asset_file.h"
 #include "gaussian/asset_summary.h"
-#include "scene/build/add_joints.h"
 #include "scene/build/elastic_report.h"
+#include "scene/check/joint_parts.h"
 #include "scene/scene.h"
 
 namespace livegs {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "analysis/gate/answer.h"
 #include "analysis/text/message_templates.h"
+#include "analysis/knowledge/value_ranges.h"
 #include "core/format_text.h"
 
 namespace livegs {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/gate/answer.h"
 #include "analysis/text/message_templates.h"
+#include "analysis/knowledge/value_ranges.h"
 #include "core/format_text.h"
 
 namespace livegs {

@@ -8,27 +8,13 @@
 
 #include "analysis/knowledge/tables.h"
 #include "analysis/text/message_templates.h"
+#include "analysis/knowledge/value_ranges.h"
 #include "core/result.h"
 
 // What a language model answers about one object, in the schema `livegs.analysis/1`, read without trusting a
 // byte of it. This is the one place where grams, megapascals and millimetres become SI.
 
 namespace livegs {
-
-// No answer leaves these. Kilograms, pascals, metres.
-struct ValueRange {
-  double low, high;
-  bool holds(double value) const { return value >= low && value <= high; }  // false for NaN
-};
-inline constexpr ValueRange kMassRange_kg{1e-6, 2e4};  // a petal, a lorry
-inline constexpr ValueRange kYoungsRange_pa{100, 3e11};
-inline constexpr ValueRange kStructureRange{1e-3, 1};
-inline constexpr ValueRange kUnitRange{0, 1};
-inline constexpr ValueRange kFrictionRange{0, 2};
-inline constexpr ValueRange kWallRange_m{1e-5, 1};
-inline constexpr ValueRange kSizeRange_m{1e-4, 1000};
-// A range wider than this says nothing.
-inline constexpr double kWidestRatio = 20.0;
 
 inline constexpr size_t kMaxAnswerBytes = 256 << 10;
 inline constexpr int kMaxAnswerDepth = 16;

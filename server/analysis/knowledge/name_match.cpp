@@ -6,7 +6,6 @@
 #include <tuple>
 #include <vector>
 
-#include "analysis/estimate.h"
 #include "analysis/knowledge/stop_words.h"
 #include "analysis/text/fold_diacritics.h"
 

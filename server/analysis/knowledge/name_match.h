@@ -36,4 +36,12 @@ struct MaterialMatch {
 };
 MaterialMatch match_material(std::string_view name);
 
+// The longest side, in metres, that an object of this name usually has: {low, best, high}; all zero when the
+// name says nothing. Used to guess the scale of an asset that is not metric.
+struct SizePrior {
+  double low_m = 0, best_m = 0, high_m = 0;
+  std::string label;
+};
+SizePrior size_prior(std::string_view name);
+
 }  // namespace livegs

@@ -6,6 +6,7 @@
 
 #include "analysis/text/json_text.h"
 #include "analysis/knowledge/table_search.h"
+#include "analysis/knowledge/name_match.h"
 #include "analysis/text/prompt_text.h"
 #include "analysis/knowledge/unit_conversion.h"
 #include "core/format_text.h"

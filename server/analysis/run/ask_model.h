@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "analysis/analyze_scene.h"
+#include "analysis/run/analysis_target.h"
 
 namespace livegs {
 

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "analysis/analyze_scene.h"
+#include "analysis/run/analysis_target.h"
 
 namespace livegs {
 

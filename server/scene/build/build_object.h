@@ -10,7 +10,7 @@
 #include "core/result.h"
 #include "livegs/v1/scene.pb.h"
 #include "physics/world.h"
-#include "scene/scene.h"
+#include "scene/scene_object.h"
 
 namespace livegs {
 

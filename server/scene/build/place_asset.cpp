@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 
 #include "analysis/estimate.h"
+#include "analysis/knowledge/name_match.h"
 #include "core/log.h"
 #include "gaussian/asset_file.h"
 #include "geometry/reconstruct_surface.h"

@@ -4,8 +4,8 @@
 #include <map>
 
 #include "analysis/estimate.h"
-#include "scene/build/add_joints.h"
 #include "scene/check/check_object.h"
+#include "scene/check/joint_parts.h"
 #include "scene/values/scene_values.h"
 
 namespace livegs {

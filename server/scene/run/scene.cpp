@@ -209,14 +209,6 @@ void Scene::note_elastic(SceneObject& drawn) const {
   drawn.mass_kg = body->mass_kg();
 }
 
-std::vector<std::string> SceneObject::all_warnings() const {
-  std::vector<std::string> all = warnings;
-  if (elastic) {
-    for (std::string& clipped : accuracy_warnings(*elastic)) all.push_back(std::move(clipped));
-  }
-  return all;
-}
-
 const SceneObject& Scene::add_drawn(SceneObject drawn, const Similarity& object_from_asset) {
   drawn.rest = world_->rest_body(drawn.id);
   drawn.rest.object_from_asset = object_from_asset;

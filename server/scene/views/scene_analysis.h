@@ -43,9 +43,6 @@ class SceneAnalysis {
   std::shared_ptr<const Snapshot> snapshot_;  // shared with the views that are being made
 };
 
-// Longest side of the pictures, in pixels.
-inline constexpr int kViewLongSide_px = 768;
-
 // What was measured of an object under the name that `file` gives it; its own where that gives none.
 std::shared_ptr<const ObjectFacts> facts_by_name(const SceneAnalysis::Object& object, const v1::PhysicsFile& file);
 

@@ -2,7 +2,6 @@
 #include "scene/views/target_views.h"
 
 #include "analysis/views/object_views.h"
-#include "scene/views/scene_analysis.h"
 #include "splat/image.h"
 
 namespace livegs {

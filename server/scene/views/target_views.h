@@ -4,10 +4,13 @@
 #include <memory>
 #include <vector>
 
-#include "analysis/analyze_scene.h"
+#include "analysis/run/analysis_target.h"
 #include "gaussian/posed_kernels.h"
 
 namespace livegs {
+
+// Longest side of the pictures, in pixels.
+inline constexpr int kViewLongSide_px = 768;
 
 // Kernels of a scene at one moment.
 struct ViewedScene {

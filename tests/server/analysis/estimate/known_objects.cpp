@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "analysis/knowledge/name_match.h"
 #include "gaussian/asset_file.h"
 #include "geometry/mesh/mesh_io.h"
 #include "geometry/reconstruct_surface.h"
