@@ -75,11 +75,5 @@ Result<v1::PhysicalParameters> with_physics_file(const v1::PhysicalParameters& o
 
 // Puts what `proposal` holds in place of what was analysed before: a person has accepted it.
 void take_proposal(const v1::PhysicsFile& proposal, v1::PhysicsFile& file);
-// A name as it is kept: without control characters, at most 80 characters.
-std::string physics_name(std::string_view name);
-
-// Edits of one field each way: what was given later wins, also over the field it excludes (mass over
-// density).
-void merge_edits(v1::Physics& edits, const v1::Physics& later);
 
 }  // namespace livegs

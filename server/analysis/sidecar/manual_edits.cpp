@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <vector>
 
+#include "analysis/gate/answer.h"
 #include "analysis/estimate.h"
-#include "analysis/physics_file.h"
 #include "analysis/estimate/physics_values.h"
 
 namespace livegs {
@@ -129,6 +129,16 @@ std::string unheard_edits(const Physics& edits, const Physics& written) {
   }
   if (names.empty()) return {};
   return "the edit of " + names + " has no effect, because the scene file writes it; take it out of there to edit it here";
+}
+
+std::string physics_name(std::string_view name) { return shown_text(name, 80); }
+
+void merge_edits(v1::Physics& edits, const v1::Physics& later) {
+  if (later.has_mass_kg()) edits.clear_density_kg_m3();
+  if (later.has_density_kg_m3()) edits.clear_mass_kg();
+  if (later.has_youngs_modulus_pa()) edits.clear_deformation_resistance();
+  if (later.has_deformation_resistance()) edits.clear_youngs_modulus_pa();
+  edits.MergeFrom(later);
 }
 
 }  // namespace livegs

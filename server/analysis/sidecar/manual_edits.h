@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "core/result.h"
 #include "livegs/v1/physics.pb.h"
@@ -19,5 +20,12 @@ Result<bool> take_hand_edits(v1::PhysicsFile& file);
 // What a person edited and the scene's author wrote too, whose words come first: one sentence that names these fields and
 // the remedy, empty where there are none.
 std::string unheard_edits(const v1::Physics& edits, const v1::Physics& written);
+
+// A name as it is kept: without control characters, at most 80 characters.
+std::string physics_name(std::string_view name);
+
+// Edits of one field each way: what was given later wins, also over the field it excludes (mass over
+// density).
+void merge_edits(v1::Physics& edits, const v1::Physics& later);
 
 }  // namespace livegs

@@ -251,16 +251,6 @@ bool answer_undone(std::span<const PhysicsLogRecord> log) {
   return undone;
 }
 
-std::string physics_name(std::string_view name) { return shown_text(name, 80); }
-
-void merge_edits(v1::Physics& edits, const v1::Physics& later) {
-  if (later.has_mass_kg()) edits.clear_density_kg_m3();
-  if (later.has_density_kg_m3()) edits.clear_mass_kg();
-  if (later.has_youngs_modulus_pa()) edits.clear_deformation_resistance();
-  if (later.has_deformation_resistance()) edits.clear_youngs_modulus_pa();
-  edits.MergeFrom(later);
-}
-
 Result<v1::PhysicalParameters> with_physics_file(const v1::PhysicalParameters& offline,
                                                  const v1::PhysicsFile& file, const ObjectFacts& facts,
                                                  std::string& note) {

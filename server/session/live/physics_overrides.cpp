@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "session/live/physics_overrides.h"
 
+#include "analysis/sidecar/manual_edits.h"
 #include "analysis/physics_file.h"
 
 namespace livegs {
