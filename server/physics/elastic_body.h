@@ -247,10 +247,5 @@ enum class ElasticSolver {
 
 // Fails on a description that is not physical (no particles, mass <= 0, …), with the reason.
 Result<void> check_elastic_body(const ElasticBodyDescription& description);
-// `rate_hz` and `substeps` are the scene's: a body may take more substeps inside each, never fewer.
-// Fails as check_elastic_body.
-Result<std::unique_ptr<ElasticBody>> make_elastic_body(const ElasticBodyDescription& description,
-                                                       ElasticSolver solver, double rate_hz, int substeps,
-                                                       bool may_sleep);
 
 }  // namespace livegs

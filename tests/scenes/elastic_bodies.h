@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "physics/elastic_body.h"
+#include "physics/elastic/make_elastic_body.h"
 #include "physics/elastic/rigid_proxy.h"
 
 // Bodies of the elastic tests: regular grids of particles, and the bar of physics.md section 2.

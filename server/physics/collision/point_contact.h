@@ -7,7 +7,6 @@
 
 #include "geometry/field/sample_particles.h"
 #include "physics/collider.h"
-#include "physics/elastic_body.h"
 
 // Contact of one sampled point of a deformable body, as a correction of its position at the end of a substep.
 

@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "physics/collision/contact_candidate.h"
 #include "physics/collision/convex_polyhedron.h"
-#include "physics/rigid/contact/contact_solver.h"
 
 // Contact of two convex polyhedra. Pure functions.
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "physics/elastic/cells/cell_nodes.h"
+#include "physics/lattice/node_sample.h"
 
 // Contact between elastic bodies in the middle of their steps and what else moves: rows with accumulated impulses,
 // solved together by projected Gauss-Seidel (Erleben 2007, Velocity-based shock propagation, section 2), so that the

@@ -5,10 +5,6 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "physics/elastic/cells/cells_body.h"
-#include "physics/elastic/livegs_v1/livegs_v1_body.h"
-#include "physics/elastic/step_elastic_bodies.h"
-
 namespace livegs {
 namespace {
 
@@ -124,33 +120,11 @@ Result<void> check_elastic_body(const ElasticBodyDescription& description) {
   return {};
 }
 
-Result<std::unique_ptr<ElasticBody>> make_elastic_body(const ElasticBodyDescription& description,
-                                                       ElasticSolver solver, double rate_hz, int substeps,
-                                                       bool may_sleep) {
-  if (auto checked = check_elastic_body(description); !checked) return checked.error();
-  if (!(rate_hz > 0.0) || !std::isfinite(rate_hz)) {
-    return not_physical(description, "rate_hz is " + number(rate_hz) + "; it must be above 0");
-  }
-  if (substeps < 1 || substeps > 10000) {
-    return not_physical(description, "substeps is " + std::to_string(substeps) + "; it must be 1 to 10000");
-  }
-  if (solver != ElasticSolver::Cells) {
-    const bool steady = solver == ElasticSolver::LivegsV1Steady;
-    return std::unique_ptr<ElasticBody>(std::make_unique<LivegsV1Body>(description, rate_hz, substeps, may_sleep, steady));
-  }
-  return std::unique_ptr<ElasticBody>(std::make_unique<CellsBody>(description, rate_hz, substeps, may_sleep));
-}
-
 void ElasticBody::surface_elements(const Eigen::AlignedBox3d&, std::vector<SurfaceElement>&) const {}
 ContactSpot ElasticBody::spot_at(uint32_t, const Vector3d&) const { return {}; }
 ContactSide& ElasticBody::contact_side(double) {
   std::abort();
 }
 void ElasticBody::wait_for_company(bool) {}
-
-void ElasticBody::substep(const SubstepContext& context) {
-  SteppedBody alone{this, context};
-  step_elastic_bodies({&alone, 1});
-}
 
 }  // namespace livegs

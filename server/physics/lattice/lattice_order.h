@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <Eigen/Core>
 #include <tuple>
-
-#include "physics/lattice/lattice.h"
 
 // Orders of lattice coordinates.
 

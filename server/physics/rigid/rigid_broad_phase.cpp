@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "physics/rigid/contact/contact_solver.h"
+
 namespace livegs {
 namespace {
 

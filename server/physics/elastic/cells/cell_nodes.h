@@ -8,17 +8,12 @@
 #include <vector>
 
 #include "physics/elastic/cells/kernels/node_kernels.h"
+#include "physics/lattice/node_sample.h"
 
 // The nodes of a body's lattice: single precision, relative to an origin that follows the body, so that where it
 // stands costs no precision.
 
 namespace livegs {
-
-// A material point: its nodes with their weights.
-struct NodeSample {
-  uint32_t nodes[8];
-  float weights[8];
-};
 
 class CellNodes {
  public:

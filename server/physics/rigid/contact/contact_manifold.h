@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "physics/collision/contact_candidate.h"
 #include "physics/rigid/rigid_body.h"
 #include "physics/rigid/contact/contact_solver.h"
 

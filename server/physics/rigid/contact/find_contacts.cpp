@@ -7,6 +7,7 @@
 
 #include "physics/rigid/contact/narrow_phase.h"
 #include "physics/collision/collider_features.h"
+#include "physics/rigid/contact/contact_solver.h"
 #include "physics/rigid/joint/joint_group.h"
 #include "physics/rigid/contact/contact_manifold.h"
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "physics/collider.h"
+#include "physics/collision/contact_candidate.h"
 #include "physics/collision/polyhedron_manifold.h"
 #include "physics/rigid/rigid_body.h"
-#include "physics/rigid/contact/contact_solver.h"
 #include "physics/collision/conservative_advancement.h"
 
 // Where two surfaces touch or will within one substep, as candidates for contact points. Each kind of surface has its own

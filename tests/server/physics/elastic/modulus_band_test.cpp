@@ -3,6 +3,7 @@
 
 #include "geometry/surface/shape_mesh.h"
 #include "physics/elastic/resolution/lattice_resolution.h"
+#include "physics/elastic/make_elastic_body.h"
 #include "scenes/elastic_bodies.h"
 #include "server/physics/elastic/quarter_shell.h"
 
