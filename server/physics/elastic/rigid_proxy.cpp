@@ -8,9 +8,12 @@
 #include "physics/vector_algebra.h"
 
 namespace livegs {
+namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+
+}  // namespace
 
 void MovingBody::begin_step(double began, double step, double substep_s) {
   before = began > 0.0 ? at_end() : start;

@@ -9,19 +9,12 @@
 #include <memory>
 #include <vector>
 
-#include "study/bullet_vector.h"
+#include "study/bullet_convert.h"
 
 namespace livegs::study {
 namespace {
 
 using Eigen::Vector3d;
-
-btTransform to_bullet(const Pose& pose) {
-  const Eigen::Quaterniond& q = pose.orientation;
-  return btTransform(btQuaternion(static_cast<btScalar>(q.x()), static_cast<btScalar>(q.y()),
-                                  static_cast<btScalar>(q.z()), static_cast<btScalar>(q.w())),
-                     to_bullet(pose.position_m));
-}
 
 // Bullet puts a margin around a hull, 40 mm if not told: here as much as its faces are drawn in before, so that the body has
 // its own size.

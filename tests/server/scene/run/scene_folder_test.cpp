@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/estimate.h"
+#include "analysis/knowledge/name_match.h"
 #include "gaussian/asset_file.h"
 #include "geometry/surface/shape_mesh.h"
 #include "scene/build/place_asset.h"
