@@ -7,7 +7,7 @@
 #include "gaussian/progressive_asset.h"
 #include "gaussian/progressive/progressive_layout.h"
 
-namespace livegs::fuzz {
+namespace livegs::fuzz::asset_fuzz {
 namespace {
 
 using namespace progressive_layout;
@@ -120,4 +120,6 @@ std::vector<Bytes> seeds() {
   return seeds;
 }
 
-}  // namespace livegs::fuzz
+const bool kAdded = add_target({"asset", look_at, seeds});
+
+}  // namespace livegs::fuzz::asset_fuzz

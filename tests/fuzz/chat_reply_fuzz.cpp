@@ -8,7 +8,7 @@
 #include "fuzz/fuzz_target.h"
 #include "server/analysis/gate/answer_mutations.h"
 
-namespace livegs::fuzz {
+namespace livegs::fuzz::chat_reply_fuzz {
 namespace {
 
 constexpr size_t kMostCalls = 32;
@@ -82,4 +82,6 @@ std::vector<Bytes> seeds() {
   return seeds;
 }
 
-}  // namespace livegs::fuzz
+const bool kAdded = add_target({"chat_reply", look_at, seeds});
+
+}  // namespace livegs::fuzz::chat_reply_fuzz

@@ -7,7 +7,7 @@
 #include "session/simulation/input_check.h"
 #include "stream/session/input_message.h"
 
-namespace livegs::fuzz {
+namespace livegs::fuzz::client_message_fuzz {
 namespace {
 
 bool same(const Pose& a, const Pose& b) {
@@ -114,4 +114,6 @@ std::vector<Bytes> seeds() {
   return seeds;
 }
 
-}  // namespace livegs::fuzz
+const bool kAdded = add_target({"client_message", look_at, seeds});
+
+}  // namespace livegs::fuzz::client_message_fuzz

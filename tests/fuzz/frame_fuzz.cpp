@@ -9,7 +9,7 @@
 #include "wire/publication.h"
 #include "wire/rest_body_codec.h"
 
-namespace livegs::fuzz {
+namespace livegs::fuzz::frame_fuzz {
 namespace {
 
 enum class What : uint8_t { Frame, Publication, RestBody, Kernels, Count };
@@ -83,4 +83,6 @@ std::vector<Bytes> seeds() {
   return seeds;
 }
 
-}  // namespace livegs::fuzz
+const bool kAdded = add_target({"frame", look_at, seeds});
+
+}  // namespace livegs::fuzz::frame_fuzz

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// libFuzzer's two doors. The seeds are written to the first folder named on the command line, the corpus.
+// Entry points of libFuzzer, which owns main(). Seeds are written to the first folder on the command line, the corpus.
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
     const std::filesystem::path folder = (*argv)[i];
     if (!std::filesystem::is_directory(folder)) continue;
     int number = 0;
-    for (const Bytes& seed : seeds()) {
+    for (const Bytes& seed : targets().at(0).seeds()) {
       std::ofstream(folder / ("seed-" + std::to_string(number++)), std::ios::binary)
           .write(reinterpret_cast<const char*>(seed.data()), static_cast<std::streamsize>(seed.size()));
     }
@@ -23,6 +23,6 @@ extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  look_at(std::as_bytes(std::span(data, size)));
+  targets().at(0).look_at(std::as_bytes(std::span(data, size)));
   return 0;
 }

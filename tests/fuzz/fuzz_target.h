@@ -10,18 +10,31 @@
 
 #include "wire/little_endian.h"
 
-// What each fuzz target says of itself, and what targets have in common. libFuzzer owns main().
+// The list of fuzz targets of this program, and their common parts. A libFuzzer program has one, fuzz_replay_test all.
 
 namespace livegs::fuzz {
 
 using Bytes = std::vector<std::byte>;
 
-// Looks at one input. Any bytes are fine; an answer that is wrong ends the process by check().
-void look_at(std::span<const std::byte> input);
-// Inputs to begin with, made by our own encoders. The same each time.
-std::vector<Bytes> seeds();
+struct Target {
+  const char* name;
+  // Reads one input. Any bytes are allowed; a wrong result ends the process by check().
+  void (*look_at)(std::span<const std::byte> input);
+  // First inputs, made by our own encoders. The same at each call.
+  std::vector<Bytes> (*seeds)();
+};
 
-// Counts in every build.
+inline std::vector<Target>& targets() {
+  static std::vector<Target> all;
+  return all;
+}
+// Each target file calls it once, before main().
+inline bool add_target(const Target& target) {
+  targets().push_back(target);
+  return true;
+}
+
+// Active in every build.
 inline void check(bool holds, const char* what) {
   if (holds) return;
   std::fprintf(stderr, "does not hold: %s\n", what);

@@ -8,7 +8,7 @@
 #include "server/analysis/gate/answer_mutations.h"
 #include "server/analysis/gate/judge_answer.h"
 
-namespace livegs::fuzz {
+namespace livegs::fuzz::gate_answer_fuzz {
 namespace {
 
 using v1::EstimatedValue;
@@ -90,4 +90,6 @@ std::vector<Bytes> seeds() {
   return seeds;
 }
 
-}  // namespace livegs::fuzz
+const bool kAdded = add_target({"gate_answer", look_at, seeds});
+
+}  // namespace livegs::fuzz::gate_answer_fuzz

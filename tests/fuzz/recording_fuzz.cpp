@@ -12,7 +12,7 @@
 #include "recording/recording_writer.h"
 #include "wire/rest_body_codec.h"
 
-namespace livegs::fuzz {
+namespace livegs::fuzz::recording_fuzz {
 namespace {
 
 using namespace recording_layout;
@@ -162,4 +162,6 @@ std::vector<Bytes> seeds() {
   return seeds;
 }
 
-}  // namespace livegs::fuzz
+const bool kAdded = add_target({"recording", look_at, seeds});
+
+}  // namespace livegs::fuzz::recording_fuzz

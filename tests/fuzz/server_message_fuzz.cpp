@@ -6,7 +6,7 @@
 #include "wire/frame_stream.h"
 #include "wire/rest_body_codec.h"
 
-namespace livegs::fuzz {
+namespace livegs::fuzz::server_message_fuzz {
 namespace {
 
 template <class Message>
@@ -104,4 +104,6 @@ std::vector<Bytes> seeds() {
   return seeds;
 }
 
-}  // namespace livegs::fuzz
+const bool kAdded = add_target({"server_message", look_at, seeds});
+
+}  // namespace livegs::fuzz::server_message_fuzz

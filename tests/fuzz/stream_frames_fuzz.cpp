@@ -3,7 +3,7 @@
 #include "fuzz/moving_objects.h"
 #include "wire/frame_stream.h"
 
-namespace livegs::fuzz {
+namespace livegs::fuzz::stream_frames_fuzz {
 void look_at(std::span<const std::byte> input) {
   StreamReader reader;
   for (const auto part : parts_of(input)) {
@@ -37,4 +37,6 @@ std::vector<Bytes> seeds() {
   return seeds;
 }
 
-}  // namespace livegs::fuzz
+const bool kAdded = add_target({"stream_frames", look_at, seeds});
+
+}  // namespace livegs::fuzz::stream_frames_fuzz
