@@ -10,7 +10,7 @@ namespace {
 
 TEST(Cantilever, SagsByTimoshenkoAtNuZero) {
   // Bar 3 % at 4 and 8 layers; the converged element is at .996 and .997.
-  for (const double rate_hz : {60.0, 90.0}) {
+  for (const double rate_hz : kRates_hz) {
     for (const study::Setup& setup : {chosen(1e4, 0.0, rate_hz, 0.025), chosen(1e4, 0.0, rate_hz, 0.0125),
                                chosen(1e5, 0.0, rate_hz, 0.025)}) {
       expect_within_bar(run(cantilever(setup)), "deflection", setup);
@@ -19,7 +19,7 @@ TEST(Cantilever, SagsByTimoshenkoAtNuZero) {
 }
 
 TEST(Cantilever, SagsByTheConvergedReferenceAtNu045) {
-  for (const double rate_hz : {60.0, 90.0}) {
+  for (const double rate_hz : kRates_hz) {
     const study::Setup setup = chosen(1e4, 0.45, rate_hz, 0.025);
     expect_within_bar(run(cantilever(setup)), "deflection", setup);
   }
@@ -27,7 +27,7 @@ TEST(Cantilever, SagsByTheConvergedReferenceAtNu045) {
 
 TEST(Torsion, TwistsBySaintVenant) {
   // Bars 8 % at 4 layers, 4 % at 8; the converged element is at .967 and .991.
-  for (const double rate_hz : {60.0, 90.0}) {
+  for (const double rate_hz : kRates_hz) {
     for (const study::Setup& setup : {chosen(1e4, 0.0, rate_hz, 0.025), chosen(1e4, 0.3, rate_hz, 0.025),
                                chosen(1e4, 0.0, rate_hz, 0.0125), chosen(1e4, 0.3, rate_hz, 0.0125),
                                chosen(1e5, 0.3, rate_hz, 0.025)}) {
@@ -38,7 +38,7 @@ TEST(Torsion, TwistsBySaintVenant) {
 
 TEST(Torsion, OfTwoLayersIsTooStiffAsChosen) {
   // The cells it chooses are half the bar's thickness, and two layers of the converged element are too stiff by 12 %. Goal 8 %.
-  for (const double rate_hz : {60.0, 90.0}) {
+  for (const double rate_hz : kRates_hz) {
     for (const double youngs_modulus_pa : {1e4, 1e5}) {
       const study::Setup setup = chosen(youngs_modulus_pa, 0.3, rate_hz, 0.0);
       const Outcome outcome = run(torsion(setup));

@@ -12,7 +12,7 @@ namespace {
 
 TEST(Squash, LosesTheVolumeThatItsMaterialLoses) {
   // 30 % between frictionless plates at nu 0.45: V / V0 = 0.954, bar 1 % at Courant numbers up to 0.28.
-  for (const double rate_hz : {60.0, 90.0}) {
+  for (const double rate_hz : kRates_hz) {
     for (const study::Setup& setup : {setup_of(1e4, 0.45, rate_hz, 8, 0.025), setup_of(1e5, 0.45, rate_hz, 32, 0.025)}) {
       const Outcome outcome = run(squash(setup));
       ASSERT_LE(outcome.accuracy.courant, 0.28);
@@ -25,7 +25,7 @@ TEST(Squash, LosesTheVolumeThatItsMaterialLoses) {
 TEST(Squash, LosesAFewPerCentMoreAtTheChosenSubsteps) {
   // Goal 1 % here too. A squashed cell is stiffer than its rest, and what a substep leaves undone grows with the square
   // of its length: 2.2 % reached at Courant 0.42; bar 2.5 %.
-  for (const double rate_hz : {60.0, 90.0}) {
+  for (const double rate_hz : kRates_hz) {
     const study::Setup setup = chosen(1e5, 0.45, rate_hz, 0.025);
     const Outcome outcome = run(squash(setup));
     EXPECT_LE(outcome["volume_ratio"].error, 0.025) << text_of(setup, outcome);
@@ -34,7 +34,7 @@ TEST(Squash, LosesAFewPerCentMoreAtTheChosenSubsteps) {
 
 TEST(Squash, LosesNoMoreInTheChosenCells) {
   // Two layers, at the substeps they need.
-  for (const double rate_hz : {60.0, 90.0}) {
+  for (const double rate_hz : kRates_hz) {
     const study::Setup setup = chosen(1e5, 0.45, rate_hz, 0.0);
     const Outcome outcome = run(squash(setup));
     EXPECT_LE(outcome["volume_ratio"].error, 0.01) << text_of(setup, outcome);
@@ -45,7 +45,7 @@ TEST(AffineRamp, ReachesTheInterior) {
   const Eigen::Matrix3d stretch = Eigen::Vector3d(1.5, 1.0, 0.8).asDiagonal();
   Eigen::Matrix3d shear = Eigen::Matrix3d::Identity();
   shear(0, 1) = 1.0;
-  for (const double rate_hz : {60.0, 90.0}) {
+  for (const double rate_hz : kRates_hz) {
     for (const Eigen::Matrix3d& matrix : {stretch, shear}) {
       const study::Setup setup = setup_of(1e4, 0.3, rate_hz, 8, 0.025);
       const Outcome outcome = run(affine_ramp(setup, matrix));
@@ -59,7 +59,7 @@ TEST(AffineRamp, ReachesTheInteriorAtTheChosenSubsteps) {
   const Eigen::Matrix3d stretch = Eigen::Vector3d(1.5, 1.0, 0.8).asDiagonal();
   Eigen::Matrix3d shear = Eigen::Matrix3d::Identity();
   shear(0, 1) = 1.0;
-  for (const double rate_hz : {60.0, 90.0}) {
+  for (const double rate_hz : kRates_hz) {
     for (const double youngs_modulus_pa : {1e4, 1e5, 1e6}) {
       for (const double cell_width_m : {0.0, 0.025}) {
         for (const Eigen::Matrix3d& matrix : {stretch, shear}) {
@@ -74,7 +74,7 @@ TEST(AffineRamp, ReachesTheInteriorAtTheChosenSubsteps) {
 }
 
 TEST(TwoMaterials, ShareTheStrainByTheirModuli) {
-  for (const double rate_hz : {60.0, 90.0}) {
+  for (const double rate_hz : kRates_hz) {
     for (const double joint_m : {0.0, 0.011}) {  // between cells, and through them
       const study::Setup setup = setup_of(1e4, 0.3, rate_hz, 8, 0.025);
       const Outcome outcome = run(two_materials(setup, joint_m));
@@ -89,8 +89,8 @@ TEST(TwoMaterials, ShareTheStrainByTheirModuli) {
 TEST(PlasticSet, KnowsNeitherSubstepsNorTheRateOfLoading) {
   for (const double poisson_ratio : {0.0, 0.3, 0.45}) {
     for (const double speed : {1.0, 10.0}) {
-      for (const int substeps : {4, 16}) {
-        const study::Setup setup = setup_of(1e4, poisson_ratio, substeps == 4 ? 90.0 : 60.0, substeps, 0.025);
+      for (const double rate_hz : kRates_hz) for (const int substeps : {4, 16}) {
+        const study::Setup setup = setup_of(1e4, poisson_ratio, rate_hz, substeps, 0.025);
         const Outcome outcome = run(plastic_set(setup, speed));
         expect_within_bar(outcome, "set", setup);
         expect_within_bar(outcome, "volume_ratio", setup);
@@ -106,8 +106,8 @@ TEST(PlasticSet, IsStrainMinusYieldInTension) {
     for (const double poisson_ratio : {0.0, 0.3, 0.45}) {
       const double bound = yield < 0.1 || poisson_ratio < 0.4 ? kGoal : 0.036;  // 3.5 % reached
       for (const double speed : {1.0, 10.0}) {
-        for (const int substeps : {4, 16}) {
-          const study::Setup setup = setup_of(1e4, poisson_ratio, substeps == 4 ? 90.0 : 60.0, substeps, 0.025);
+        for (const double rate_hz : kRates_hz) for (const int substeps : {4, 16}) {
+          const study::Setup setup = setup_of(1e4, poisson_ratio, rate_hz, substeps, 0.025);
           const Outcome outcome = run(plastic_set_in_tension(setup, speed, yield));
           EXPECT_LE(outcome["set"].error, bound) << "yield " << yield << ", goal " << kGoal << "; " << text_of(setup, outcome);
           expect_within_bar(outcome, "volume_ratio", setup);

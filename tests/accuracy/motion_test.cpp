@@ -13,7 +13,7 @@ namespace {
 
 TEST(RingDown, KeepsFrequencyAndAmplitudeAtTheChosenSubsteps) {
   // 1 % of the frequency, 0.9 of the amplitude after five periods, and never a gain.
-  for (const double rate_hz : {60.0, 90.0}) {
+  for (const double rate_hz : kRates_hz) {
     for (const study::Setup& setup : {chosen(1e4, 0.0, rate_hz, 0.025), chosen(1e5, 0.0, rate_hz, 0.025)}) {
       const Outcome outcome = run(ring_down(setup));
       expect_within_bar(outcome, "frequency", setup);
@@ -26,7 +26,7 @@ TEST(RingDown, KeepsFrequencyAndAmplitudeAtTheChosenSubsteps) {
 TEST(RingDown, LosesLittleMoreWithTwoCellsAcross) {
   // Goals 1 % and 0.9 as above. Eight cells of 50 mm along the bar have a dispersion of (pi/8)²/24 = 0.6 % of their own,
   // and figures reached are 1.18 % and 0.885: bars 1.25 % and 0.88.
-  for (const double rate_hz : {60.0, 90.0}) {
+  for (const double rate_hz : kRates_hz) {
     for (const study::Setup& setup : {chosen(1e4, 0.0, rate_hz), chosen(1e5, 0.0, rate_hz), chosen(1e6, 0.0, rate_hz),
                                chosen(1e6, 0.0, rate_hz, 0.05)}) {
       const Outcome outcome = run(ring_down(setup));
@@ -39,7 +39,7 @@ TEST(RingDown, LosesLittleMoreWithTwoCellsAcross) {
 }
 
 TEST(Pulse, TravelsAtTheSpeedOfSoundInABarWhenTheStepResolvesIt) {
-  for (const double rate_hz : {60.0, 90.0}) {
+  for (const double rate_hz : kRates_hz) {
     for (const study::Setup& setup : {setup_of(1e4, 0.0, rate_hz, 8, 0.025), chosen(1e5, 0.0, rate_hz, 0.025)}) {
       expect_within_bar(run(pulse(setup)), "speed", setup);
     }
@@ -49,7 +49,7 @@ TEST(Pulse, TravelsAtTheSpeedOfSoundInABarWhenTheStepResolvesIt) {
 TEST(Pendulum, KeepsItsEnergy) {
   // 1 % of the swing's energy in 10 s, from 5 and from 60 degrees.
   for (const double amplitude_rad : {M_PI / 36, M_PI / 3}) {
-    for (const double rate_hz : {60.0, 90.0}) {
+    for (const double rate_hz : kRates_hz) {
       const study::Setup setup = chosen(1e6, 0.3, rate_hz, 0.05);
       expect_within_bar(run(pendulum(setup, amplitude_rad)), "energy_lost", setup);
     }

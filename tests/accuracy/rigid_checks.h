@@ -7,13 +7,13 @@
 #include <cstdlib>
 #include <string>
 
+#include "rates.h"
 #include "study/harness/rigid_scenes.h"
 
-// The rigid scenes as tests of our own solver, at the 4 substeps and the two rates that the product runs at.
+// The rigid scenes as tests of our own solver, at the 4 substeps of the product.
 
 namespace livegs::study {
 
-inline constexpr double kRates_hz[] = {60.0, 90.0};
 
 // The outcome of a scene that must be runnable.
 inline RigidOutcome run(Result<RigidOutcome> outcome) {

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "core/log.h"
+#include "rates.h"
 #include "study/harness/setup.h"
 
 // The canonical scenes as tests: each runs through the seam that the world uses, each bar stands beside its closed form

@@ -14,7 +14,7 @@ TEST(TensionFine, ShowsItsModulusWhereverTheProgramCallsItExact) {
   int count = 0;
   for (const double youngs_modulus_pa : {1e4, 1e5, 1e6}) {
     for (const double poisson_ratio : {0.0, 0.3, 0.45}) {
-      for (const double rate_hz : {60.0, 90.0}) {
+      for (const double rate_hz : kRates_hz) {
         for (const int substeps : {4, 8, 16, 32, 64}) {
           const study::Setup setup = setup_of(youngs_modulus_pa, poisson_ratio, rate_hz, substeps, 0.0125);
           auto stage = Stage::make(setup, describe_bar(setup));

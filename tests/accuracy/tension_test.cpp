@@ -33,7 +33,7 @@ class Tension : public testing::TestWithParam<std::tuple<double, double>> {};
 TEST_P(Tension, IsWhatTheBodySays) {
   const auto [youngs_modulus_pa, poisson_ratio] = GetParam();
   std::vector<study::Setup> setups;
-  for (const double rate_hz : {60.0, 90.0}) {
+  for (const double rate_hz : kRates_hz) {
     setups.push_back(chosen(youngs_modulus_pa, poisson_ratio, rate_hz));         // its own cells and substeps
     setups.push_back(chosen(youngs_modulus_pa, poisson_ratio, rate_hz, 0.025));  // its own substeps
     for (const double width_m : {0.025, 0.05, 0.1}) {
@@ -98,7 +98,7 @@ TEST_P(TensionOfBlocks, IsWhatTheBodySays) {
   int exact = 0;
   for (const double youngs_modulus_pa : {1e4, 1e5, 1e6}) {
     for (const double poisson_ratio : {0.0, 0.3, 0.45}) {
-      for (const double rate_hz : {60.0, 90.0}) {
+      for (const double rate_hz : kRates_hz) {
         std::vector<study::Setup> setups = {chosen(youngs_modulus_pa, poisson_ratio, rate_hz, width_m)};
         for (const int substeps : {1, 2, 4, 8, 16}) {
           setups.push_back(setup_of(youngs_modulus_pa, poisson_ratio, rate_hz, substeps, width_m));
@@ -139,7 +139,7 @@ INSTANTIATE_TEST_SUITE_P(Cells, TensionOfBlocks,
 
 // What is called exact is no corner: all of 1e4 to 1e6 Pa, with cells and substeps left to the program.
 TEST(TensionChosen, IsExactUpToAMegapascal) {
-  for (const double rate_hz : {60.0, 90.0}) {
+  for (const double rate_hz : kRates_hz) {
     for (const double youngs_modulus_pa : {1e4, 1e5, 1e6}) {
       const study::Setup setup = chosen(youngs_modulus_pa, 0.3, rate_hz);
       const Outcome outcome = run(tension(setup));

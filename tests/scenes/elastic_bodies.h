@@ -11,6 +11,7 @@
 #include "physics/elastic_body.h"
 #include "physics/elastic/make_elastic_body.h"
 #include "physics/elastic/rigid_proxy.h"
+#include "rates.h"
 
 // Bodies of the elastic tests: regular grids of particles, and the bar of physics.md section 2.
 

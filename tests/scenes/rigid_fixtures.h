@@ -8,14 +8,13 @@
 #include "geometry/mesh/mass_properties.h"
 #include "geometry/surface/shape_mesh.h"
 #include "physics/world.h"
+#include "rates.h"
 
 // Bodies and worlds of the rigid tests. VR sizes: a box of 10 cm unless a test says otherwise.
 
 namespace livegs::rigid_fixtures {
 
 inline constexpr double kGravity = 9.81;
-// What the product runs at, with 4 substeps.
-inline constexpr double kRates_hz[] = {60.0, 90.0};
 inline constexpr double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 inline RigidBodyDescription body_of(uint32_t id, TriangleMesh mesh, double mass_kg) {

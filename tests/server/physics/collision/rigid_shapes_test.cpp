@@ -59,7 +59,7 @@ double rolling_prism_speed(double angle_rad, double radius_m, int facets, double
 
 TEST(RigidShapes, FacettedCylinderRollsNoFasterThanThePrismItIs) {
   const double angle = radians(10), r = 0.05;
-  for (const auto& [rate, facets] : {std::pair(60.0, 48), {60.0, 96}, {60.0, 144}, {90.0, 48}, {90.0, 96}, {90.0, 144}}) {
+  for (const double rate : kRates_hz) for (const int facets : {48, 96, 144}) {
     SCOPED_TRACE(::testing::Message() << facets << " facets at " << rate << " Hz");
     World world = world_at(rate, 4);
     world.add_collider(incline(angle, 0.6));
@@ -92,7 +92,7 @@ TEST(RigidShapes, BoxRestsOnAFieldAsOnABox) {
 }
 
 TEST(RigidShapes, FastBallDoesNotPassAFieldWall) {
-  for (const auto& [speed, rate] : {std::pair(3.0, 60), {10.0, 60}, {40.0, 60}, {3.0, 90}, {10.0, 90}, {40.0, 90}}) {
+  for (const double rate : kRates_hz) for (const double speed : {3.0, 10.0, 40.0}) {
     World world = world_at(rate, 4, Vector3d::Zero());
     // Two cells thick: the least a field can hold.
     world.add_collider(field_collider(box_mesh({0.8, 0.8, 0.02}), 0.01, Vector3d::Zero()));

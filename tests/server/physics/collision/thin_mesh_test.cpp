@@ -8,7 +8,7 @@
 #include "scenes/soft_fixtures.h"
 
 // Meshes that are thinner than the cells of their distance field: table tops, shelves, fins. A grid alone has no node
-// inside a board of less than a cell, and things fell through. 60 and 90 Hz, 4 substeps.
+// inside a board of less than a cell, and things fell through. 4 substeps.
 
 namespace livegs {
 namespace {
@@ -75,7 +75,7 @@ void expect_held(double top_m, const Make& make) {
 }
 
 TEST(ThinMesh, StaticTopsOfARoomAreHeldOn) {
-  for (const double rate_hz : {60.0, 90.0}) {
+  for (const double rate_hz : kRates_hz) {
     for (const double thick_m : {0.02, 0.03, 0.05}) {
       for (const double angle_rad : {0.0, 0.4}) {
         SCOPED_TRACE(::testing::Message() << thick_m << " m, turned by " << angle_rad << ", " << rate_hz << " Hz");
@@ -119,7 +119,7 @@ TEST(ThinMesh, EveryBoardOfAShelfHolds) {
 
 TEST(ThinMesh, ARigidTableHoldsWhatIsPutOnIt) {
   constexpr double kTop_m = 0.7;
-  for (const double rate_hz : {60.0, 90.0}) {
+  for (const double rate_hz : kRates_hz) {
     for (const double thick_m : {0.01, 0.02, 0.03}) {
       SCOPED_TRACE(::testing::Message() << thick_m << " m, " << rate_hz << " Hz");
       TriangleMesh table;
@@ -140,7 +140,7 @@ TEST(ThinMesh, ARigidTableHoldsWhatIsPutOnIt) {
 
 // A board on a fin meets it between its own contact points, 4 cm apart.
 TEST(ThinMesh, AFinHoldsABoard) {
-  for (const double rate_hz : {60.0, 90.0}) {
+  for (const double rate_hz : kRates_hz) {
     for (const double wide_m : {0.01, 0.02, 0.03}) {
       for (const double aside_m : {0.0, 0.004, 0.008, 0.012, 0.016}) {
         TriangleMesh mesh = box_mesh({0.64, 0.05, 0.64});
@@ -162,7 +162,7 @@ TEST(ThinMesh, AFinHoldsABoard) {
 
 // Box-shaped and quick: what has to be seen coming. Two metres of fall on 5 mm.
 TEST(ThinMesh, WhatFallsFromTwoMetresIsStopped) {
-  for (const double rate_hz : {60.0, 90.0}) {
+  for (const double rate_hz : kRates_hz) {
     const FieldShape shape = mesh_collider(box_mesh({1.2, 0.005, 0.7}));
     for (int thing = 0; thing < 5; ++thing) {
       World world = world_at(rate_hz, 4);

@@ -18,7 +18,7 @@ double lowest_m(const ElasticBody& body) {
 
 TEST(ElasticContact, DroppedCubeNeverGainsEnergyNorSinks) {
   // 0.1 m cube from 0.1 m, no damping, Co <= .67: the study's peak of the total energy is 1.000 of the start.
-  for (const double rate_hz : {60.0, 90.0}) {
+  for (const double rate_hz : kRates_hz) {
     for (const int substeps : {4, 16}) {
       SCOPED_TRACE(testing::Message() << rate_hz << " Hz, " << substeps << " substeps");
       Stage stage;
@@ -75,7 +75,7 @@ TEST(ElasticContact, SoftBlockComesToRestAtItsStaticHeightAndSleeps) {
 TEST(ElasticContact, FrictionHoldsBelowItsLimitAndSlidesAbove) {
   // A slab on an incline of 20 degrees, tan = .364, that never sleeps. Below: no creep in ten seconds. Above:
   // a = g (sin - mu cos); 5 % for the body's own wobble.
-  for (const double rate_hz : {60.0, 90.0}) {
+  for (const double rate_hz : kRates_hz) {
     for (const double friction : {0.6, 0.2}) {
       SCOPED_TRACE(testing::Message() << rate_hz << " Hz, friction " << friction);
       Stage stage;

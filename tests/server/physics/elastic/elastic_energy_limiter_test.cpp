@@ -9,8 +9,8 @@ namespace livegs::test {
 namespace {
 
 class ElasticBounded : public testing::TestWithParam<double> {};
-INSTANTIATE_TEST_SUITE_P(Rates, ElasticBounded, testing::Values(60.0, 90.0),
-                         [](const auto& one) { return std::to_string(std::lround(one.param)) + "Hz"; });
+INSTANTIATE_TEST_SUITE_P(Rates, ElasticBounded, testing::ValuesIn(rates_hz()),
+                         [](const auto& one) { return rate_name(one.param); });
 
 // Half a side times the spin is up to fourteen times the speed of its waves: nothing holds it together then but its inertia.
 // Before its energy was bounded a sheet of 1 kPa had 1.2e4 times what it started with.

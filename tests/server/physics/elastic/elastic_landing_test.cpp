@@ -23,8 +23,8 @@ const std::vector<Dropped>& dropped() {
 }
 
 class ElasticDrop : public testing::TestWithParam<double> {};
-INSTANTIATE_TEST_SUITE_P(Rates, ElasticDrop, testing::Values(60.0, 90.0),
-                         [](const auto& one) { return std::to_string(std::lround(one.param)) + "Hz"; });
+INSTANTIATE_TEST_SUITE_P(Rates, ElasticDrop, testing::ValuesIn(rates_hz()),
+                         [](const auto& one) { return rate_name(one.param); });
 
 // While it is struck it takes shorter steps (CellsBody::struck_hard): with its own ones it read up to seven times its energy
 // in a touch, and rubber of nu 0.49 left the floor with 2.6 times what it fell with.

@@ -21,8 +21,8 @@ class ElasticRest : public testing::TestWithParam<double> {
   double rate_hz() const { return GetParam(); }
 };
 
-INSTANTIATE_TEST_SUITE_P(Rates, ElasticRest, testing::Values(60.0, 90.0),
-                         [](const auto& one) { return std::to_string(std::lround(one.param)) + "Hz"; });
+INSTANTIATE_TEST_SUITE_P(Rates, ElasticRest, testing::ValuesIn(rates_hz()),
+                         [](const auto& one) { return rate_name(one.param); });
 
 TEST_P(ElasticRest, FlyingBodyTurnsRigidAndFliesTheSameWay) {
   ElasticBodyDescription box = thrown_box(1e5);
@@ -158,7 +158,7 @@ TEST_P(ElasticRest, ASampledCubeTumblesNoFartherThanTwiceItsFall) {
 // speed of sound.
 TEST(ElasticLanding, SampledCubesKeepNoMoreThanTheyFellWith) {
   constexpr double kGoal = 1.0005;
-  for (const double rate_hz : {60.0, 90.0}) {
+  for (const double rate_hz : kRates_hz) {
     for (const double stiffness : {1e4, 5e4}) {
       for (const double height_m : {0.14, 0.143, 0.149, 0.152}) {
         SCOPED_TRACE(testing::Message() << rate_hz << " Hz, " << stiffness << " Pa, " << height_m << " m");
@@ -189,7 +189,7 @@ TEST(ElasticLanding, SampledCubesKeepNoMoreThanTheyFellWith) {
 // and substeps chosen by the bar's let a cube of 1 MPa land with 199 times its energy. Flat and tilted. Goal: never more.
 TEST(ElasticLanding, RubberGainsNothing) {
   constexpr double kGoal = 1.0005;
-  for (const double rate_hz : {60.0, 90.0}) {
+  for (const double rate_hz : kRates_hz) {
     for (const double poisson_ratio : {0.47, 0.48, 0.49}) {
       for (const double stiffness : {1e5, 1e6}) {
         for (const double tilt_rad : {0.0, 0.5}) {

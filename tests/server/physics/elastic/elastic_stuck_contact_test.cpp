@@ -18,7 +18,7 @@ double elastic_j(const World& world) { return world.elastic_body(1)->energy(Vect
 // Held by contact on all sides of a bar of 2 cm a block kept up to 92 J for good: bent cells strained by half on average.
 // What is left at some bars is a block with a bar through it, which it presses together: 2.8 J at most in 48.
 TEST(Impaled, WhatIsStretchedRoundABarComesOff) {
-  for (const double rate : {60.0, 90.0}) {
+  for (const double rate : kRates_hz) {
     int calm = 0, free = 0;
     for (uint64_t seed = 1; seed <= 12; ++seed) {
       WorldSettings settings;
@@ -41,7 +41,7 @@ TEST(Impaled, WhatIsStretchedRoundABarComesOff) {
 
 // It kept up to 6.6 J. What is left are stresses of cells that flowed each its own way.
 TEST(Impaled, ATangleThatHasFlowedComesApartOnAFloor) {
-  for (const double rate : {60.0, 90.0}) {
+  for (const double rate : kRates_hz) {
     for (uint64_t seed = 1; seed <= 12; ++seed) {
       World world = world_with(ElasticSolver::Cells, rate);
       world.add_collider(floor_plane(0.6));

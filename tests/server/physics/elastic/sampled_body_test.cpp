@@ -69,7 +69,7 @@ double apparent_modulus(const ElasticBodyDescription& described, const Vector3d&
 TEST(SampledBody, BoxesOfAnySizeShowTheirModulus) {
   for (const Vector3d& size : {Vector3d(0.4, 0.1, 0.1), Vector3d(0.3, 0.07, 0.07), Vector3d(1.0, 0.3, 0.3),
                                Vector3d(0.35, 0.13, 0.09)}) {
-    for (const double rate_hz : {60.0, 90.0}) {
+    for (const double rate_hz : kRates_hz) {
       const auto bar = describe(sample_particles(box_mesh(size)), 1e5, 0.3);
       EXPECT_NEAR(apparent_modulus(bar, size, rate_hz), 1.0, 0.05) << size.transpose() << ", " << rate_hz << " Hz";
     }
@@ -80,7 +80,7 @@ TEST(SampledBody, BoxesOfAnySizeShowTheirModulus) {
 TEST(SampledBody, CubesOfFewCellsShowWhatTheySay) {
   const Vector3d size = Vector3d::Constant(0.2);
   for (const int cells : {2, 4}) {
-    for (const double rate_hz : {60.0, 90.0}) {
+    for (const double rate_hz : kRates_hz) {
       for (const double youngs_modulus_pa : {1e4, 1e5, 1e6}) {
         auto cube = describe(sample_particles(box_mesh(size)), youngs_modulus_pa, 0.3);
         cube.cell_width_m = size.x() / cells;
@@ -108,7 +108,7 @@ TEST(SampledBody, APlateShowsAcrossWhatItSays) {
   constexpr double kGoal = 1.05;
   double worst = 0.0;
   for (const double thickness_m : {0.03, 0.05}) {
-    for (const double rate_hz : {60.0, 90.0}) {
+    for (const double rate_hz : kRates_hz) {
       for (const double youngs_modulus_pa : {1e4, 1e5}) {
         const Vector3d size(thickness_m, 0.3, 0.3);
         const auto plate = describe(sample_particles(box_mesh(size)), youngs_modulus_pa, 0.3);
@@ -231,7 +231,7 @@ ParticleSet gridded_ball(double radius) {
 
 TEST(SampledBody, AJitteredBarShowsItsModulus) {
   const Vector3d size(0.4, 0.1, 0.1);
-  for (const double rate_hz : {60.0, 90.0}) {
+  for (const double rate_hz : kRates_hz) {
     EXPECT_NEAR(apparent_modulus(describe(jittered(size, 0.0125), 1e5, 0.3), size, rate_hz), 1.0, 0.05) << rate_hz;
   }
 }
@@ -254,7 +254,7 @@ TEST(SampledBody, PassesThePatchTest) {
       {"box", sample_particles(box_mesh(Vector3d::Constant(2 * half))), in_cube}};
   for (const Case& one : cases) {
     for (const Matrix3d& matrix : {stretch, shear}) {
-      for (const double rate_hz : {60.0, 90.0}) {
+      for (const double rate_hz : kRates_hz) {
         ElasticBodyDescription body = describe(one.particles, 1e4, 0.3);
         body.material.loss_factor = 2.0;
         body.material.plasticity = 0.0;  // strain of a half is past yield

@@ -7,7 +7,7 @@
 
 #include "server/physics/rigid/rigid_structures.h"
 
-// Things built of boxes and wedges that should stand, at 4 substeps of 60 and 90 Hz.
+// Things built of boxes and wedges that should stand, at 4 substeps.
 
 namespace livegs {
 namespace {

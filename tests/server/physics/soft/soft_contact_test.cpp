@@ -8,7 +8,7 @@ namespace {
 using namespace soft_fixtures;
 
 TEST(SoftContact, SphereAndCubeInFreeSpaceKeepMomentum) {
-  for (const double rate : {60.0, 90.0}) {
+  for (const double rate : kRates_hz) {
     World world = world_with(ElasticSolver::Cells, rate, Vector3d::Zero());
     ElasticBodyDescription cube = soft_block(1, Vector3d::Constant(0.06), 0.216, 2e4, 0.01);
     ASSERT_TRUE(world.add_elastic(cube));
@@ -23,9 +23,9 @@ TEST(SoftContact, SphereAndCubeInFreeSpaceKeepMomentum) {
 }
 
 TEST(SoftContact, BoxAndCubeInFreeSpaceKeepMomentum) {
-  for (const auto& [solver, rate] : {std::pair(ElasticSolver::Cells, 60), {ElasticSolver::Cells, 90}, {ElasticSolver::LivegsV1, 60}}) {
+  for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
-    World world = world_with(solver, rate, Vector3d::Zero());
+    World world = world_with(ElasticSolver::Cells, rate, Vector3d::Zero());
     ASSERT_TRUE(world.add_elastic(soft_block(1, Vector3d::Constant(0.06), 0.216, 2e4, 0.01)));
     RigidBodyDescription box = box_body(2, {0.08, 0.05, 0.06}, 1.0);
     box.world_from_object.position_m = {-0.2, 0.03, 0.01};
@@ -45,9 +45,9 @@ TEST(SoftContact, BoxAndCubeInFreeSpaceKeepMomentum) {
 }
 
 TEST(SoftContact, TwoCubesInFreeSpaceKeepMomentum) {
-  for (const auto& [solver, rate] : {std::pair(ElasticSolver::Cells, 60), {ElasticSolver::Cells, 90}, {ElasticSolver::LivegsV1, 60}}) {
+  for (const double rate : kRates_hz) {
     SCOPED_TRACE(rate);
-    World world = world_with(solver, rate, Vector3d::Zero());
+    World world = world_with(ElasticSolver::Cells, rate, Vector3d::Zero());
     ElasticBodyDescription one = soft_block(1, Vector3d::Constant(0.1), 0.5, 3e4, 0.0125);
     one.world_from_object.position_m = {-0.15, 0.02, 0};
     one.velocity_m_s = {2, 0, 0};
@@ -81,7 +81,7 @@ TEST(SoftContact, BodiesMeetFarFromTheOrigin) {
 }
 
 TEST(SoftContact, HeavyBoxRestsOnAPillowAndBothSleep) {
-  for (const double rate : {60.0, 90.0}) {
+  for (const double rate : kRates_hz) {
     World world = world_with(ElasticSolver::Cells, rate);
     world.add_collider(floor_plane(0.6));
     ElasticBodyDescription pillow = soft_block(1, {0.4, 0.1, 0.3}, 0.2, 2e4, 0.025);
@@ -109,7 +109,7 @@ TEST(SoftContact, AHeavyBoxOnAVerySoftPillowDoesNotWalk) {
   struct Case {
     double modulus_pa, mass_kg;
   };
-  for (const double rate : {60.0, 90.0}) {
+  for (const double rate : kRates_hz) {
     for (const Case& c : {Case{5e3, 5.0}, {7e3, 5.0}, {1e4, 5.0}, {1e4, 10.0}}) {
       SCOPED_TRACE(::testing::Message() << c.modulus_pa << " Pa, " << c.mass_kg << " kg, " << rate << " Hz");
       World world = world_with(ElasticSolver::Cells, rate);

@@ -34,7 +34,7 @@ void expect_stacked(const World& world, double shift_m, double rate) {
 }
 
 TEST(SoftScenes, SoftCubeDroppedOnAnotherStaysOnIt) {
-  for (const double rate : {60.0, 90.0}) {
+  for (const double rate : kRates_hz) {
     World world = two_cubes(rate, {0, 0.17, 0}, 0.3);
     run_seconds(world, 5.0);
     expect_stacked(world, 0.002, rate);
@@ -51,12 +51,12 @@ TEST(SoftScenes, SoftCubeDroppedOffTheMiddleIsThrownSidewaysAsInFinerCells) {
   };
   const double converged = thrown(60.0, 0.00625, 0.0125);
   EXPECT_NEAR(converged, 0.1, 0.01);
-  for (const double rate : {60.0, 90.0}) EXPECT_NEAR(thrown(rate, 0.0125, 0.0) / converged, 1.0, 0.1) << rate;
+  for (const double rate : kRates_hz) EXPECT_NEAR(thrown(rate, 0.0125, 0.0) / converged, 1.0, 0.1) << rate;
 }
 
 // It bounces a few times and comes to rest a little farther out.
 TEST(SoftScenes, SoftCubeDroppedOffTheMiddleStaysOnTheOther) {
-  for (const double rate : {60.0, 90.0}) {
+  for (const double rate : kRates_hz) {
     World world = two_cubes(rate, {0.01, 0.17, 0.005}, 0.3);
     run_seconds(world, 6.0);
     expect_stacked(world, 0.04, rate);  // it starts 0.011 off
@@ -110,7 +110,7 @@ void add_table_scene(World& world) {
 }
 
 TEST(SoftScenes, SoftCubeAndTiltedBoxComeToRestOnATable) {
-  for (const double rate : {60.0, 90.0}) {
+  for (const double rate : kRates_hz) {
     World world = world_with(ElasticSolver::Cells, rate);
     add_table_scene(world);
     run_seconds(world, 5.0);
@@ -127,7 +127,7 @@ TEST(SoftScenes, SoftCubeAndTiltedBoxComeToRestOnATable) {
 // Jelly that its own weight presses by a quarter: a corner that is folded under snaps to and fro by 0.2 mm for good, at 90 Hz, and
 // kept the cube and the table awake.
 TEST(SoftScenes, ACubeOfJellySleepsOnATableThatCanMove) {
-  for (const double rate : {60.0, 90.0}) {
+  for (const double rate : kRates_hz) {
     World world = world_with(ElasticSolver::Cells, rate);
     world.add_collider(floor_plane(0.6));
     RigidBodyDescription table = box_body(1, {0.8, 0.02, 0.5}, 3.0);
@@ -204,8 +204,7 @@ TEST(SoftScenes, SoftBodiesThrownAtPlatesDoNotPass) {
   for (const bool fixed : {false, true}) {
     for (const double speed : {1.0, 5.0, 10.0, 20.0}) {
       for (const double thickness : {0.005, 0.02}) {
-        for (int aim = 0; aim < 3; ++aim) {
-          const double rate = aim == 1 ? 90.0 : 60.0;
+        for (const double rate : kRates_hz) for (int aim = 0; aim < 3; ++aim) {
           World world = world_with(ElasticSolver::Cells, rate, Vector3d::Zero());
           if (fixed) {
             Collider plate;
@@ -237,7 +236,7 @@ TEST(SoftScenes, SoftBodiesThrownAtPlatesDoNotPass) {
 
 // Pulled for a tenth of a second they sleep again as soon as the soft one does alone: within 3 s, both in one tick.
 TEST(SoftScenes, PulledPairSleepsAgainInThreeSeconds) {
-  for (const double rate : {60.0, 90.0}) {
+  for (const double rate : kRates_hz) {
     World world = world_with(ElasticSolver::Cells, rate);
     world.add_collider(floor_plane(0.6));
     ElasticBodyDescription pillow = soft_block(1, {0.2, 0.06, 0.2}, 0.4, 3e4, 0.02);

@@ -68,7 +68,7 @@ TEST(WorldElastic, SpringPullsASoftBodyToItsTarget) {
 // The hand stands still from the start. With forces that were fixed for a substep a cube of 1e5 Pa went on with 1 to 22 J.
 // What is left is a swing about the point that is held, which nothing but its own loss damps.
 TEST(WorldElastic, ASoftBodyCalmsDownUnderAStillHand) {
-  for (const double rate : {60.0, 90.0}) {
+  for (const double rate : kRates_hz) {
     for (const double modulus : {3e3, 3e4, 1e5, 1e6}) {
       for (const Vector3d& point : {Vector3d(0, 0.05, 0), Vector3d(0.05, 0.05, 0.05), Vector3d(0, 0, 0)}) {
         SCOPED_TRACE(::testing::Message() << rate << " Hz, " << modulus << " Pa, at " << point.transpose());

@@ -12,10 +12,8 @@ using Eigen::AngleAxisd;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kRates[] = {60.0, 90.0};
-
 TEST(WorldHands, SpringForceAtRestIsStiffnessTimesStretch) {
-  for (const double rate : kRates) {
+  for (const double rate : kRates_hz) {
     for (const double stiffness : {20.0, 200.0, 5000.0}) {
       World world = world_at(rate, 4);
       ASSERT_TRUE(world.add_rigid(box_body(1, {0.1, 0.1, 0.1}, 0.5)));
@@ -60,7 +58,7 @@ Pose hand_at(const Vector3d& position_m, double angle = 0.0) {
 
 // Held by a corner, tilted, in a hand that is itself turned.
 TEST(WorldHands, GrabHoldsARigidObjectWhereItIs) {
-  for (const double rate : kRates) {
+  for (const double rate : kRates_hz) {
     World world = world_at(rate, 4, Vector3d::Zero());
     auto box = box_body(1, {0.1, 0.2, 0.1}, 0.4);
     box.world_from_object.orientation = rotation_about(2);
@@ -76,7 +74,7 @@ TEST(WorldHands, GrabHoldsARigidObjectWhereItIs) {
 }
 
 TEST(WorldHands, GrabCarriesTheWeightAndFollowsTheHand) {
-  for (const double rate : kRates) {
+  for (const double rate : kRates_hz) {
     World world = world_at(rate, 4);
     ASSERT_TRUE(world.add_rigid(box_body(1, {0.1, 0.2, 0.1}, 0.4)));
     World::Grip grip;
@@ -105,7 +103,7 @@ TEST(WorldHands, GrabCarriesTheWeightAndFollowsTheHand) {
 }
 
 TEST(WorldHands, ReleaseThrowsWithTheHandsVelocity) {
-  for (const double rate : kRates) {
+  for (const double rate : kRates_hz) {
     World world = world_at(rate, 4);
     ASSERT_TRUE(world.add_rigid(box_body(1, {0.1, 0.1, 0.1}, 0.3)));
     ASSERT_TRUE(world.grab(1, 1, hand_at({0, 0.05, 0}), {}));
@@ -182,7 +180,7 @@ TEST(WorldHands, TeleportingHandsGiveNoMoreThanTheBound) {
 }
 
 TEST(WorldHands, AHeldBoxKnockedOnATableFeelsTheBlow) {
-  for (const double rate : kRates) {
+  for (const double rate : kRates_hz) {
     World world = world_at(rate, 4);
     world.add_collider(floor_plane());
     auto box = box_body(1, {0.1, 0.1, 0.1}, 0.5);

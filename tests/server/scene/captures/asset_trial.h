@@ -2,6 +2,8 @@
 #pragma once
 
 #include <string>
+
+#include "rates.h"
 #include <vector>
 
 // A captured asset as rigid, as elastic and as fragile, dropped, thrown, pulled and stacked on a floor: what became of it.

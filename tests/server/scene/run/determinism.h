@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/parallel_for.h"
+#include "rates.h"
 #include "scene/scene.h"
 
 // The scene of everything, with a captured asset if there is one, and the hash of its drivers after every tick: the same

@@ -6,7 +6,7 @@ namespace {
 
 // The bar of the issue.
 TEST(Determinism, SixHundredTicksOfEverythingAreTheSameBitsForAnyNumberOfThreads) {
-  for (const double rate_hz : {60.0, 90.0}) testing::expect_same_bits(600, rate_hz);
+  for (const double rate_hz : kRates_hz) testing::expect_same_bits(600, rate_hz);
 }
 
 }  // namespace
