@@ -3,20 +3,22 @@
 
 #include <cstdio>
 
+#include "known_gaps.h"
 #include "server/analysis/estimate/known_objects.h"
 
 namespace livegs {
 namespace {
 
-// The figures reached on the 26 objects of shared/data/ycb, from their kernels alone, with the goals of the
-// analysis issue beside them. The bars stand a little above what was reached, for changes of the surface.
-// tests/bench/mass_harness writes all figures with their intervals; of 26 objects a mean is known to about a
-// third, and the table's author knows the set.
+// Mass of the 26 objects of shared/data/ycb, from their kernels alone; tests/bench/mass_harness writes all figures with
+// their intervals. Of 26 objects a mean is known to about a third. With a name MAPE should be at most 0.25. MnRE should be
+// at least 0.60, and coverage 0.85 (it is 0.96 to 1: server/analysis/README.md). Figures that miss are in known_gaps.csv.
 struct Bar {
   NameGiven name;
   bool metric;
-  double most_mape, least_mnre, least_coverage, most_width;
+  const char* id;
+  bool mape;  // is judged: it meets 0.25
 };
+constexpr double kMostMape = 0.25, kLeastMnre = 0.60, kLeastCoverage = 0.85;
 
 class KnownMass : public testing::TestWithParam<Bar> {};
 
@@ -29,23 +31,22 @@ TEST_P(KnownMass, IsEstimatedWithinItsBar) {
   std::printf("%s: MAPE %.1f %%, MnRE %.3f, coverage %.0f %%, high over low %.2f, of which %.2f is needed\n",
               kNameGiven[static_cast<int>(bar.name)], 100 * scores.mape.value, scores.mnre.value,
               100 * scores.coverage.value, scores.width.value, scores.width_needed.value);
-  EXPECT_LE(scores.mape.value, bar.most_mape);
-  EXPECT_GE(scores.mnre.value, bar.least_mnre);
-  EXPECT_GE(scores.coverage.value, bar.least_coverage);
-  EXPECT_LE(scores.width.value, bar.most_width);
+  if (bar.mape) {
+    EXPECT_LE(scores.mape.value, kMostMape);
+  } else if (bar.name != NameGiven::None) {
+    report_gap(std::string("known_mass.mape.") + bar.id, scores.mape.value);
+  }
+  EXPECT_GE(scores.mnre.value, kLeastMnre);
+  EXPECT_GE(scores.coverage.value, kLeastCoverage);
+  // High over low, over the width that would just hold 95 %.
+  report_gap(std::string("known_mass.width.") + bar.id, scores.width.value / scores.width_needed.value);
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Figures, KnownMass,
-    // goal: MAPE 0.25 and coverage 0.85 to 0.95 with a name, MnRE 0.60 without. Coverage is 1.00, 1.00, 1.00,
-    // 0.96 and 0.96: wider than these objects need, and not narrowed for them (server/analysis/README.md). The last figure
-    // is the median of high over low; goal: no more than would hold 95 % just so.
-    testing::Values(Bar{NameGiven::Label, true, 0.17, 0.85, 0.85, 2.5},  // reached 0.138, 0.869, 2.35; goal 1.85
-                    // reached 0.54: cup, chain, pitcher, apple; 0.759; 3.23, goal 2.72
-                    Bar{NameGiven::FileName, true, 0.62, 0.74, 0.85, 3.5},
-                    Bar{NameGiven::Noun, true, 0.66, 0.67, 0.85, 5.1},      // reached 0.54, 0.703; 4.83, goal 4.28
-                    Bar{NameGiven::None, true, 1.6, 0.600, 0.85, 21.5},     // reached 1.31, 0.602; 20.2, goal 19.6
-                    Bar{NameGiven::Label, false, 0.38, 0.78, 0.85, 10.0}),  // reached 0.32, 0.80; 9.5, goal 6.3
+    testing::Values(Bar{NameGiven::Label, true, "label", true}, Bar{NameGiven::FileName, true, "file_name", false},
+                    Bar{NameGiven::Noun, true, "noun", false}, Bar{NameGiven::None, true, "none", false},
+                    Bar{NameGiven::Label, false, "guessed_scale", false}),
     [](const auto& given) {
       std::string name = kNameGiven[static_cast<int>(given.param.name)];
       name.erase(std::remove(name.begin(), name.end(), ' '), name.end());

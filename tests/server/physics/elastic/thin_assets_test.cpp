@@ -12,6 +12,7 @@
 #include "geometry/mesh/mass_properties.h"
 #include "geometry/reconstruct_surface.h"
 #include "geometry/field/sample_particles.h"
+#include "known_gaps.h"
 #include "sample/sample_scene.h"
 #include "scenes/elastic_bodies.h"
 #include "scenes/thin_bodies.h"
@@ -110,7 +111,7 @@ TEST(ThinAssets, TheSampleHatIsAsStiffAsConverged) {
     if (width_m > 0.05) {
       EXPECT_NEAR(hat.thin, 1.0, 0.05);
     } else {
-      EXPECT_LT(hat.thin, 1.7) << width_m << ", goal 1.05";  // 1.51 and 1.66
+      report_gap("thin.hat_stiffness", hat.thin);
       EXPECT_GT(hat.thin, 0.95) << width_m;
     }
     EXPECT_GT(hat.plain, 5.0) << width_m;  // what thin cells are for
@@ -118,9 +119,9 @@ TEST(ThinAssets, TheSampleHatIsAsStiffAsConverged) {
 }
 
 TEST(ThinAssets, TheSamplePlantIsWithinAFactorOfTheFinestCells) {
-  constexpr double kReached = 2.6, kGoal = 1.5;  // 2.45; the reference's own cells are two thicknesses of a blade
+  // The reference's own cells are two thicknesses of a blade.
   const Stiffness plant = stiffness_of(particles_of(make_potted_plant(), 0.0075), 0.098, 0.020);
-  EXPECT_LT(std::max(plant.thin, 1.0 / plant.thin), kReached) << "goal " << kGoal;
+  report_gap("thin.plant_stiffness", std::max(plant.thin, 1.0 / plant.thin));
   EXPECT_GT(plant.plain, 10.0);
 }
 
@@ -132,12 +133,11 @@ TEST(ThinAssets, TheCapturedPalmIsWithinAFactorOfTheFinestCells) {
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "shared data is not here";
   const auto asset = read_asset(file);
   ASSERT_TRUE(asset);
-  constexpr double kReached = 7.0, kGoal = 1.5;
   for (const double spacing_m : {0.02, 0.012}) {
     const ParticleSet particles = particles_of(asset->asset, spacing_m);
     for (const double part : {3.0, 4.0, 5.0}) {
       const Stiffness palm = stiffness_of(particles, 0.141, 0.141 / part);
-      EXPECT_LT(std::max(palm.thin, 1.0 / palm.thin), kReached) << spacing_m << " m, a part of " << part << ", goal " << kGoal;
+      report_gap("thin.palm_stiffness", std::max(palm.thin, 1.0 / palm.thin));
       EXPECT_GT(palm.plain, 3.0 * palm.thin) << spacing_m << " m, a part of " << part;
     }
   }
@@ -181,12 +181,12 @@ Jerked jerk(const ParticleSet& particles, double plasticity, int runs) {
   return result;
 }
 
-constexpr double kGain = 1.05, kGainGoal = 1.01;  // 1.040 reached: a cell out of proportion has another energy
+constexpr double kGain = 1.01;
 
 TEST(ThinAssets, APlantJerkedHardGainsNoEnergy) {
   for (const double plasticity : {0.0, 0.3}) {
     const Jerked plant = jerk(particles_of(make_potted_plant(), 0.03), plasticity, 4);
-    EXPECT_LT(plant.most_over_released, kGain) << "goal " << kGainGoal;
+    report_gap("thin.plant_energy", plant.most_over_released);  // a cell out of proportion has another energy
     EXPECT_GE(plant.least_flow_j, 0.0);
   }
 }
@@ -194,7 +194,7 @@ TEST(ThinAssets, APlantJerkedHardGainsNoEnergy) {
 TEST(ThinAssets, AHatJerkedHardGainsNoEnergy) {
   for (const double plasticity : {0.0, 0.3}) {
     const Jerked hat = jerk(particles_of(make_felt_hat(), 0.014), plasticity, 4);
-    EXPECT_LT(hat.most_over_released, kGainGoal);
+    EXPECT_LT(hat.most_over_released, kGain);
     EXPECT_GE(hat.least_flow_j, 0.0);
   }
 }

@@ -10,6 +10,7 @@
 #include <filesystem>
 
 #include "geometry/reconstruct_surface.h"
+#include "known_gaps.h"
 #include "scene/build/place_asset.h"
 #include "scene/scene.h"
 
@@ -234,48 +235,30 @@ std::string csv_row(const AssetTrial& trial) {
 
 namespace {
 
-// Kernels stand out of the coarse surface that touches the floor by up to a voxel of it, 0.02 of the diagonal: 0.05 of
-// the size and no centre below the floor is the goal. Pushes that part overlaps lift things a little; a fiftieth of the
-// energy there is, is the goal.
-constexpr double kLowestGoal = -0.05, kLowestCentreGoal = 0.0, kEnergyGoal = 1.02;
+// Kernels stand out of the coarse surface that touches the floor by up to a voxel of it, 0.02 of the diagonal. Depths are in
+// parts of the size. Pushes that part overlaps lift things a little: energy in parts of what there is.
+constexpr double kLowest = -0.05, kLowestCentre = 0.0, kEnergy = 1.02;
 
-// Of all the work that a hand can have done a thing had at most 0.476.
+// Of all the work that a hand can have done, at most.
 constexpr double kPulledEnergy = 0.55;
-
-struct Reached {
-  double lowest = kLowestGoal, lowest_centre = kLowestCentreGoal, energy = kEnergyGoal, let_go = kEnergyGoal;
-};
 
 bool is(const AssetTrial& trial, const char* asset, TrialBody body, TrialAction action) {
   return trial.asset == asset && trial.body == body && trial.action == action;
 }
 
-// What is reached where the goal is not, of the figures in asset_trial.csv: of one asset what it alone shows.
-Reached reached(const AssetTrial& trial) {
-  Reached bar;
-  const bool at_60 = trial.rate_hz < 75.0;
-  if (trial.action == TrialAction::Pulled) bar.energy = kPulledEnergy;
-  if (is(trial, "garden_init.compressed.ply", TrialBody::Rigid, TrialAction::Dropped)) bar.lowest = -0.075;  // a cloud of points: 0.0715
-  // Thin leaves in sherds that a hand drags: 0.1482 at 60 Hz, 0.018 at 90. Whose point it is was not looked into; no centre is below.
-  if (at_60 && is(trial, "ponytail_palm.ply", TrialBody::Fragile, TrialAction::Pulled)) bar.lowest = -0.155;
-  if (trial.body != TrialBody::Elastic) return bar;
-  // Thin shells of 50 kPa fold: points of theirs that are far from any particle go below, and gain when they unfold.
-  bar.lowest = at_60 ? -0.155 : -0.14;  // leica dropped, 0.1505; narcissus pulled, 0.1373
-  bar.let_go = 1.025;
-  if (trial.action != TrialAction::Pulled) bar.energy = 1.025;  // fourth_st stacked, 1.0224
-  if (trial.asset.starts_with("leica")) {  // dropped, thrown, pulled, stacked: 0.0143, 0.0068, 0.0036, 0.0093; 0.0114, 0.0059, 0.0061, 0.0074
-    const double lowest_centre[2][4] = {{-0.012, -0.0065, -0.0065, -0.008}, {-0.015, -0.0072, -0.004, -0.0098}};
-    bar.lowest_centre = lowest_centre[at_60][static_cast<int>(trial.action)];
+// Known gaps (known_gaps.csv): trials that miss a bar. Thin shells of 50 kPa fold, and gain when they unfold.
+struct Gaps {
+  bool lowest = false, lowest_centre = false, energy = false, let_go = false;
+};
+Gaps gaps(const AssetTrial& trial) {
+  if (trial.body == TrialBody::Elastic) {
+    return {.lowest = true,
+            .lowest_centre = trial.asset.starts_with("leica") || is(trial, "garden_init.compressed.ply", TrialBody::Elastic, TrialAction::Thrown),
+            .energy = trial.action != TrialAction::Pulled,
+            .let_go = true};
   }
-  if (is(trial, "garden_init.compressed.ply", TrialBody::Elastic, TrialAction::Thrown)) {
-    bar.lowest = -0.185;         // 0.1798
-    bar.lowest_centre = -0.006;  // 0.0056
-  }
-  if (at_60 && is(trial, "guitar.ply", TrialBody::Elastic, TrialAction::Stacked)) bar.energy = 1.055;  // 1.0479
-  if (at_60 && is(trial, "trumpet_statue_only.ply", TrialBody::Elastic, TrialAction::Stacked)) bar.energy = 1.055;  // 1.0491
-  if (is(trial, "fur_block", TrialBody::Elastic, TrialAction::Dropped)) bar.energy = 1.45;    // 1.4433 in two ticks of its landing; it leaves with 0.70
-  if (is(trial, "fourth_st.spz", TrialBody::Elastic, TrialAction::Pulled)) bar.let_go = 1.06;  // 1.0549
-  return bar;
+  return {.lowest = is(trial, "garden_init.compressed.ply", TrialBody::Rigid, TrialAction::Dropped) ||
+                    is(trial, "ponytail_palm.ply", TrialBody::Fragile, TrialAction::Pulled)};
 }
 
 }  // namespace
@@ -289,11 +272,19 @@ void expect_nothing_exploded(const AssetTrial& trial) {
   } else {
     EXPECT_FALSE(trial.broke) << what;
   }
-  const Reached bar = reached(trial);
-  EXPECT_LT(trial.energy_ratio, bar.energy) << what << ", goal " << kEnergyGoal;
-  EXPECT_LT(trial.let_go_ratio, bar.let_go) << what << " and let go, goal " << kEnergyGoal;
-  EXPECT_GT(trial.lowest_m, bar.lowest) << what << ", goal " << kLowestGoal;
-  EXPECT_GT(trial.lowest_centre_m, bar.lowest_centre) << what << ", goal " << kLowestCentreGoal;
+  EXPECT_LT(trial.energy_ratio, 10.0) << what;
+  const Gaps missed = gaps(trial);
+  const auto check = [&](bool gap, const char* id, double value, double bar, bool below) {
+    if (gap) {
+      report_gap(id, value);
+    } else {
+      EXPECT_TRUE(below ? value < bar : value > bar) << what << ": " << id << " " << value << ", bar " << bar;
+    }
+  };
+  check(missed.energy, "asset_trial.energy", trial.energy_ratio, trial.action == TrialAction::Pulled ? kPulledEnergy : kEnergy, true);
+  check(missed.let_go, "asset_trial.energy_let_go", trial.let_go_ratio, kEnergy, true);
+  check(missed.lowest, "asset_trial.lowest", trial.lowest_m, kLowest, false);
+  check(missed.lowest_centre, "asset_trial.lowest_centre", trial.lowest_centre_m, kLowestCentre, false);
 }
 
 }  // namespace livegs::testing
