@@ -60,7 +60,7 @@ TEST(AffineRamp, ReachesTheInteriorAtTheChosenSubsteps) {
   Eigen::Matrix3d shear = Eigen::Matrix3d::Identity();
   shear(0, 1) = 1.0;
   for (const double rate_hz : kRates_hz) {
-    for (const double youngs_modulus_pa : {1e4, 1e5, 1e6}) {
+    for (const double youngs_modulus_pa : gate_or_full<double>({1e4, 1e6}, {1e4, 1e5, 1e6})) {
       for (const double cell_width_m : {0.0, 0.025}) {
         for (const Eigen::Matrix3d& matrix : {stretch, shear}) {
           const study::Setup setup = chosen(youngs_modulus_pa, 0.3, rate_hz, cell_width_m);
@@ -87,7 +87,7 @@ TEST(TwoMaterials, ShareTheStrainByTheirModuli) {
 // Of a block that keeps its volume while it is stretched: 0.128, 0.108 and 0.099 at these three, by set_of_stretch. Strain minus
 // yield, 0.2 - 0.1, is that of simple tension (below): at the same stretch along, sides that give way by 1/sqrt(l) strain it more.
 TEST(PlasticSet, KnowsNeitherSubstepsNorTheRateOfLoading) {
-  for (const double poisson_ratio : {0.0, 0.3, 0.45}) {
+  for (const double poisson_ratio : gate_or_full<double>({0.0, 0.45}, {0.0, 0.3, 0.45})) {
     for (const double speed : {1.0, 10.0}) {
       for (const double rate_hz : kRates_hz) for (const int substeps : {4, 16}) {
         const study::Setup setup = setup_of(1e4, poisson_ratio, rate_hz, substeps, 0.025);
@@ -103,7 +103,7 @@ TEST(PlasticSet, IsStrainMinusYieldInTension) {
   // The volume term resists what has set less across than along: BarSetsAtStrainMinusYield (plastic_flow_test.cpp).
   constexpr double kBar = 0.02;
   for (const double yield : {0.05, 0.1}) {
-    for (const double poisson_ratio : {0.0, 0.3, 0.45}) {
+    for (const double poisson_ratio : gate_or_full<double>({0.0, 0.45}, {0.0, 0.3, 0.45})) {
       const bool missed = yield > 0.09 && poisson_ratio > 0.4;
       for (const double speed : {1.0, 10.0}) {
         for (const double rate_hz : kRates_hz) for (const int substeps : {4, 16}) {

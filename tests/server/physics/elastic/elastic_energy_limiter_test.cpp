@@ -17,10 +17,10 @@ INSTANTIATE_TEST_SUITE_P(Rates, ElasticBounded, testing::ValuesIn(rates_hz()),
 // Before its energy was bounded a sheet of 1 kPa had 1.2e4 times what it started with.
 TEST_P(ElasticBounded, LimpSheetsSpinOn) {
   constexpr double kGain = 1.01;
-  for (const double thickness_m : {0.002, 0.006}) {
-    for (const double stiffness : {3e2, 1e3, 1e4}) {
+  for (const double thickness_m : gate_or_full<double>({0.002}, {0.002, 0.006})) {
+    for (const double stiffness : gate_or_full<double>({1e3, 1e4}, {3e2, 1e3, 1e4})) {
       for (const double poisson_ratio : {0.3, 0.49}) {
-        for (const double spin_rad_s : {10.0, 30.0}) {
+        for (const double spin_rad_s : gate_or_full<double>({30.0}, {10.0, 30.0})) {
           if (stiffness < 1e3 && poisson_ratio > 0.45) continue;  // 1.2 times its energy, 2 mm thick
           SCOPED_TRACE(testing::Message() << thickness_m << " m, " << stiffness << " Pa, nu " << poisson_ratio << ", " << spin_rad_s << " rad/s");
           ElasticBodyDescription sheet = describe(sample_particles(box_mesh({0.3, 0.3, thickness_m})), stiffness, poisson_ratio);
@@ -61,7 +61,7 @@ TEST_P(ElasticBounded, SoftRubberLandsWithWhatItFell) {
                                   {box_mesh({0.3, 0.3, 0.012}), 3e3, 1000}, {box_mesh({0.3, 0.3, 0.012}), 1e4, 1000},
                                   {box_mesh({1.3, 0.08, 0.07}), 1.2e4, 120}};
   for (const Thing& thing : things) {
-    for (const double poisson_ratio : {0.45, 0.47, 0.49}) {
+    for (const double poisson_ratio : gate_or_full<double>({0.49}, {0.45, 0.47, 0.49})) {
       SCOPED_TRACE(testing::Message() << &thing - things.data() << ", nu " << poisson_ratio);
       ElasticBodyDescription body = describe(sample_particles(thing.mesh), thing.stiffness_pa, poisson_ratio, 0.0, thing.density_kg_m3);
       body.material.loss_factor = 0.1;

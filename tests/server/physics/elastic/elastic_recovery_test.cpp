@@ -159,9 +159,9 @@ INSTANTIATE_TEST_SUITE_P(Recovery, DegenerateStart,
 TEST(ElasticScale, StaysFiniteAndNeverGainsOverMassSizeAndStiffness) {
   constexpr double kExploded = 1.5;
   for (const double size : {0.01, 0.3, 10.0}) {
-    for (const double mass : {5e-6, 0.05, 50.0}) {
+    for (const double mass : gate_or_full<double>({5e-6, 50.0}, {5e-6, 0.05, 50.0})) {
       for (const double stiffness : {1e2, 1e5, 1e9}) {
-        for (const double rate_hz : kRates_hz) for (const int substeps : {1, 4}) for (const double nu : {0.3, 0.45}) {
+        for (const double rate_hz : kRates_hz) for (const int substeps : {1, 4}) for (const double nu : gate_or_full<double>({0.45}, {0.3, 0.45})) {
           SCOPED_TRACE(testing::Message() << "nu " << nu << ", " << size << " m, " << mass << " kg, " << stiffness << " Pa, " << rate_hz << " Hz, "
                                           << substeps << " substeps");
           ElasticBodyDescription body = describe(particle_grid(Vector3d(1, 0.5, 0.5) * size, size / 8), stiffness, nu);

@@ -63,9 +63,9 @@ double sag_ratio(const Vector3d& size_m, double face_m, double spacing_m, double
 // as wide as they are thick are 6 % soft. Of these 83 faces 43 go through a plane of particles: each of those turned the bar
 // to NaN in its second frame.
 TEST(ElasticRegions, AClampHoldsWhereverItsFaceIs) {
-  for (const double length_m : {0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.2, 2.0}) {
+  for (const double length_m : gate_or_full<double>({0.4, 1.0}, {0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.2, 2.0})) {
     for (const double width_m : {0.1, length_m / 8}) {
-      for (const double part : {1.0 / 30, 0.1, 1.0 / 6, 0.3, 0.5}) {
+      for (const double part : gate_or_full<double>({1.0 / 30, 0.5}, {1.0 / 30, 0.1, 1.0 / 6, 0.3, 0.5})) {
         const double ratio = sag_ratio({length_m, width_m, width_m}, (part - 0.5) * length_m, 0.0);
         const bool stubby = (1.0 - part) * length_m < 2.5 * width_m;
         EXPECT_NEAR(ratio, 1.0, stubby ? 0.09 : 0.07) << length_m << " by " << width_m << ", held for " << part;

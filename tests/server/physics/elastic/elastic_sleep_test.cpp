@@ -144,7 +144,7 @@ TEST_P(ElasticRest, DroppedCubeIsAsleepWithinThreeSeconds) {
 // One as a scene samples it that falls from farther up comes down on its edges and tumbles: how far it goes is chance.
 TEST_P(ElasticRest, ASampledCubeThatTumblesSleeps) {
   constexpr double kFall_m = 0.45;
-  for (const double stiffness : {1e4, 5e4, 2e5, 1e6}) {
+  for (const double stiffness : gate_or_full<double>({1e4, 1e6}, {1e4, 5e4, 2e5, 1e6})) {
     SCOPED_TRACE(stiffness);
     Stage stage;
     stage.rate_hz = rate_hz();
@@ -166,7 +166,7 @@ TEST(ElasticLanding, SampledCubesKeepNoMoreThanTheyFellWith) {
   constexpr double kGain = 1.0005;
   for (const double rate_hz : kRates_hz) {
     for (const double stiffness : {1e4, 5e4}) {
-      for (const double height_m : {0.14, 0.143, 0.149, 0.152}) {
+      for (const double height_m : gate_or_full<double>({0.14, 0.152}, {0.14, 0.143, 0.149, 0.152})) {
         SCOPED_TRACE(testing::Message() << rate_hz << " Hz, " << stiffness << " Pa, " << height_m << " m");
         Stage stage;
         stage.rate_hz = rate_hz;
@@ -196,7 +196,7 @@ TEST(ElasticLanding, SampledCubesKeepNoMoreThanTheyFellWith) {
 TEST(ElasticLanding, RubberGainsNothing) {
   constexpr double kGain = 1.0005;
   for (const double rate_hz : kRates_hz) {
-    for (const double poisson_ratio : {0.47, 0.48, 0.49}) {
+    for (const double poisson_ratio : gate_or_full<double>({0.49}, {0.47, 0.48, 0.49})) {
       for (const double stiffness : {1e5, 1e6}) {
         for (const double tilt_rad : {0.0, 0.5}) {
           SCOPED_TRACE(testing::Message() << rate_hz << " Hz, nu " << poisson_ratio << ", " << stiffness << " Pa, tilt " << tilt_rad);

@@ -107,7 +107,7 @@ TEST(SoftContact, AHeavyBoxOnAVerySoftPillowDoesNotWalk) {
     double modulus_pa, mass_kg;
   };
   for (const double rate : kRates_hz) {
-    for (const Case& c : {Case{5e3, 5.0}, {7e3, 5.0}, {1e4, 5.0}, {1e4, 10.0}}) {
+    for (const Case& c : gate_or_full<Case>({{5e3, 5.0}, {1e4, 10.0}}, {{5e3, 5.0}, {7e3, 5.0}, {1e4, 5.0}, {1e4, 10.0}})) {
       SCOPED_TRACE(::testing::Message() << c.modulus_pa << " Pa, " << c.mass_kg << " kg, " << rate << " Hz");
       World world = world_with(ElasticSolver::Cells, rate);
       world.add_collider(floor_plane(0.6));

@@ -46,7 +46,7 @@ Laid lay(double rate_hz, double thickness_m, double youngs_modulus_pa, double he
 // and were drawn round the box.
 TEST(SoftSheet, LaidOverAFreeBoxGainsNothing) {
   for (const double stiffness : {1e4, 1e5, 1e6}) {
-    for (const double heavier : {2.0, 3.0, 10.0}) {
+    for (const double heavier : gate_or_full<double>({2.0, 10.0}, {2.0, 3.0, 10.0})) {
       for (const double rate : kRates_hz) for (const double turned : {0.0, 0.5}) {
         const Laid laid = lay(rate, 0.01, stiffness, heavier, turned);
         // Of the limp ones that their own weight folds sharply one in three reads more for a moment.

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <bit>
-#include <vector>
-
-#include "core/parallel_for.h"
 #include "geometry/field/sample_particles.h"
 #include "known_gaps.h"
 #include "scenes/rigid_fixtures.h"
 
-// The world around elastic bodies: balls, springs, rays and the same bits for any number of threads.
+// The world around elastic bodies: balls, springs and rays.
 
 namespace livegs {
 namespace {
@@ -70,7 +66,7 @@ TEST(WorldElastic, SpringPullsASoftBodyToItsTarget) {
 // What is left is a swing about the point that is held, which nothing but its own loss damps.
 TEST(WorldElastic, ASoftBodyCalmsDownUnderAStillHand) {
   for (const double rate : kRates_hz) {
-    for (const double modulus : {3e3, 3e4, 1e5, 1e6}) {
+    for (const double modulus : gate_or_full<double>({3e3, 1e5}, {3e3, 3e4, 1e5, 1e6})) {
       for (const Vector3d& point : {Vector3d(0, 0.05, 0), Vector3d(0.05, 0.05, 0.05), Vector3d(0, 0, 0)}) {
         SCOPED_TRACE(::testing::Message() << rate << " Hz, " << modulus << " Pa, at " << point.transpose());
         World world = world_at(rate, 4);
@@ -104,49 +100,6 @@ TEST(WorldElastic, RayFindsASoftBody) {
   // Within a particle's spacing (0.1 m / 6) of the face.
   EXPECT_NEAR(hit->distance_m, 0.95, 0.02);
   EXPECT_FALSE(world.ray_cast({0.3, 0, 1}, {0, 0, -1}, 5.0));
-}
-
-uint64_t mixed(uint64_t hash, double value) { return (hash ^ std::bit_cast<uint64_t>(value)) * 0x100000001b3u; }
-
-uint64_t hash_of(const World& world) {
-  uint64_t hash = 0xcbf29ce484222325u;
-  for (const ObjectDrivers& object : world.drivers().objects) {
-    for (const Pose& pose : object.poses) {
-      for (int i = 0; i < 3; ++i) hash = mixed(hash, pose.position_m[i]);
-      for (int i = 0; i < 4; ++i) hash = mixed(hash, pose.orientation.coeffs()[i]);
-    }
-    for (const Eigen::Vector3f& node : object.positions_m) {
-      for (int i = 0; i < 3; ++i) hash = mixed(hash, node[i]);
-    }
-  }
-  return hash;
-}
-
-uint64_t hash_after_a_busy_scene(int threads) {
-  set_thread_count(threads);
-  World world = world_at(90, 4);
-  world.add_collider(floor_plane());
-  for (uint32_t i = 0; i < 5; ++i) {
-    auto soft = soft_box(1 + i, Vector3d::Constant(0.1), 0.3, 3e4);
-    soft.world_from_object.position_m = {0.3 * i, 0.15 + 0.05 * i, 0};
-    EXPECT_TRUE(world.add_elastic(soft));
-    auto box = box_body(20 + i, {0.1, 0.05, 0.08}, 0.4);
-    box.world_from_object.position_m = {0.3 * i, 0.4, 0.5};
-    box.world_from_object.orientation = rotation_about(static_cast<int>(i));
-    EXPECT_TRUE(world.add_rigid(box));
-    auto description = ball(40 + i, {0.3 * i - 0.3, 0.3, 0.1 * i}, 0.04, 0.1);
-    description.velocity_m_s = {2, 0, 0.3};
-    EXPECT_TRUE(world.add_ball(description));
-  }
-  for (int i = 0; i < 200; ++i) world.step();
-  return hash_of(world);
-}
-
-TEST(WorldElastic, SameBitsForAnyNumberOfThreads) {
-  const uint64_t one = hash_after_a_busy_scene(1);
-  EXPECT_EQ(hash_after_a_busy_scene(2), one);
-  EXPECT_EQ(hash_after_a_busy_scene(4), one);
-  set_thread_count(0);
 }
 
 }  // namespace

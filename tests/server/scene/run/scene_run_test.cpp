@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/content_hash.h"
-#include "core/parallel_for.h"
 #include "scene/scene.h"
 #include "scene/views/scene_drawing.h"
 #include "scratch_folder.h"
@@ -41,34 +39,6 @@ Scene busy_scene() {
   auto scene = Scene::load(path, {});
   EXPECT_TRUE(scene) << scene.error().message;
   return std::move(*scene);
-}
-
-std::string hash_after(int ticks, int threads) {
-  set_thread_count(threads);
-  Scene scene = busy_scene();
-  std::string states;
-  for (int i = 0; i < ticks; ++i) {
-    scene.step();
-    const DriverFrame frame = scene.world().drivers();
-    for (const ObjectDrivers& object : frame.objects) {
-      states.append(reinterpret_cast<const char*>(object.positions_m.data()),
-                    object.positions_m.size() * sizeof(Eigen::Vector3f));
-      for (const Pose& pose : object.poses) {
-        states.append(reinterpret_cast<const char*>(pose.position_m.data()), sizeof(Eigen::Vector3d));
-        states.append(reinterpret_cast<const char*>(pose.orientation.coeffs().data()), 4 * sizeof(double));
-      }
-    }
-    states = content_hash(std::as_bytes(std::span(states)));
-  }
-  set_thread_count(0);
-  return states;
-}
-
-TEST(SceneRun, SameBitsForAnyThreadCount) {
-  const std::string one = hash_after(90, 1);
-  EXPECT_EQ(one, hash_after(90, 2));
-  EXPECT_EQ(one, hash_after(90, 8));
-  EXPECT_EQ(one, hash_after(90, 8)) << "from run to run";
 }
 
 TEST(SceneRun, EventsActWhenTheyAreDue) {
