@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "rates.h"
 #include "scene/scene.h"
 #include "skin/skin_kernels.h"
 
@@ -11,7 +12,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Every captured asset, by its path below the data folder. SOG v1 is not a format we read.
+// Captured assets, by their path below the data folder: in the gate those of up to 1.2 MB, nightly all. SOG v1 is not a format
+// we read.
 std::vector<std::string> captured_assets() {
   const fs::path folder = fs::path(LIVEGS_SHARED_DATA_DIR) / "splats";
   std::vector<std::string> assets;
@@ -22,7 +24,8 @@ std::vector<std::string> captured_assets() {
     const bool asset = path.ends_with(".ply") || path.ends_with(".spz") || path.ends_with(".splat") ||
                        path.ends_with(".sog");
     const bool unpacked = at->path().filename() == "meta.json" && path.find("fur_block") == std::string::npos;
-    if (asset || unpacked) assets.push_back(fs::relative(at->path(), folder).string());
+    const bool small = at->file_size() < 1'200'000;
+    if ((asset || unpacked) && (small || full_sets())) assets.push_back(fs::relative(at->path(), folder).string());
   }
   std::sort(assets.begin(), assets.end());
   if (assets.empty()) assets.push_back("");
