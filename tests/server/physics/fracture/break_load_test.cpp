@@ -42,7 +42,7 @@ TEST(BreakingLoads, AWeightLaidOnACupBreaksNothing) {
 // on: with fewer, 140 times its weight is thrown against the floor before the first contact bears it.
 TEST(BreakingLoads, TheForceThatCrushesItIsTheSameAtAnyRate) {
   const double crushing_n = 0.5 * kBreakImpulse_n_s / kBlowTime_s;
-  for (const double rate : kRates_hz) {
+  for (const double rate : {60.0, 90.0}) {
     for (const int substeps : {4, 8, 16, 32}) {
       SCOPED_TRACE(::testing::Message() << substeps << " substeps of " << rate << " Hz");
       const auto crushed_by = [&](double newton) {
