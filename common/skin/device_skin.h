@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "compute/backend.h"
+#include "compute/buffer.h"
 #include "skin/skin_kernels.h"
 
 namespace livegs {
@@ -21,9 +21,6 @@ class DeviceSkin {
   // Precondition: skins(rest.kind).
   static Result<DeviceSkin> create(Backend& backend, const RestBody& rest, const KernelBindings& bindings,
                                    std::span<const uint32_t> kept = {});
-  ~DeviceSkin();
-  DeviceSkin(DeviceSkin&& other) noexcept;
-  DeviceSkin& operator=(DeviceSkin&& other) noexcept;
 
   // Where the drivers are now: uploads 64 bytes each. Preconditions: as skin_kernels, of what the skin was made with.
   Result<void> move(const RestBody& rest, const KernelBindings& bindings, const ObjectDrivers& drivers);
@@ -33,13 +30,12 @@ class DeviceSkin {
   Result<void> pose(uint32_t first, uint32_t count, BufferId posed) const;
 
   uint32_t size() const { return size_; }
-  size_t device_bytes() const { return device_bytes_; }
+  size_t device_bytes() const;
 
   static constexpr uint32_t kMaxPartKernels = uint32_t{1} << 20;  // 40 MiB, of the 128 that lavapipe binds
 
  private:
   explicit DeviceSkin(Backend& backend) : backend_(&backend) {}
-  Result<BufferId> make_buffer(size_t bytes);
   Result<void> make_rest_rows(const KernelBindings& bindings, std::span<const uint32_t> kept);
   Result<void> move_bodies(const RestBody& rest, const ObjectDrivers& drivers);
   Result<void> move_lattice(const RestBody& rest, const KernelBindings& bindings, const ObjectDrivers& drivers);
@@ -55,10 +51,9 @@ class DeviceSkin {
   Backend* backend_;
   DriverKind kind_ = DriverKind::Rigid;
   uint32_t size_ = 0, body_count_ = 0;
-  std::vector<BufferId> rest_;  // by part
-  BufferId cells_{}, drivers_{};
+  std::vector<Buffer> rest_;  // by part
+  Buffer cells_, drivers_;
   Lattice lattice_;
-  size_t device_bytes_ = 0;
 };
 
 }  // namespace livegs

@@ -24,45 +24,22 @@ Result<DeviceSkin> DeviceSkin::create(Backend& backend, const RestBody& rest, co
   if (auto made = skin.make_rest_rows(bindings, kept); !made) return made.error();
   size_t driver_bytes = rest.bodies.size() * sizeof(RigidPoseRow);
   if (rest.kind == DriverKind::Lattice) {
-    auto cells = skin.make_buffer(rest.cells.size() * sizeof(rest.cells[0]));
+    auto cells = Buffer::create(backend, rest.cells.size() * sizeof(rest.cells[0]));
     if (!cells) return cells.error();
-    skin.cells_ = *cells;
-    if (auto done = backend.upload(skin.cells_, std::as_bytes(std::span(rest.cells))); !done) return done.error();
+    skin.cells_ = *std::move(cells);
+    if (auto done = backend.upload(skin.cells_.id(), std::as_bytes(std::span(rest.cells))); !done) return done.error();
     driver_bytes = rest.node_coordinates.size() * sizeof(NodeState);
   }
-  auto drivers = skin.make_buffer(driver_bytes);
+  auto drivers = Buffer::create(backend, driver_bytes);
   if (!drivers) return drivers.error();
-  skin.drivers_ = *drivers;
+  skin.drivers_ = *std::move(drivers);
   return Result<DeviceSkin>(std::move(skin));
 }
 
-DeviceSkin::DeviceSkin(DeviceSkin&& other) noexcept : backend_(other.backend_) { *this = std::move(other); }
-
-DeviceSkin& DeviceSkin::operator=(DeviceSkin&& other) noexcept {
-  std::swap(backend_, other.backend_);
-  std::swap(kind_, other.kind_);
-  std::swap(size_, other.size_);
-  std::swap(body_count_, other.body_count_);
-  std::swap(rest_, other.rest_);
-  std::swap(cells_, other.cells_);
-  std::swap(drivers_, other.drivers_);
-  std::swap(lattice_, other.lattice_);
-  std::swap(device_bytes_, other.device_bytes_);
-  return *this;
-}
-
-DeviceSkin::~DeviceSkin() {
-  rest_.push_back(cells_);
-  rest_.push_back(drivers_);
-  for (const BufferId buffer : rest_) {
-    if (buffer != BufferId{}) (void)backend_->destroy_buffer(buffer);
-  }
-}
-
-Result<BufferId> DeviceSkin::make_buffer(size_t bytes) {
-  auto made = backend_->create_buffer(bytes);
-  if (made) device_bytes_ += bytes;
-  return made;
+size_t DeviceSkin::device_bytes() const {
+  size_t bytes = cells_.bytes() + drivers_.bytes();
+  for (const Buffer& part : rest_) bytes += part.bytes();
+  return bytes;
 }
 
 Result<void> DeviceSkin::make_rest_rows(const KernelBindings& bindings, std::span<const uint32_t> kept) {
@@ -85,10 +62,10 @@ Result<void> DeviceSkin::make_rest_rows(const KernelBindings& bindings, std::spa
         }
       }
     });
-    auto made = make_buffer(count * sizeof(RestKernelRow));
+    auto made = Buffer::create(*backend_, count * sizeof(RestKernelRow));
     if (!made) return made.error();
-    rest_.push_back(*made);
-    if (auto done = backend_->upload(*made, std::as_bytes(std::span(rows))); !done) return done;
+    rest_.push_back(*std::move(made));
+    if (auto done = backend_->upload(rest_.back().id(), std::as_bytes(std::span(rows))); !done) return done;
   }
   return {};
 }
@@ -110,7 +87,7 @@ Result<void> DeviceSkin::move_bodies(const RestBody& rest, const ObjectDrivers& 
     rows.push_back({r(0, 0), r(0, 1), r(0, 2), x.x(), r(1, 0), r(1, 1), r(1, 2), x.y(),
                     r(2, 0), r(2, 1), r(2, 2), x.z(), q.x(),   q.y(),   q.z(),   q.w()});
   }
-  return backend_->upload(drivers_, std::as_bytes(std::span(rows)));
+  return backend_->upload(drivers_.id(), std::as_bytes(std::span(rows)));
 }
 
 Result<void> DeviceSkin::move_lattice(const RestBody& rest, const KernelBindings& bindings, const ObjectDrivers& drivers) {
@@ -119,7 +96,7 @@ Result<void> DeviceSkin::move_lattice(const RestBody& rest, const KernelBindings
   const LatticeBody body = lattice_body_of(rest, states);
   lattice_ = {static_cast<uint32_t>(rest.cells.size()), static_cast<uint32_t>(states.size()), body.cell_width_m,
               body.lattice_from_asset, body.gradient};
-  return backend_->upload(drivers_, std::as_bytes(std::span(states)));
+  return backend_->upload(drivers_.id(), std::as_bytes(std::span(states)));
 }
 
 Result<void> DeviceSkin::pose(uint32_t first, uint32_t count, BufferId posed) const {
@@ -129,7 +106,7 @@ Result<void> DeviceSkin::pose(uint32_t first, uint32_t count, BufferId posed) co
   if (kind_ == DriverKind::Rigid) {
     LIVEGS_ASSERT(body_count_ > 0);
     const PoseRigidKernelsConstants constants{count, within, body_count_};
-    const std::array buffers{rest_[part], drivers_, posed};
+    const std::array buffers{rest_[part].id(), drivers_.id(), posed};
     return backend_->dispatch(pose_rigid_kernels_pass(), buffers, std::as_bytes(std::span(&constants, 1)), count);
   }
   LIVEGS_ASSERT(lattice_.node_count > 0);
@@ -139,7 +116,7 @@ Result<void> DeviceSkin::pose(uint32_t first, uint32_t count, BufferId posed) co
                                        q.x(),   q.y(),   q.z(),               q.w(),               f(0, 0),
                                        f(0, 1), f(0, 2), f(1, 0),             f(1, 1),             f(1, 2),
                                        f(2, 0), f(2, 1), f(2, 2)};
-  const std::array buffers{rest_[part], cells_, drivers_, posed};
+  const std::array buffers{rest_[part].id(), cells_.id(), drivers_.id(), posed};
   return backend_->dispatch(skin_lattice_pass(), buffers, std::as_bytes(std::span(&constants, 1)), count);
 }
 

@@ -42,46 +42,23 @@ Result<DeviceKernels> DeviceKernels::create(Backend& backend, const GaussianAsse
   return Result<DeviceKernels>(std::move(kernels));
 }
 
-DeviceKernels::DeviceKernels(DeviceKernels&& other) noexcept : backend_(other.backend_) {
-  *this = std::move(other);
-}
-
-DeviceKernels& DeviceKernels::operator=(DeviceKernels&& other) noexcept {
-  std::swap(backend_, other.backend_);
-  std::swap(parts_, other.parts_);
-  std::swap(kept_, other.kept_);
-  std::swap(asset_size_, other.asset_size_);
-  std::swap(size_, other.size_);
-  std::swap(sh_degree_, other.sh_degree_);
-  std::swap(sh_row_words_, other.sh_row_words_);
-  std::swap(antialiased_, other.antialiased_);
-  std::swap(device_bytes_, other.device_bytes_);
-  return *this;
-}
-
-DeviceKernels::~DeviceKernels() {
-  for (const Part& part : parts_) {
-    for (const BufferId buffer : {part.posed, part.looks, part.bands}) {
-      if (buffer != BufferId{}) (void)backend_->destroy_buffer(buffer);
-    }
-  }
-}
-
-Result<BufferId> DeviceKernels::make_buffer(size_t bytes) {
-  auto made = backend_->create_buffer(bytes);
-  if (made) device_bytes_ += bytes;
-  return made;
+size_t DeviceKernels::device_bytes() const {
+  size_t bytes = 0;
+  for (const Part& part : parts_) bytes += part.posed.bytes() + part.looks.bytes() + part.bands.bytes();
+  return bytes;
 }
 
 Result<void> DeviceKernels::make_part(const GaussianAsset& asset, uint32_t first, uint32_t count) {
-  Part& part = parts_.emplace_back(Part{.first = first, .count = count});
+  Part& part = parts_.emplace_back();
+  part.first = first;
+  part.count = count;
   const size_t band_words = std::max<size_t>(1, size_t{count} * sh_row_words_);
-  auto looks = make_buffer(count * sizeof(KernelLookRow));
+  auto looks = Buffer::create(*backend_, count * sizeof(KernelLookRow));
   if (!looks) return looks.error();
-  part.looks = *looks;
-  auto bands = make_buffer(4 * band_words);
+  part.looks = *std::move(looks);
+  auto bands = Buffer::create(*backend_, 4 * band_words);
   if (!bands) return bands.error();
-  part.bands = *bands;
+  part.bands = *std::move(bands);
 
   std::vector<KernelLookRow> look_rows(count);
   std::vector<uint32_t> words(band_words, 0);
@@ -97,18 +74,18 @@ Result<void> DeviceKernels::make_part(const GaussianAsset& asset, uint32_t first
       }
     }
   });
-  if (auto done = backend_->upload(part.looks, std::as_bytes(std::span(look_rows))); !done) return done;
-  return backend_->upload(part.bands, std::as_bytes(std::span(words)));
+  if (auto done = backend_->upload(part.looks.id(), std::as_bytes(std::span(look_rows))); !done) return done;
+  return backend_->upload(part.bands.id(), std::as_bytes(std::span(words)));
 }
 
 Result<void> DeviceKernels::pose(const PosedKernels& kernels) {
   LIVEGS_ASSERT(kernels.positions_m.size() == asset_size_);
   std::vector<PosedKernelRow> rows;
   for (Part& part : parts_) {
-    if (part.posed == BufferId{}) {
-      auto made = make_buffer(part.count * sizeof(PosedKernelRow));
+    if (!part.posed) {
+      auto made = Buffer::create(*backend_, part.count * sizeof(PosedKernelRow));
       if (!made) return made.error();
-      part.posed = *made;
+      part.posed = *std::move(made);
     }
     rows.resize(part.count);
     parallel_for(part.count, kBlock, [&](size_t begin, size_t end) {
@@ -120,7 +97,7 @@ Result<void> DeviceKernels::pose(const PosedKernels& kernels) {
         rows[i] = {x.x(), x.y(), x.z(), s[0], s[1], s[2], s[3], s[4], s[5], q.x(), q.y(), q.z(), q.w()};
       }
     });
-    if (auto done = backend_->upload(part.posed, std::as_bytes(std::span(rows))); !done) return done;
+    if (auto done = backend_->upload(part.posed.id(), std::as_bytes(std::span(rows))); !done) return done;
   }
   return {};
 }

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "compute/backend.h"
+#include "compute/buffer.h"
 #include "gaussian/posed_kernels.h"
 
 namespace livegs {
@@ -15,17 +15,14 @@ class DeviceKernels {
  public:
   // `backend` outlives the kernels. `kept`: which of the asset's kernels, ascending; empty: all.
   static Result<DeviceKernels> create(Backend& backend, const GaussianAsset& asset, std::vector<uint32_t> kept = {});
-  ~DeviceKernels();
-  DeviceKernels(DeviceKernels&& other) noexcept;
-  DeviceKernels& operator=(DeviceKernels&& other) noexcept;
 
   // Where the asset's kernels are now, those that are not kept as well: for kernels that no pass skins.
   Result<void> pose(const PosedKernels& kernels);
 
-  // What project_splats reads, for kernels [first, first + count). `posed` is none before pose().
+  // What project_splats reads, for kernels [first, first + count). `posed` is empty before pose().
   struct Part {
     uint32_t first = 0, count = 0;
-    BufferId posed{}, looks{}, bands{};
+    Buffer posed, looks, bands;
   };
   const std::vector<Part>& parts() const { return parts_; }
 
@@ -33,13 +30,12 @@ class DeviceKernels {
   int sh_degree() const { return sh_degree_; }
   uint32_t sh_row_words() const { return sh_row_words_; }
   bool antialiased() const { return antialiased_; }
-  size_t device_bytes() const { return device_bytes_; }
+  size_t device_bytes() const;
 
   static constexpr uint32_t kMaxPartKernels = uint32_t{1} << 20;
 
  private:
   explicit DeviceKernels(Backend& backend) : backend_(&backend) {}
-  Result<BufferId> make_buffer(size_t bytes);
   Result<void> make_part(const GaussianAsset& asset, uint32_t first, uint32_t count);
 
   Backend* backend_;
@@ -52,7 +48,6 @@ class DeviceKernels {
   int sh_degree_ = 0;
   uint32_t sh_row_words_ = 0;
   bool antialiased_ = false;
-  size_t device_bytes_ = 0;
 };
 
 }  // namespace livegs

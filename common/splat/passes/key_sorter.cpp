@@ -128,33 +128,17 @@ Result<KeySorter> KeySorter::create(Backend& backend, uint32_t capacity) {
       key_bytes,          key_bytes, key_bytes, key_bytes, size_t{4} * kSortDigits * tiles_of(capacity),
       sizeof(SortedCount)};
   for (size_t i = 0; i < std::size(sizes); ++i) {
-    auto made = backend.create_buffer(sizes[i]);
+    auto made = Buffer::create(backend, sizes[i]);
     if (!made) return made.error();
-    sorter.buffers_[i] = *made;
-    sorter.device_bytes_ += sizes[i];
+    sorter.buffers_[i] = *std::move(made);
   }
   return Result<KeySorter>(std::move(sorter));
 }
 
-KeySorter::KeySorter(KeySorter&& other) noexcept
-    : backend_(other.backend_),
-      capacity_(std::exchange(other.capacity_, 0)),
-      device_bytes_(std::exchange(other.device_bytes_, 0)) {
-  std::swap(buffers_, other.buffers_);
-}
-
-KeySorter& KeySorter::operator=(KeySorter&& other) noexcept {
-  std::swap(backend_, other.backend_);
-  std::swap(buffers_, other.buffers_);
-  std::swap(capacity_, other.capacity_);
-  std::swap(device_bytes_, other.device_bytes_);
-  return *this;
-}
-
-KeySorter::~KeySorter() {
-  for (const BufferId buffer : buffers_) {
-    if (buffer != BufferId{}) (void)backend_->destroy_buffer(buffer);
-  }
+size_t KeySorter::device_bytes() const {
+  size_t bytes = 0;
+  for (const Buffer& buffer : buffers_) bytes += buffer.bytes();
+  return bytes;
 }
 
 Result<void> KeySorter::run_pass(uint32_t count, uint32_t shift, uint32_t flags) {
@@ -163,9 +147,10 @@ Result<void> KeySorter::run_pass(uint32_t count, uint32_t shift, uint32_t flags)
   const uint32_t tiles = tiles_of(count);
   const SortKeysConstants constants{count, tiles, shift, flags};
   const auto bytes = std::as_bytes(std::span(&constants, 1));
-  const std::array count_buffers{keys, counted, table};
-  const std::array scan_buffers{table, counted};
-  const std::array scatter_buffers{keys, values, table, counted, spare_keys, spare_values};
+  const std::array count_buffers{keys.id(), counted.id(), table.id()};
+  const std::array scan_buffers{table.id(), counted.id()};
+  const std::array scatter_buffers{keys.id(),    values.id(),     table.id(),
+                                   counted.id(), spare_keys.id(), spare_values.id()};
   if (auto done = backend_->dispatch(sort_count_pass(), count_buffers, bytes, tiles * kSortGroup); !done)
     return done;
   if (auto done = backend_->dispatch(sort_scan_pass(), scan_buffers, bytes, kSortGroup); !done) return done;
@@ -183,7 +168,7 @@ Result<void> KeySorter::sort(uint32_t count, const Options& options) {
   }
   if (count == 0) {
     const SortedCount none{4, 0, 0, 0};
-    return backend_->upload(buffers_[5], std::as_bytes(std::span(&none, 1)));
+    return backend_->upload(buffers_[5].id(), std::as_bytes(std::span(&none, 1)));
   }
   for (uint32_t shift = 0; shift < 32; shift += kDigitBits) {
     uint32_t flags = 0;

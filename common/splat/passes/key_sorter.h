@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "compute/backend.h"
+#include "compute/buffer.h"
 #include "splat/passes/sort_keys_layout.h"
 
 namespace livegs {
@@ -19,9 +19,6 @@ class KeySorter {
  public:
   // For up to `capacity` keys, 1..kMaxKeys; the backend outlives the sorter.
   static Result<KeySorter> create(Backend& backend, uint32_t capacity);
-  ~KeySorter();
-  KeySorter(KeySorter&& other) noexcept;
-  KeySorter& operator=(KeySorter&& other) noexcept;
 
   struct Options {
     bool index_values = false;  // values are the keys' own places, 0 1 2 ...; what `values` holds is not read
@@ -32,11 +29,11 @@ class KeySorter {
   // then says how many are left.
   Result<void> sort(uint32_t count, const Options& options);
 
-  BufferId keys() const { return buffers_[0]; }
-  BufferId values() const { return buffers_[1]; }
-  BufferId counted() const { return buffers_[5]; }  // one SortedCount
+  BufferId keys() const { return buffers_[0].id(); }
+  BufferId values() const { return buffers_[1].id(); }
+  BufferId counted() const { return buffers_[5].id(); }  // one SortedCount
   uint32_t capacity() const { return capacity_; }
-  size_t device_bytes() const { return device_bytes_; }
+  size_t device_bytes() const;
 
   static constexpr uint32_t kMaxKeys = uint32_t{1} << 25;  // 128 MiB of keys: what lavapipe binds
 
@@ -45,9 +42,8 @@ class KeySorter {
   Result<void> run_pass(uint32_t count, uint32_t shift, uint32_t flags);
 
   Backend* backend_;
-  BufferId buffers_[6]{};  // keys, values, the same to sort into, table, count
+  Buffer buffers_[6];  // keys, values, the same to sort into, table, count
   uint32_t capacity_ = 0;
-  size_t device_bytes_ = 0;
 };
 
 // The passes, for tests.

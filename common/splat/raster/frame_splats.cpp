@@ -48,17 +48,13 @@ FrameSplats::FrameSplats(Backend& backend, uint32_t most_part_rows)
   if (most_part_rows > 0) part_rows_ = std::min(part_rows_, most_part_rows);
 }
 
-FrameSplats::~FrameSplats() { release(); }
-
 void FrameSplats::release() {
   sorter_.reset();
-  const auto give_back = [&](BufferId& buffer) {
-    if (buffer != BufferId{}) (void)backend_->destroy_buffer(buffer);
-    buffer = {};
-  };
-  give_back(views_);
-  give_back(posed_);
-  for (auto& parts : rows_) std::for_each(std::begin(parts), std::end(parts), give_back);
+  views_.reset();
+  posed_.reset();
+  for (auto& parts : rows_) {
+    for (Buffer& part : parts) part.reset();
+  }
   rows_held_[0] = rows_held_[1] = posed_held_ = 0;
   device_bytes_ = 0;
 }
@@ -80,10 +76,10 @@ Result<void> FrameSplats::make_room(uint32_t kernels, size_t eyes, bool poses) {
     release();
     return Error{error.code, "a frame of " + std::to_string(kernels) + " kernels: " + error.message};
   };
-  const auto make = [&](BufferId& buffer, size_t bytes) -> Result<void> {
-    auto made = backend_->create_buffer(bytes);
+  const auto make = [&](Buffer& buffer, size_t bytes) -> Result<void> {
+    auto made = Buffer::create(*backend_, bytes);
     if (!made) return failed(made.error());
-    buffer = *made;
+    buffer = *std::move(made);
     device_bytes_ += bytes;
     return {};
   };
@@ -128,7 +124,7 @@ Result<void> FrameSplats::prepare(std::span<const Object> objects, std::span<con
   kernel_count_ = static_cast<uint32_t>(total);
   if (auto made = make_room(std::max(1u, kernel_count_), eyes.size(), poses); !made) return made;
   const FrameViews views = frame_views(eyes, options);
-  return backend_->upload(views_, std::as_bytes(std::span(&views, 1)));
+  return backend_->upload(views_.id(), std::as_bytes(std::span(&views, 1)));
 }
 
 Result<void> FrameSplats::project_rows(const Object& object, const Options& options, BufferId posed,
@@ -138,13 +134,13 @@ Result<void> FrameSplats::project_rows(const Object& object, const Options& opti
   const auto row_part = static_cast<int>(first_place / part_rows_);
   const ProjectSplatsConstants constants{.kernel_count = count,
                                          .first_kernel = first,
-                                         .first_posed = posed == part.posed ? first : 0,
+                                         .first_posed = posed == part.posed.id() ? first : 0,
                                          .first_key = first_place,
                                          .first_row = first_place % part_rows_,
                                          .sh_degree = static_cast<uint32_t>(degree),
                                          .sh_row_words = kernels.sh_row_words(),
                                          .antialiased = kernels.antialiased() ? 1u : 0u};
-  const std::array buffers{views_, posed, part.looks, part.bands, rows(0, row_part), rows(1, row_part), sorter_->keys()};
+  const std::array buffers{views_.id(), posed, part.looks.id(), part.bands.id(), rows(0, row_part), rows(1, row_part), sorter_->keys()};
   return backend_->dispatch(project_splats_pass(), buffers, std::as_bytes(std::span(&constants, 1)), count);
 }
 
@@ -156,9 +152,9 @@ Result<void> FrameSplats::project_prepared(std::span<const Object> objects, cons
       for (uint32_t first = 0, count = 0; first < part.count; first += count) {
         count = std::min({at_once, part.count - first, part_rows_ - place % part_rows_});  // of one part of either
         if (object.pose) {
-          if (auto done = object.pose(part.first + first, count, posed_); !done) return done;
+          if (auto done = object.pose(part.first + first, count, posed_.id()); !done) return done;
         }
-        if (auto done = project_rows(object, options, object.pose ? posed_ : part.posed, part, first, count, place); !done)
+        if (auto done = project_rows(object, options, object.pose ? posed_.id() : part.posed.id(), part, first, count, place); !done)
           return done;
         place += count;
       }

@@ -35,7 +35,6 @@ class FrameSplats {
 
   // `most_part_rows`: kernels whose rows share a buffer; 0: as many as the backend binds.
   explicit FrameSplats(Backend& backend, uint32_t most_part_rows = 0);
-  ~FrameSplats();
   FrameSplats(const FrameSplats&) = delete;
   FrameSplats& operator=(const FrameSplats&) = delete;
 
@@ -58,7 +57,7 @@ class FrameSplats {
   BufferId counted() const { return sorter_->counted(); }
   // SplatRow of eye 0 or 1: part p has those of the places from p * part_rows() on. A part that is not there is the first; with
   // one eye the second has one row.
-  BufferId rows(int eye, int part = 0) const { return rows_[eye][part] == BufferId{} ? rows_[eye][0] : rows_[eye][part]; }
+  BufferId rows(int eye, int part = 0) const { return (rows_[eye][part] ? rows_[eye][part] : rows_[eye][0]).id(); }
   uint32_t part_rows() const { return part_rows_; }
   static constexpr int kRowParts = 3;  // two eyes' and the order are seven buffers; a device binds eight or more (pass.h)
   uint64_t most_kernels() const { return std::min<uint64_t>(KeySorter::kMaxKeys, uint64_t{kRowParts} * part_rows_); }
@@ -75,7 +74,7 @@ class FrameSplats {
   Backend* backend_;
   std::optional<KeySorter> sorter_;
   uint32_t part_rows_;
-  BufferId views_{}, rows_[2][kRowParts]{}, posed_{};
+  Buffer views_, rows_[2][kRowParts], posed_;
   uint32_t rows_held_[2]{}, posed_held_ = 0;
   uint32_t kernel_count_ = 0;
   size_t device_bytes_ = 0;
