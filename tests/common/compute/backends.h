@@ -3,67 +3,45 @@
 
 #include <gtest/gtest.h>
 
-#include <memory>
-#include <mutex>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "common/compute/shared_vulkan.h"
+#include "compute/buffer.h"
 #include "compute/cpu_backend.h"
-#include "compute/vulkan_backend.h"
 
 namespace livegs {
 
-// What the validation layer said, from any thread.
-class ValidationMessages {
- public:
-  void add(const std::string& message) {
-    const std::lock_guard lock(mutex_);
-    messages_.push_back(message);
-  }
-  std::vector<std::string> take() {
-    const std::lock_guard lock(mutex_);
-    return std::exchange(messages_, {});
-  }
-
- private:
-  std::mutex mutex_;
-  std::vector<std::string> messages_;
-};
-
-// A test on one backend, by its name. Vulkan runs under the validation layer, and any message fails the test,
-// those about what was left undestroyed included. Skips only where there is no Vulkan device; a missing layer
-// fails.
+// A test on one backend, by its name. All Vulkan tests of a program share one device and backend, under the validation
+// layer. Skips only where there is no Vulkan device; a missing layer fails.
 class OnEveryBackend : public testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
     if (GetParam() == std::string("cpu")) {
-      backend_ = std::make_unique<CpuBackend>();
+      backend_ = &cpu_;
       return;
     }
-    auto plain = VulkanDevice::create();
-    if (!plain) GTEST_SKIP() << plain.error().message;
-    VulkanDeviceOptions options;
-    options.validation = true;
-    options.on_validation_message = [this](const std::string& message) { messages_.add(message); };
-    auto device = VulkanDevice::create(options);
-    ASSERT_TRUE(device) << device.error().message;
-    RecordProperty("device", (*device)->name());
-    auto backend = create_vulkan_backend(*std::move(device));
+    if (const auto& why = shared_vulkan.no_device()) GTEST_SKIP() << why->message;
+    const auto backend = shared_vulkan.backend();
     ASSERT_TRUE(backend) << backend.error().message;
-    backend_ = *std::move(backend);
+    backend_ = *backend;
+    RecordProperty("device", (*shared_vulkan.device())->name());
   }
 
   void TearDown() override {
-    backend_.reset();
-    for (const std::string& message : messages_.take()) ADD_FAILURE() << message;
+    buffers_.clear();
+    shared_vulkan.messages().expect_none();
   }
 
+  // Destroyed with the test.
   BufferId make_buffer(size_t bytes) {
-    auto made = backend_->create_buffer(bytes);
+    auto made = Buffer::create(*backend_, bytes);
     EXPECT_TRUE(made) << made.error().message;
-    return made ? *made : BufferId{};
+    if (!made) return BufferId{};
+    buffers_.push_back(*std::move(made));
+    return buffers_.back().id();
   }
 
   template <class Row>
@@ -82,8 +60,11 @@ class OnEveryBackend : public testing::TestWithParam<const char*> {
     return rows;
   }
 
-  ValidationMessages messages_;  // outlives the backend, which speaks until it is gone
-  std::unique_ptr<Backend> backend_;
+  Backend* backend_ = nullptr;
+
+ private:
+  CpuBackend cpu_;
+  std::vector<Buffer> buffers_;
 };
 
 inline std::string backend_name(const testing::TestParamInfo<const char*>& info) { return info.param; }

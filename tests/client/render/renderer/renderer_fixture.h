@@ -1,36 +1,84 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "common/compute/backends.h"
+#include <map>
+#include <tuple>
+
+#include "common/compute/shared_vulkan.h"
 #include "common/splat/synthetic_kernels.h"
 #include "render/splat_renderer.h"
 
 namespace livegs {
 
-// Pictures of the device found, lavapipe in CI, beside the oracle's. The validation layer looks on, and any
-// message fails the test. Skips only where there is no device.
+// Forwards to a renderer that the tests of a program share. When it is destroyed, the other one releases all objects.
+class BorrowedRenderer final : public SplatRenderer {
+ public:
+  explicit BorrowedRenderer(SplatRenderer& shared) : shared_(shared) {}
+  ~BorrowedRenderer() override {
+    Camera eye;
+    eye.width = eye.height = 16;
+    std::vector<Image> images;
+    (void)shared_.draw({}, {&eye, 1}, {}, images);
+  }
+  const std::string& name() const override { return shared_.name(); }
+  Result<void> draw(std::span<const RenderedObject> objects, std::span<const Camera> eyes, const RenderOptions& options,
+                    std::vector<Image>& images) override {
+    return shared_.draw(objects, eyes, options, images);
+  }
+  Result<void> draw_into(std::span<const RenderedObject> objects, std::span<const Camera> eyes, const RenderOptions& options,
+                         const DeviceImage& image) override {
+    return shared_.draw_into(objects, eyes, options, image);
+  }
+  bool skins(DriverKind kind) const override { return shared_.skins(kind); }
+  const RenderTimes& last_times() const override { return shared_.last_times(); }
+  std::string notice() const override { return shared_.notice(); }
+
+ private:
+  SplatRenderer& shared_;
+};
+
+// The renderers of a test program on its shared device, one for each set of options; destroyed before the device.
+class SharedRenderers final : public testing::Environment {
+ public:
+  Result<std::unique_ptr<SplatRenderer>> borrow(const VulkanRendererOptions& options) {
+    auto& renderer = renderers_[{options.precision, options.separate_times, options.read_blended, options.most_part_rows}];
+    if (!renderer) {
+      auto made = create_vulkan_renderer(*shared_vulkan.device(), options);
+      if (!made) return made.error();
+      renderer = *std::move(made);
+    }
+    return Result<std::unique_ptr<SplatRenderer>>(std::make_unique<BorrowedRenderer>(*renderer));
+  }
+  void TearDown() override { renderers_.clear(); }
+
+ private:
+  std::map<std::tuple<BlendPrecision, bool, bool, uint32_t>, std::unique_ptr<SplatRenderer>> renderers_;
+};
+
+// GoogleTest owns it, and tears it down before shared_vulkan, which was registered first.
+inline SharedRenderers& shared_renderers =
+    *static_cast<SharedRenderers*>(testing::AddGlobalTestEnvironment(new SharedRenderers));
+
+// Pictures of the device found, lavapipe in CI, compared with the oracle's. Device and renderers are shared by the program's
+// tests, under the validation layer; any message of it fails the test. Skips only where there is no device.
 class VulkanPictures : public testing::Test {
  protected:
   void SetUp() override {
-    auto plain = VulkanDevice::create();
-    if (!plain) GTEST_SKIP() << plain.error().message;
-    VulkanDeviceOptions options;
-    options.validation = true;
-    options.on_validation_message = [this](const std::string& message) { messages_.add(message); };
-    auto device = VulkanDevice::create(options);
+    if (const auto& why = shared_vulkan.no_device()) GTEST_SKIP() << why->message;
+    const auto& device = shared_vulkan.device();
     ASSERT_TRUE(device) << device.error().message;
-    device_ = *std::move(device);
+    device_ = *device;
     make_renderer({.precision = BlendPrecision::Half});  // what a device that is not software draws with
   }
 
   void TearDown() override {
     renderer_.reset();
     device_.reset();
-    for (const std::string& message : messages_.take()) ADD_FAILURE() << message;
+    shared_vulkan.messages().expect_none();
   }
 
   void make_renderer(const VulkanRendererOptions& options) {
-    auto renderer = create_vulkan_renderer(device_, options);
+    auto renderer = shared_renderers.borrow(options);
     ASSERT_TRUE(renderer) << renderer.error().message;
     renderer_ = *std::move(renderer);
   }
@@ -66,7 +114,6 @@ class VulkanPictures : public testing::Test {
     return oracle({&one, 1}, {&eye, 1}, options)[0];
   }
 
-  ValidationMessages messages_;  // outlives the device, which speaks until it is gone
   std::shared_ptr<VulkanDevice> device_;
   std::unique_ptr<SplatRenderer> renderer_;
   uint64_t version_ = 1;

@@ -26,17 +26,15 @@ TEST(MostVisibleKernels, AreTheLargeAndOpaque) {
 
 class DeviceLimits : public VulkanPictures {
  protected:
-  // As the fixture's, with so much memory.
+  // A device of this test alone, with that much memory, and a renderer on it.
   void limit_memory(size_t bytes) {
     renderer_.reset();
-    VulkanDeviceOptions options;
-    options.validation = true;
-    options.on_validation_message = [this](const std::string& message) { messages_.add(message); };
-    options.memory_limit_bytes = bytes;
-    auto device = VulkanDevice::create(options);
+    auto device = create_validated_device(shared_vulkan.messages(), bytes);
     ASSERT_TRUE(device) << device.error().message;
     device_ = *std::move(device);
-    make_renderer({});
+    auto renderer = create_vulkan_renderer(device_);
+    ASSERT_TRUE(renderer) << renderer.error().message;
+    renderer_ = *std::move(renderer);
   }
 };
 

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "compute/vulkan_backend.h"
+
+namespace livegs {
+
+// Messages of the validation layer, from any thread.
+class ValidationMessages {
+ public:
+  void add(const std::string& message) {
+    const std::lock_guard lock(mutex_);
+    messages_.push_back(message);
+  }
+  std::vector<std::string> take() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(messages_, {});
+  }
+  void expect_none() {
+    for (const std::string& message : take()) ADD_FAILURE() << message;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::string> messages_;
+};
+
+// A device under the validation layer, whose messages go to `messages`, which outlives it.
+inline Result<std::shared_ptr<VulkanDevice>> create_validated_device(ValidationMessages& messages,
+                                                                     size_t memory_limit_bytes = 0) {
+  VulkanDeviceOptions options;
+  options.validation = true;
+  options.on_validation_message = [&messages](const std::string& message) { messages.add(message); };
+  options.memory_limit_bytes = memory_limit_bytes;
+  return VulkanDevice::create(options);
+}
+
+// The one Vulkan device of a test program, and a backend on it. Created when a test first needs it, destroyed after the last
+// test; any message of the validation layer fails the test, or at the end the program.
+class SharedVulkan final : public testing::Environment {
+ public:
+  // Why there is no device: its tests skip. Nothing where there is one, or where only the validation layer is absent.
+  const std::optional<Error>& no_device() {
+    create();
+    return no_device_;
+  }
+  // Precondition: no_device() is nothing.
+  const Result<std::shared_ptr<VulkanDevice>>& device() { return create(); }
+  Result<Backend*> backend() {
+    if (!backend_) {
+      if (!create()) return create().error();
+      auto made = create_vulkan_backend(*create());
+      if (!made) return made.error();
+      backend_ = *std::move(made);
+    }
+    return backend_.get();
+  }
+  ValidationMessages& messages() { return messages_; }
+
+  void TearDown() override {
+    backend_.reset();
+    device_.reset();
+    no_device_.reset();
+    messages_.expect_none();
+  }
+
+ private:
+  const Result<std::shared_ptr<VulkanDevice>>& create() {
+    if (!device_) {
+      device_ = create_validated_device(messages_);
+      if (!*device_) {
+        if (const auto plain = VulkanDevice::create(); !plain) no_device_ = plain.error();
+      }
+    }
+    return *device_;
+  }
+
+  ValidationMessages messages_;  // outlives the device, which may report until it is destroyed
+  std::optional<Result<std::shared_ptr<VulkanDevice>>> device_;
+  std::optional<Error> no_device_;
+  std::unique_ptr<Backend> backend_;
+};
+
+// GoogleTest owns it.
+inline SharedVulkan& shared_vulkan =
+    *static_cast<SharedVulkan*>(testing::AddGlobalTestEnvironment(new SharedVulkan));
+
+}  // namespace livegs
