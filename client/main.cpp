@@ -257,7 +257,9 @@ int main(int argc, char** argv) {
   lasting.outlive_draining = true;
   if (reconnect->count() == 0) lasting.reconnect_s = livegs::JoinOptions().reconnect_s;
   if (display == "openxr") {
-    auto headset = livegs::HeadsetDisplay::open();
+    livegs::VulkanDeviceOptions device;
+    device.pipeline_cache_folder = livegs::user_pipeline_cache_folder();
+    auto headset = livegs::HeadsetDisplay::open(device);
     if (headset) {
       livegs::HeadsetRunOptions run;
       static_cast<livegs::JoinOptions&>(run) = lasting;

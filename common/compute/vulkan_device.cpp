@@ -11,9 +11,11 @@
 #include <vector>
 
 #include "compute/pass.h"
+#include "compute/pipeline_cache.h"
 #include "compute/vulkan_handles.h"
 #include "compute/vulkan_maker.h"
 #include "core/log.h"
+#include "core/user_cache.h"
 
 namespace livegs {
 
@@ -268,14 +270,21 @@ Result<void> create_device(VulkanHandles& handles, VulkanMaker* maker) {
 
 }  // namespace
 
+std::filesystem::path user_pipeline_cache_folder() {
+  if (const char* folder = std::getenv("LIVEGS_PIPELINE_CACHE"); folder != nullptr && *folder != '\0') return folder;
+  const auto folder = user_cache_folder();
+  return folder ? *folder : std::filesystem::path();
+}
+
 VulkanHandles::~VulkanHandles() {
+  if (pipeline_cache) vk.DestroyPipelineCache(device, pipeline_cache, nullptr);
   if (device) vk.DestroyDevice(device, nullptr);
   if (messenger) vk.DestroyDebugUtilsMessengerEXT(instance, messenger, nullptr);
   if (instance) vk.DestroyInstance(instance, nullptr);
 }
 
 VulkanDevice::VulkanDevice(std::unique_ptr<VulkanHandles> handles) : handles_(std::move(handles)) {}
-VulkanDevice::~VulkanDevice() = default;
+VulkanDevice::~VulkanDevice() { save_pipeline_cache(*handles_); }
 
 bool VulkanDevice::is_software() const {
   return handles_->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
@@ -293,6 +302,7 @@ Result<std::shared_ptr<VulkanDevice>> VulkanDevice::create(const VulkanDeviceOpt
   if (auto made = create_instance(*handles, options); !made) return made.error();
   if (auto chosen = choose_physical_device(*handles, options.maker); !chosen) return chosen.error();
   if (auto made = create_device(*handles, options.maker); !made) return made.error();
+  if (auto made = create_pipeline_cache(*handles, options.pipeline_cache_folder); !made) return made.error();
   return std::shared_ptr<VulkanDevice>(new VulkanDevice(std::move(handles)));
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -25,7 +26,13 @@ struct VulkanDeviceOptions {
   size_t memory_limit_bytes = 0;
   // Makes the device in Vulkan's place and says which, during create(); null: Vulkan does.
   VulkanMaker* maker = nullptr;
+  // Folder in which compiled pipelines are kept between runs (pipeline_cache.h): read by create(), written when the device
+  // is destroyed. Empty: they are not kept.
+  std::filesystem::path pipeline_cache_folder;
 };
+
+// LIVEGS_PIPELINE_CACHE in the environment, else the user's cache folder (user_cache.h). Empty when there is neither.
+std::filesystem::path user_pipeline_cache_folder();
 
 // A Vulkan 1.3 device with one queue that can compute, and draw where the device can at all. The loader is
 // opened when it is first needed, so programs start on machines without Vulkan.

@@ -7,6 +7,7 @@
 #include <vulkan/vulkan.h>
 
 #include <atomic>
+#include <filesystem>
 #include <functional>
 #include <string>
 
@@ -33,7 +34,8 @@ namespace livegs {
   X(CreateGraphicsPipelines) X(CmdBeginRendering) X(CmdEndRendering) X(CmdSetViewport) X(CmdSetScissor)    \
   X(CmdDraw) X(CmdDrawIndirect) X(CmdCopyImageToBuffer) X(GetPhysicalDeviceFormatProperties)      \
   X(CmdBlitImage) X(CmdCopyBufferToImage) X(CreateQueryPool) X(DestroyQueryPool) X(CmdResetQueryPool)     \
-  X(CmdWriteTimestamp2) X(GetQueryPoolResults)
+  X(CmdWriteTimestamp2) X(GetQueryPoolResults) X(CreatePipelineCache) X(DestroyPipelineCache)               \
+  X(GetPipelineCacheData)
 // clang-format on
 
 struct VulkanFunctions {
@@ -64,6 +66,9 @@ struct VulkanHandles {
   VkPhysicalDeviceMemoryProperties memory{};
   VkDevice device = VK_NULL_HANDLE;
   VkQueue queue = VK_NULL_HANDLE;
+  VkPipelineCache pipeline_cache = VK_NULL_HANDLE;  // every pipeline of the device is made with it
+  std::filesystem::path pipeline_cache_file;  // empty: it is not kept between runs
+  std::string pipeline_cache_hash;  // content_hash of the data that the file holds; empty: none
   uint32_t queue_family = 0;
   bool draws = false;  // the queue draws as well, and multiview and dynamic rendering are on
   uint32_t timestamp_bits = 0;  // that count, of the queue's clock; 0: it has none

@@ -24,7 +24,9 @@ Result<std::unique_ptr<SplatRenderer>> choose_renderer(RendererChoice choice, st
 
 Result<std::unique_ptr<SplatRenderer>> choose_renderer(RendererChoice choice) {
   if (choice == RendererChoice::Cpu) return Result<std::unique_ptr<SplatRenderer>>(create_cpu_renderer());
-  auto device = VulkanDevice::create();
+  VulkanDeviceOptions options;
+  options.pipeline_cache_folder = user_pipeline_cache_folder();
+  auto device = VulkanDevice::create(options);
   if (!device && choice == RendererChoice::Vulkan) return device.error();
   // A machine without a GPU has nothing to say to its person; one whose GPU has no memory left has.
   if (!device && device.error().code == ErrorCode::TooLarge) return made_or_cpu(choice, "vulkan", device.error());

@@ -145,7 +145,7 @@ Result<void> DrawPipeline::create_pipeline(const Description& description, VkSha
   info.pColorBlendState = &blend;
   info.pDynamicState = &dynamic;
   info.layout = layout_;
-  const VkResult made = handles_.vk.CreateGraphicsPipelines(handles_.device, VK_NULL_HANDLE, 1, &info,
+  const VkResult made = handles_.vk.CreateGraphicsPipelines(handles_.device, handles_.pipeline_cache, 1, &info,
                                                             nullptr, &pipelines_[eyes - 1]);
   if (made != VK_SUCCESS) {
     pipelines_[eyes - 1] = VK_NULL_HANDLE;

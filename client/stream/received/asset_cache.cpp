@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <optional>
 #include <utility>
@@ -16,6 +15,7 @@
 #include "core/content_hash.h"
 #include "core/file.h"
 #include "core/log.h"
+#include "core/user_cache.h"
 #include "gaussian/asset_file.h"
 
 namespace livegs {
@@ -156,13 +156,9 @@ Result<AssetCache::Obtained> AssetCache::obtain(const std::string& hash, uint64_
 }
 
 Result<std::filesystem::path> AssetCache::default_folder() {
-  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache == '/') {
-    return std::filesystem::path(cache) / "livegs";
-  }
-  if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0') {
-    return std::filesystem::path(home) / ".cache" / "livegs";
-  }
-  return not_found("neither XDG_CACHE_HOME nor HOME is set; choose a folder with --cache DIR");
+  auto folder = user_cache_folder();
+  if (!folder) return Error{folder.error().code, folder.error().message + "; choose a folder with --cache DIR"};
+  return folder;
 }
 
 }  // namespace livegs

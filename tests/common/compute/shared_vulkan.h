@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -34,6 +35,11 @@ class ValidationMessages {
   std::vector<std::string> messages_;
 };
 
+// In the build tree, next to the folder of the programs.
+inline std::filesystem::path test_pipeline_cache_folder() {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path().parent_path() / "pipeline_cache";
+}
+
 // A device under the validation layer, whose messages go to `messages`, which outlives it.
 inline Result<std::shared_ptr<VulkanDevice>> create_validated_device(ValidationMessages& messages,
                                                                      size_t memory_limit_bytes = 0) {
@@ -41,6 +47,7 @@ inline Result<std::shared_ptr<VulkanDevice>> create_validated_device(ValidationM
   options.validation = true;
   options.on_validation_message = [&messages](const std::string& message) { messages.add(message); };
   options.memory_limit_bytes = memory_limit_bytes;
+  options.pipeline_cache_folder = test_pipeline_cache_folder();
   return VulkanDevice::create(options);
 }
 
