@@ -67,7 +67,7 @@ TEST_P(ScrambledBody, ComesBackToItsRestShape) {
   const int runs = seeds * static_cast<int>(kRates_hz.size());
   record(r.name, "scrambled", runs, runs - wound - inverted, wound, inverted);
   EXPECT_EQ(inverted, 0) << "of " << runs;
-  EXPECT_LE(wound, runs / 50) << "of " << runs;  // 2 %
+  EXPECT_LE(wound, (runs + (compact ? 49 : 0)) / 50) << "of " << runs;  // 2 %; of blocks one is allowed in a small set
 }
 
 INSTANTIATE_TEST_SUITE_P(Recovery, ScrambledBody,
