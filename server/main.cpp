@@ -27,6 +27,7 @@
 #include "session/rpc/grpc_server.h"
 #include "session/metrics/metrics.h"
 #include "session/metrics/run_summary.h"
+#include "session/support/scene_memory.h"
 #include "session/access/server_security.h"
 #include "session/recording/session_recorder.h"
 #include "session/sessions/session_table.h"
@@ -144,6 +145,7 @@ int run(const Options& options) {
   scene_options.rate_hz = options.rate_hz;
   scene_options.substeps = options.substeps;
   scene_options.wait_for_pieces = options.wait_for_client;
+  if (auto fits = check_scene_memory(options.scene, options.clients); !fits) return report(fits.error());
   auto scene = Scene::load(options.scene, scene_options);
   if (!scene) return report(scene.error());
   log_info("scene %s: %zu objects, built in %.1f s", scene->name().c_str(), scene->objects().size(),
@@ -161,7 +163,8 @@ int run(const Options& options) {
   LiveAnalysis analysis(std::move(*analysed), std::move(*endpoint), loop, analysis_options);
   LiveRun run(
       loop,
-      [&](uint32_t first_object_id) {
+      [&](uint32_t first_object_id) -> Result<Scene> {
+        if (auto fits = check_scene_memory(options.scene, options.clients); !fits) return fits.error();
         SceneOptions again = scene_options;
         again.first_object_id = first_object_id;
         return Scene::load(options.scene, again);
@@ -213,7 +216,7 @@ int run(const Options& options) {
     analysis.begin();
     const int64_t end_ns = now_ns() + static_cast<int64_t>(options.seconds * 1e9);
     reason = wait_for_signal(signals, [&] {
-      notice.feed((*server)->published().frames + loop.summary().waits, now_ns());
+      notice.feed((*server)->published().frames, now_ns());
       return (options.seconds > 0 && now_ns() >= end_ns) || !drain_reason().empty();
     });
     if (reason.empty()) reason = drain_reason();

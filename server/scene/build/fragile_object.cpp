@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 #include <numeric>
 #include <system_error>
 
@@ -102,14 +101,8 @@ FragileTask::FragileTask(uint32_t object_id, TriangleMesh mesh, Fill fill,
     : object_id_(object_id) {
   FragileOptions own = options;
   own.pieces.stop = stop_.get_token();
-  // Memory or threads that are short are no reason to stop the scene: the thing does not break, and says why.
-  const auto prepare = [mesh = std::move(mesh), fill, asset = std::move(asset), own]() -> Result<FragileObject> {
-    try {
-      return prepare_fragile(mesh, fill, *asset, own);
-    } catch (const std::bad_alloc&) {
-      return Error{ErrorCode::Unavailable, "memory is short"};
-    }
-  };
+  const auto prepare = [mesh = std::move(mesh), fill, asset = std::move(asset), own] { return prepare_fragile(mesh, fill, *asset, own); };
+  // Without a thread the object does not break, and says why.
   try {
     future_ = std::async(std::launch::async, prepare);
   } catch (const std::system_error& error) {

@@ -26,13 +26,13 @@ LiveRun::~LiveRun() = default;
 Result<RunStatus> LiveRun::control(const v1::ControlRunRequest& request) {
   switch (request.action_case()) {
     case v1::ControlRunRequest::kPause:
-      if (auto done = loop_.pause(request.pause()); !done) return done.error();
+      loop_.pause(request.pause());
       break;
     case v1::ControlRunRequest::kStepTicks:
       if (request.step_ticks() == 0 || request.step_ticks() > kMostSteps) {
         return invalid_argument("step_ticks: must be 1 to 1000");
       }
-      if (auto done = loop_.step_paused(request.step_ticks()); !done) return done.error();
+      loop_.step_paused(request.step_ticks());
       break;
     case v1::ControlRunRequest::kReset:
       if (auto begun = reset(); !begun) return begun.error();

@@ -5,12 +5,10 @@
 
 #include <algorithm>
 #include <chrono>
-#include <exception>
 #include <iterator>
 #include <utility>
 
 #include "core/clock.h"
-#include "core/log.h"
 #include "scene/build/fragile_object.h"
 #include "session/assets/describe_object.h"
 
@@ -21,19 +19,11 @@ namespace {
 constexpr std::chrono::milliseconds kSweepInterval{100};
 // How often assets that nobody needs are looked for.
 constexpr int64_t kDropInterval_ns = 1'000'000'000;
-// When an asset that could not be encoded is tried again.
-constexpr int64_t kEncodeAgainAfter_ns = 1'000'000'000;
-// When memory that is short is asked for again.
-constexpr std::chrono::milliseconds kMemoryPause{5};
 
-// Nothing is copied, and nothing is changed when there is no memory for both.
 template <class Happened>
 void go_before(std::vector<Happened>& older, std::vector<Happened>& newer) {
-  if (older.empty()) return;
-  older.reserve(older.size() + newer.size());
-  std::move(newer.begin(), newer.end(), std::back_inserter(older));
-  newer.swap(older);
-  older.clear();
+  older.insert(older.end(), std::make_move_iterator(newer.begin()), std::make_move_iterator(newer.end()));
+  newer = std::move(older);
 }
 
 // Ids are never used twice, so all that came, then all that changed, then all that went is the order of any number of ticks.
@@ -94,41 +84,13 @@ void FramePublisher::run() {
       tick = std::move(waiting_);
       waiting_.reset();
     }
-    try {
-      if (tick) take(*std::move(tick));
-      const int64_t now = now_ns();
-      table_.sweep(now);
-      if (now - dropped_ns_ < kDropInterval_ns) continue;
-      dropped_ns_ = now;
-      assets_.drop_unused(table_.asset_hashes(), now);
-    } catch (const std::exception& error) {  // memory is short now, and may not be the next time
-      note_short(error.what());
-    }
+    if (tick) take(*std::move(tick));
+    const int64_t now = now_ns();
+    table_.sweep(now);
+    if (now - dropped_ns_ < kDropInterval_ns) continue;
+    dropped_ns_ = now;
+    assets_.drop_unused(table_.asset_hashes(), now);
   }
-}
-
-void FramePublisher::take(SteppedTick tick) {
-  while (left_out_) {
-    try {
-      go_before(*left_out_, tick);
-      left_out_.reset();
-    } catch (const std::exception& error) {
-      note_short(error.what());
-      std::unique_lock lock(mutex_);
-      if (changed_.wait_for(lock, kMemoryPause, [&] { return stopping_; })) return;
-    }
-  }
-  try {
-    deliver(tick);
-  } catch (const std::exception& error) {
-    left_out_ = std::move(tick);
-    note_short(error.what());
-  }
-}
-
-void FramePublisher::note_short(const char* why) {
-  if (std::exchange(told_of_shortage_, true)) return;
-  log_warn("a frame is left out: %s; what happened in it is told with the next", why);
 }
 
 SessionTable::Object FramePublisher::describe(const SceneObject& object) {
@@ -144,46 +106,23 @@ void FramePublisher::encode(const std::shared_ptr<const GaussianAsset>& asset, b
   to_encode_.insert(stands_still ? to_encode_.begin() : to_encode_.end(), asset);
 }
 
-// Never waits: while one is encoded the others stand in line. Memory or threads that are short now may not be later.
+// Never waits: one asset is encoded at a time, the others queue.
 void FramePublisher::encode_next() {
   if (encoding_.valid()) {
     if (encoding_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
-    note_encoded(encoding_.get());
+    encoding_.get();
+    std::erase(to_encode_, encoded_);
+    encoded_.reset();
   }
-  if (now_ns() < encode_after_ns_) return;
   // What another has encoded meanwhile, and what nobody draws any more.
   std::erase_if(to_encode_, [&](const auto& asset) { return asset.use_count() == 1 || assets_.has(asset); });
   if (to_encode_.empty()) return;
   encoded_ = to_encode_.front();
-  try {
-    encoding_ = std::async(std::launch::async, [this, asset = encoded_]() -> std::string {
-      try {
-        (void)assets_.add(asset);
-        return {};
-      } catch (const std::exception& error) {
-        return error.what();
-      }
-    });
-  } catch (const std::exception& error) {  // there is no thread for it
-    note_encoded(error.what());
-  }
+  encoding_ = std::async(std::launch::async, [this, asset = encoded_] { (void)assets_.add(asset); });
 }
 
-void FramePublisher::note_encoded(const std::string& failed) {
-  const auto done = std::find(to_encode_.begin(), to_encode_.end(), encoded_);
-  encoded_.reset();
-  if (failed.empty()) {
-    if (done != to_encode_.end()) to_encode_.erase(done);
-    return;
-  }
-  if (done != to_encode_.end()) std::rotate(done, done + 1, to_encode_.end());
-  encode_after_ns_ = now_ns() + kEncodeAgainAfter_ns;
-  if (std::exchange(told_of_failure_, true)) return;
-  log_warn("an object's kernels cannot be encoded: %s; clients see it as it was; trying again each second", failed.c_str());
-}
-
-void FramePublisher::hold(const SceneObject& object, bool known, Waiting& waiting) {
-  Held& held = waiting.held[object.id];
+void FramePublisher::hold(const SceneObject& object, bool known) {
+  Held& held = held_[object.id];
   held.object = object;
   held.known = known;
   encode(object.asset, true);
@@ -193,49 +132,49 @@ void FramePublisher::hold(const SceneObject& object, bool known, Waiting& waitin
   if (shown != before.end()) held.shown = *shown;
 }
 
-FramePublisher::Events FramePublisher::take_events(const SteppedTick& tick, Waiting& waiting) {
+FramePublisher::Events FramePublisher::take_events(const SteppedTick& tick) {
   encode_next();
   Events events;
   for (const SceneObject& object : tick.added) {
     if (assets_.has(object.asset))
       events.added.push_back(object);
     else
-      hold(object, false, waiting);
+      hold(object, false);
   }
   for (const SceneObject& object : tick.changed) {
-    if (const auto held = waiting.held.find(object.id); held != waiting.held.end()) {
+    if (const auto held = held_.find(object.id); held != held_.end()) {
       held->second.object = object;
       encode(object.asset, true);
       continue;
     }
     // What has just been cut is told of when its other kernels are encoded; by then it may have broken.
     const bool cut = object.broken && object.rest.revision == 0 && !assets_.has(object.broken->asset);
-    const bool waits = cut && !waiting.cut.contains(object.id);
+    const bool waits = cut && !cut_.contains(object.id);
     if (cut) {
       encode(object.broken->asset, false);
-      waiting.cut.insert_or_assign(object.id, object);
+      cut_.insert_or_assign(object.id, object);
     } else {
-      waiting.cut.erase(object.id);
+      cut_.erase(object.id);
     }
     if (!assets_.has(object.asset))
-      hold(object, true, waiting);
+      hold(object, true);
     else if (!waits)
       events.changed.push_back(object);
   }
   for (const uint32_t id : tick.removed) {
-    waiting.cut.erase(id);
-    const auto held = waiting.held.find(id);
-    const bool known = held == waiting.held.end() || held->second.known;
-    if (held != waiting.held.end()) waiting.held.erase(held);
+    cut_.erase(id);
+    const auto held = held_.find(id);
+    const bool known = held == held_.end() || held->second.known;
+    if (held != held_.end()) held_.erase(held);
     if (known) events.removed.push_back(id);
   }
-  std::erase_if(waiting.held, [&](const auto& one) {
+  std::erase_if(held_, [&](const auto& one) {
     const Held& held = one.second;
     if (!assets_.has(held.object.asset)) return false;
     (held.known ? events.changed : events.added).push_back(held.object);
     return true;
   });
-  std::erase_if(waiting.cut, [&](const auto& one) {
+  std::erase_if(cut_, [&](const auto& one) {
     if (!assets_.has(one.second.broken->asset)) return false;
     events.changed.push_back(one.second);
     return true;
@@ -244,10 +183,9 @@ FramePublisher::Events FramePublisher::take_events(const SteppedTick& tick, Wait
   return events;
 }
 
-void FramePublisher::deliver(SteppedTick& tick) {
-  Waiting waiting = waits_;
-  const Events events = take_events(tick, waiting);
-  show_held(tick.drivers, waiting.held);
+void FramePublisher::take(SteppedTick tick) {
+  const Events events = take_events(tick);
+  show_held(tick.drivers, held_);
   std::vector<SessionTable::Object> added, changed;
   for (const SceneObject& object : events.added) added.push_back(describe(object));
   for (const SceneObject& object : events.changed) changed.push_back(describe(object));
@@ -258,19 +196,14 @@ void FramePublisher::deliver(SteppedTick& tick) {
   published->hands = std::move(tick.hands);
   kernels_.take(events.added, events.changed, events.removed);
   const uint64_t event_number = table_.deliver(published, added, changed, events.removed);
-  waits_ = std::move(waiting);
   last_ = published;
   {
     std::lock_guard lock(mutex_);
     ++frames_;
   }
   kernels_.publish(published);
-  try {
-    if (fan_out_ && fan_out_->heard())
-      fan_out_->publish({table_.instance(), event_number, tick.stepped_ns, published->drivers()});
-  } catch (const std::exception& error) {  // a publication is followed by the next
-    note_short(error.what());
-  }
+  if (fan_out_ && fan_out_->heard())
+    fan_out_->publish({table_.instance(), event_number, tick.stepped_ns, published->drivers()});
 }
 
 PublisherSummary FramePublisher::summary() const {

@@ -31,8 +31,6 @@ struct PublisherSummary {
 // Between the simulation and the sessions, on a thread of its own: hands each tick to every session, so that neither encoding nor a hundred socket writes lengthen a tick. When it falls behind,
 // the newest tick wins. It also sweeps out sessions that went silent.
 //
-// A tick for which memory is short is left out, with a line in the log; what happened in it is told with the next.
-//
 // It waits for nobody, and for no asset: one that has none encoded yet, because it came or broke this moment, is told of
 // when that is done, seconds later if it is large. Until then frames have it as clients know it, at rest where it was last,
 // or not at all; everything else goes on. What is recorded is what was simulated.
@@ -53,32 +51,23 @@ class FramePublisher final : public TickSink {
  private:
   void run();
   void take(SteppedTick tick);
-  // std::bad_alloc when memory is short: nobody was told anything then, and what happened still stands in the tick.
-  void deliver(SteppedTick& tick);
-  void note_short(const char* why);
   SessionTable::Object describe(const SceneObject& object);
   // On a thread of its own, one after the other, if it is not done or under way yet.
   void encode(const std::shared_ptr<const GaussianAsset>& asset, bool stands_still);
   void encode_next();
-  void note_encoded(const std::string& failed);  // why, or nothing
 
   struct Held {
     SceneObject object;                  // as it is now
     bool known = false;                  // as it was before, to clients
     std::optional<ObjectDrivers> shown;  // of that
   };
-  // What waits for its kernels to be encoded, by id.
-  struct Waiting {
-    std::map<uint32_t, Held> held;        // what is drawn with them
-    std::map<uint32_t, SceneObject> cut;  // whole, and told of when what it will break into is encoded
-  };
   // What clients are told with a tick: what happened in it, without what has to wait, and with what waited long enough.
   struct Events {
     std::vector<SceneObject> added, changed;
     std::vector<uint32_t> removed;
   };
-  Events take_events(const SteppedTick& tick, Waiting& waiting);
-  void hold(const SceneObject& object, bool known, Waiting& waiting);
+  Events take_events(const SteppedTick& tick);
+  void hold(const SceneObject& object, bool known);
 
   SessionTable& table_;
   AssetStore& assets_;
@@ -86,13 +75,11 @@ class FramePublisher final : public TickSink {
   // The publisher's thread only.
   std::deque<std::shared_ptr<const GaussianAsset>> to_encode_;  // in turn
   std::shared_ptr<const GaussianAsset> encoded_;                // right now, or null
-  std::future<std::string> encoding_;                           // of it: why it failed, or nothing
-  int64_t encode_after_ns_ = 0;
-  bool told_of_failure_ = false;
+  std::future<void> encoding_;                                  // of it
   int64_t dropped_ns_ = 0;
-  Waiting waits_;
-  std::optional<SteppedTick> left_out_;  // what happened in it is still to be told
-  bool told_of_shortage_ = false;
+  // What waits for its kernels to be encoded, by id.
+  std::map<uint32_t, Held> held_;        // what is drawn with them
+  std::map<uint32_t, SceneObject> cut_;  // whole; announced when the kernels of its pieces are encoded
   std::shared_ptr<const PublishedTick> last_;
   KernelPublisher kernels_{table_};
   std::shared_ptr<EncodingRecord> record_ = std::make_shared<EncodingRecord>();

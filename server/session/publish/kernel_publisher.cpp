@@ -3,7 +3,6 @@
 
 #include <pthread.h>
 
-#include <exception>
 #include <utility>
 
 #include "core/clock.h"
@@ -71,37 +70,28 @@ void KernelPublisher::note_time(int64_t took_ns, size_t bytes) {
 }
 
 void KernelPublisher::run() {
-  std::vector<SceneObject> objects;  // until all are taken: before what came since
-  std::vector<uint32_t> removed;
-  bool told = false;
   for (;;) {
+    std::vector<SceneObject> objects;
+    std::vector<uint32_t> removed;
     std::shared_ptr<PublishedTick> tick;
     {
       std::unique_lock lock(mutex_);
       changed_.wait(lock, [&] { return stopping_ || waiting_; });
       if (stopping_) return;
       tick = std::exchange(waiting_, nullptr);
-      if (objects.empty() && removed.empty()) {
-        objects.swap(objects_);
-        removed.swap(removed_);
-      }
+      objects.swap(objects_);
+      removed.swap(removed_);
     }
-    try {
-      for (const SceneObject& object : objects) poser_.take(object);
-      for (const uint32_t id : removed) poser_.remove(id);
-      objects.clear();
-      removed.clear();
-      for (const auto& [asked, encoding] : {std::pair{v1::JoinRequest::KERNELS, KernelEncoding::Quantised},
-                                            {v1::JoinRequest::KERNELS_EXACT, KernelEncoding::Exact}}) {
-        if (!table_.wants(asked)) continue;
-        const int64_t begun_ns = now_ns();
-        std::vector<std::byte> frame = encode_kernels(poser_.pose(tick->drivers(), encoding), encoding);
-        note_time(now_ns() - begun_ns, frame.size());
-        tick->keep(asked, std::move(frame));
-        table_.deliver_kernels(tick, asked);
-      }
-    } catch (const std::exception& error) {  // memory is short now, and may not be at the next tick
-      if (!std::exchange(told, true)) log_warn("kernels: a frame is left out: %s; drivers are not held up", error.what());
+    for (const SceneObject& object : objects) poser_.take(object);
+    for (const uint32_t id : removed) poser_.remove(id);
+    for (const auto& [asked, encoding] : {std::pair{v1::JoinRequest::KERNELS, KernelEncoding::Quantised},
+                                          {v1::JoinRequest::KERNELS_EXACT, KernelEncoding::Exact}}) {
+      if (!table_.wants(asked)) continue;
+      const int64_t begun_ns = now_ns();
+      std::vector<std::byte> frame = encode_kernels(poser_.pose(tick->drivers(), encoding), encoding);
+      note_time(now_ns() - begun_ns, frame.size());
+      tick->keep(asked, std::move(frame));
+      table_.deliver_kernels(tick, asked);
     }
   }
 }

@@ -227,26 +227,7 @@ void SessionRecorder::keep_past(const TickActions& actions, const SteppedTick& t
   log_info("recordings that begin from now on cannot be simulated again: more was done than is kept");
 }
 
-// A tick that is not recorded is a hole: what comes after it is of no use.
-void SessionRecorder::record(const TickActions& actions, const SteppedTick& tick, const Scene& scene) {
-  try {
-    take(actions, tick, scene);
-  } catch (const std::bad_alloc&) {
-    past_.begun = true;
-    past_.whole = false;
-    past_.open = {};
-    past_.full = {};
-    std::lock_guard lock(mutex_);
-    if (!session_ || ends_) return;
-    try {
-      fail("memory is short; the session goes on");
-    } catch (const std::bad_alloc&) {  // nor is there any for the words; it has ended
-    }
-    changed_.notify_all();
-  }
-}
-
-void SessionRecorder::take(const TickActions& taken, const SteppedTick& tick, const Scene& scene) {
+void SessionRecorder::record(const TickActions& taken, const SteppedTick& tick, const Scene& scene) {
   TickActions actions = taken;
   actions.cuts = tick.cuts;
   bool begins = false, writes = false;

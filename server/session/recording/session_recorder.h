@@ -33,7 +33,7 @@ struct RecordingOptions {
 };
 
 // Records the session that runs into a file (proto/recording_format.md), on a thread of its own: a tick never waits for
-// the disk. A disk that takes no more, or memory that is short, ends the recording with one line; what was written can be read. What was done before a
+// the disk. A full disk ends the recording with one line; what was written can be read. What was done before a
 // recording began is kept and written into it first, so that it can be simulated again from the beginning. Any thread, but
 // for record(), which is the simulation's.
 class SessionRecorder final : public TickRecorder {
@@ -55,7 +55,6 @@ class SessionRecorder final : public TickRecorder {
   class Session;
   void run();
   static size_t bytes_of(const SteppedTick& tick);
-  void take(const TickActions& actions, const SteppedTick& tick, const Scene& scene);
   void fail(const std::string& why);
   void keep_past(const TickActions& actions, const SteppedTick& tick, const Scene& scene);
 

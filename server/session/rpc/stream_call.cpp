@@ -167,16 +167,10 @@ void StreamCall::wake() {
 void StreamCall::write_next(const std::lock_guard<std::mutex>& lock) {
   if (writing_ || finish_status_ || !session_) return;
   const int64_t now = now_ns();
-  try {
-    if (const auto outgoing = session_->take(stream_, now, budget_.available_bytes(now) > 0)) {
-      write(*outgoing, lock);
-    } else if (finish_when_flushed_) {
-      finish_status_ = finish_when_flushed_;
-      finish_if_idle(lock);
-    }
-  } catch (const std::bad_alloc&) {
-    // What was taken is lost to this stream; the session's next is told of all there is.
-    finish_status_ = grpc::Status(grpc::StatusCode::UNAVAILABLE, "memory is short");
+  if (const auto outgoing = session_->take(stream_, now, budget_.available_bytes(now) > 0)) {
+    write(*outgoing, lock);
+  } else if (finish_when_flushed_) {
+    finish_status_ = finish_when_flushed_;
     finish_if_idle(lock);
   }
 }

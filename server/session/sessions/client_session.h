@@ -5,7 +5,6 @@
 #include <limits>
 #include <memory>
 #include <mutex>
-#include <new>
 #include <optional>
 #include <string>
 
@@ -139,14 +138,10 @@ class ClientSession {
     window_.restart();
   }
 
-  // False when its stream has to end: too many wait, or there is no memory for this one.
+  // False when its stream has to end: too many events wait.
   bool add_event(const v1::SessionEvent& event) {
     std::lock_guard lock(mutex_);
-    try {
-      return state_ == State::Parked || window_.add_event(event);
-    } catch (const std::bad_alloc&) {
-      return false;
-    }
+    return state_ == State::Parked || window_.add_event(event);
   }
   // What its frames are, as it joined last.
   v1::JoinRequest::Encoding encoding() const {

@@ -174,32 +174,24 @@ uint64_t SessionTable::deliver(std::shared_ptr<PublishedTick> tick, std::span<co
   std::vector<NotReading> not_reading;
   {
     std::lock_guard lock(mutex_);
-    // All that takes memory comes first: short of it, nobody is told anything.
-    sessions.reserve(sessions_.size());
-    not_reading.reserve(sessions_.size());
     std::vector<v1::SessionEvent> events;
-    const bool news = !added.empty() || !changed.empty() || !removed.empty();
-    std::vector<Object> objects = news ? objects_ : std::vector<Object>();
     for (const Object& object : added) {
-      objects.push_back(with_proposal(object));
-      *events.emplace_back().mutable_object_added() = *objects.back();
+      objects_.push_back(with_proposal(object));
+      *events.emplace_back().mutable_object_added() = *objects_.back();
     }
     for (const Object& object : changed) {
-      const auto known = std::find_if(objects.begin(), objects.end(), [&](const Object& one) {
+      const auto known = std::find_if(objects_.begin(), objects_.end(), [&](const Object& one) {
         return one->object_id() == object->object_id();
       });
-      if (known == objects.end()) continue;  // it went meanwhile
+      if (known == objects_.end()) continue;  // it went meanwhile
       *known = with_proposal(object);
       *events.emplace_back().mutable_object_changed() = **known;
     }
     for (uint32_t id : removed) {
-      std::erase_if(objects, [&](const Object& object) { return object->object_id() == id; });
+      std::erase_if(objects_, [&](const Object& object) { return object->object_id() == id; });
       events.emplace_back().mutable_object_removed()->set_object_id(id);
     }
-    if (news) {
-      reaches_ = reaches_of(objects);
-      objects_ = std::move(objects);
-    }
+    if (!events.empty()) reaches_ = reaches_of(objects_);
     tick_ = tick->tick();
     event_number = event_number_ += events.size();
     tick->reaches = reaches_;
@@ -259,7 +251,6 @@ void SessionTable::propose(const std::string& object, const v1::PhysicsFile* pro
       *events.emplace_back().mutable_object_changed() = *one;
     }
     event_number_ += events.size();
-    not_reading.reserve(sessions_.size());
     tell(events, not_reading);
   }
   for (const auto& session : sessions_now()) {

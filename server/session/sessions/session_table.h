@@ -69,8 +69,7 @@ class SessionTable {
   // Ends the one session whose id begins so; its id. NotFound for none, InvalidArgument for several or too few digits.
   Result<std::string> end_session(std::string_view id_begin, const Error& why);
 
-  // A new tick for everybody, with what came, changed and went in it. The event number from then on. When memory is short
-  // for it std::bad_alloc, and nothing was done; when it is for what one client is told, that one's stream ends.
+  // A new tick for everybody, with what came, changed and went in it. The event number from then on.
   uint64_t deliver(std::shared_ptr<PublishedTick> tick, std::span<const Object> added,
                    std::span<const Object> changed, std::span<const uint32_t> removed);
   // Objects of this name are described with this answer of a model, which waits for a person, and why it does among their
@@ -116,7 +115,7 @@ class SessionTable {
 
  private:
   Object with_proposal(Object object) const;  // under the lock
-  // Tells everybody, under the lock; adds those who do not read, to be cut off without it, to a list with room for all.
+  // Tells everybody, under the lock; adds those who do not read, to be cut off without it, to the list.
   struct NotReading {
     std::shared_ptr<ClientSession> session;
     ClientSession::Stream stream;

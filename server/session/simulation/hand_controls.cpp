@@ -136,12 +136,6 @@ void HandControls::drop_object(Scene& scene, uint32_t object_id) {
   }
 }
 
-void HandControls::lose_scene() noexcept {
-  for (auto& [session, hands] : sessions_) {
-    for (Hand& hand : hands) hand.grabbing = hand.holding = false;
-  }
-}
-
 bool HandControls::holding(SessionNumber session) const {
   const auto found = sessions_.find(session);
   return found != sessions_.end() && std::any_of(found->second.begin(), found->second.end(),

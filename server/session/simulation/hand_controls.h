@@ -51,7 +51,6 @@ class HandControls {
   // Lets go of an object that was taken out of the world.
   void drop_object(Scene& scene, uint32_t object_id);
   // Nobody holds anything any more, since the scene is not to be touched.
-  void lose_scene() noexcept;
 
   bool holding(SessionNumber session) const;
   std::array<HeldPoint, 2> held_points(const Scene& scene, SessionNumber session) const;

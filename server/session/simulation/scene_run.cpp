@@ -21,20 +21,17 @@ void apply(Scene& scene, const v1::SceneChange& change) {
 
 }  // namespace
 
-SceneRun::SceneRun(Scene scene) : scene_(std::move(scene)), tick_(scene_.world().tick()), told_(scene_.world().drivers()) {
+SceneRun::SceneRun(Scene scene) : scene_(std::move(scene)), tick_(scene_.world().tick()), simulated_ns_(scene_.world().drivers().simulated_ns) {
   for (const SceneObject& object : scene_.objects()) known_ids_.insert(object.id);
 }
 
 void SceneRun::replace(Scene next) {
-  simulated_before_ns_ = told_.simulated_ns;
-  if (!given_up_) {
-    for (const SceneObject& object : scene_.objects()) controls_.drop_object(scene_, object.id);
-  }
+  simulated_before_ns_ = simulated_ns_;
+  for (const SceneObject& object : scene_.objects()) controls_.drop_object(scene_, object.id);
   replaced_.assign(known_ids_.begin(), known_ids_.end());
   (void)next.take_changes();  // all of it is new
   scene_ = std::move(next);
   scene_is_new_ = true;
-  given_up_ = false;
 }
 
 void SceneRun::apply(const TickActions& actions) {
@@ -63,39 +60,13 @@ SteppedTick SceneRun::advance(const TickActions& actions) {
   tick.drivers = scene_.world().drivers();
   tick.run.simulated_s = seconds_from_ns(tick.drivers.simulated_ns);
   tick.drivers.tick = tick_;
-  tick.drivers.simulated_ns += simulated_before_ns_;
+  simulated_ns_ = tick.drivers.simulated_ns += simulated_before_ns_;
   note_changes(tick);
   for (const auto& [session, sequence] : applied_) {
     tick.hands.push_back({session, sequence, controls_.held_points(scene_, session)});
   }
-  spare_ = tick.drivers;
-  if (!tick.added.empty() || !tick.removed.empty()) {
-    std::set<uint32_t> known = known_ids_;
-    for (const uint32_t id : tick.removed) known.erase(id);
-    for (const SceneObject& object : tick.added) known.insert(object.id);
-    known_ids_.swap(known);
-  }
-  std::swap(told_, spare_);
-  return tick;
-}
-
-void SceneRun::give_up() noexcept {
-  given_up_ = true;
-  controls_.lose_scene();
-  tick_ = told_.tick;
-}
-
-SteppedTick SceneRun::hold(std::span<const SessionNumber> over) {
-  for (const SessionNumber session : over) {
-    controls_.forget(scene_, session);  // which holds nothing
-    applied_.erase(session);
-  }
-  SteppedTick tick;
-  tick.drivers = told_;
-  tick.drivers.tick = ++tick_;
-  told_.tick = tick_;
-  tick.stepped_ns = now_ns();
-  tick.run.simulated_s = seconds_from_ns(tick.drivers.simulated_ns - simulated_before_ns_);
+  for (const uint32_t id : tick.removed) known_ids_.erase(id);
+  for (const SceneObject& object : tick.added) known_ids_.insert(object.id);
   return tick;
 }
 

@@ -3,7 +3,6 @@
 
 #include <map>
 #include <set>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -23,14 +22,8 @@ class SceneRun {
   // This scene takes the place of the one that runs, at the beginning of the next advance(). Its ids are all new; ticks and
   // the clients' simulated time go on.
   void replace(Scene scene);
-  // One tick. What the caller knows of the course of the run (RunStatus) is left for it to fill in. When it throws, which it does for
-  // want of memory alone, the scene may be half stepped: give_up().
+  // One tick. The caller fills in the RunStatus.
   SteppedTick advance(const TickActions& actions);
-  // The scene is not touched any more until another takes its place, and the tick that was begun was none.
-  void give_up() noexcept;
-  bool given_up() const { return given_up_; }
-  // In place of advance() since then: what was last told, once more. These sessions are over.
-  SteppedTick hold(std::span<const SessionNumber> over);
 
   Scene& scene() { return scene_; }
   const Scene& scene() const { return scene_; }
@@ -49,9 +42,8 @@ class SceneRun {
   int64_t simulated_before_ns_ = 0;  // in scenes before
   std::vector<uint32_t> replaced_;   // ids of the scene whose place was taken in this tick
   bool scene_is_new_ = false;
-  bool given_up_ = false;
-  DriverFrame told_, spare_;      // of the last tick; and where the next is put together
-  std::set<uint32_t> known_ids_;  // of the objects that ticks so far have told of
+  int64_t simulated_ns_ = 0;         // since the first scene, of the last tick
+  std::set<uint32_t> known_ids_;     // objects that ticks so far have announced
 };
 
 }  // namespace livegs

@@ -4,13 +4,11 @@
 #include <pthread.h>
 
 #include <cmath>
-#include <new>
 #include <utility>
 
 #include "core/assert.h"
 #include "core/clock.h"
 #include "core/log.h"
-#include "session/simulation/memory_reserve.h"
 
 namespace livegs {
 namespace {
@@ -88,36 +86,16 @@ void SimulationLoop::post(v1::SceneChange change) {
   posted_.push_back(std::move(change));
 }
 
-Result<void> SimulationLoop::pause(bool paused) {
+void SimulationLoop::pause(bool paused) {
   std::lock_guard lock(mutex_);
-  if (!paused) {
-    if (auto may = may_go_on(); !may) return may;
-    halt_ = Halt::None;
-  }
   run_.paused = paused;
   steps_left_ = 0;
-  return {};
 }
 
-Result<void> SimulationLoop::step_paused(uint32_t ticks) {
+void SimulationLoop::step_paused(uint32_t ticks) {
   std::lock_guard lock(mutex_);
-  if (auto may = may_go_on(); !may) return may;
   run_.paused = true;
   steps_left_ = ticks;
-  return {};
-}
-
-Result<void> SimulationLoop::may_go_on() const {
-  if (halt_ != Halt::GivenUp) return {};
-  return Error{ErrorCode::Unavailable, halted_text()};
-}
-
-std::string SimulationLoop::halted_text() const {
-  const std::string tick = std::to_string(halt_tick_);
-  if (halt_ == Halt::GivenUp) {
-    return "the scene ended in tick " + tick + ", for which there was no memory; reset loads it anew, with all that was decided";
-  }
-  return "paused after tick " + tick + ": memory is short; nothing is lost, and it can go on once there is more";
 }
 
 void SimulationLoop::set_loading(bool loading, std::string message) {
@@ -134,11 +112,7 @@ void SimulationLoop::replace(Scene scene, std::vector<v1::SceneChange> changes) 
 
 RunStatus SimulationLoop::run_status() const {
   std::lock_guard lock(mutex_);
-  RunStatus status = run_;
-  if (halt_ == Halt::None) return status;
-  status.paused = true;
-  if (status.message.empty()) status.message = halted_text();
-  return status;
+  return run_;
 }
 
 std::vector<v1::SceneChange> SimulationLoop::take_next_scene() {
@@ -151,7 +125,6 @@ std::vector<v1::SceneChange> SimulationLoop::take_next_scene() {
     next.swap(next_scene_);
     run_.loading = false;
     ++run_.resets;
-    halt_ = Halt::None;
   }
   scene_run_.replace(*std::move(next));
   log_info("reset: %zu objects are as they were loaded", scene().objects().size());
@@ -159,83 +132,21 @@ std::vector<v1::SceneChange> SimulationLoop::take_next_scene() {
 }
 
 void SimulationLoop::tick() {
-  // A tick that cannot be told of waits, and none begins that could not be finished.
-  if ((unsent_ && !send()) || !MemoryReserve::fill()) {
-    std::lock_guard lock(summary_mutex_);
-    ++waits_;
-    return;
-  }
-  const MemoryReserve::Lent lent;
-  TickActions actions;
-  if (!advance(actions)) return;
-  const bool was_short = lent.used();
-  if (was_short) halt(Halt::MemoryWasShort);
+  const TickActions actions = take_actions(take_next_scene());
+  SteppedTick stepped = scene_run_.advance(actions);
   {
     std::lock_guard lock(summary_mutex_);
-    if (actions.stepped) step_ms_.add(unsent_->step_ms);
+    if (actions.stepped) step_ms_.add(stepped.step_ms);
     shots_ = scene_run_.shots();
   }
-  if (observe_ && !scene_run_.given_up()) observe_(scene());
-  if (recorder_) recorder_->record(actions, *unsent_, scene());
-  const int64_t stepped_ns = unsent_->stepped_ns;
-  (void)send();
-  // For that alone; who was told already may have resumed it.
-  if (!was_short && lent.used()) halt(Halt::MemoryWasShort);
-  try {
-    log_every_second(stepped_ns);
-  } catch (const std::bad_alloc&) {  // a line of the log
-  }
-}
-
-bool SimulationLoop::advance(TickActions& actions) {
-  try {
-    std::vector<v1::SceneChange> changes = take_next_scene();
-    if (scene_run_.given_up()) {  // what is changed now is decided, and comes with the next scene
-      std::vector<SessionNumber> over;
-      {
-        std::lock_guard lock(mutex_);
-        over.swap(gone_);
-        for (auto& [session, mailbox] : mailboxes_) mailbox.samples.clear();
-      }
-      actions.stepped = false;
-      unsent_ = scene_run_.hold(over);
-    } else {
-      actions = take_actions(std::move(changes));
-      unsent_ = scene_run_.advance(actions);
-    }
-    return true;
-  } catch (const std::bad_alloc&) {  // the reserve is gone too
-    scene_run_.give_up();
-    halt(Halt::GivenUp);
-    return false;
-  }
-}
-
-bool SimulationLoop::send() {
-  try {
-    const double simulated_s = unsent_->run.simulated_s;
-    unsent_->run = run_status();
-    unsent_->run.simulated_s = simulated_s;
-    sink_.publish(std::move(*unsent_));
-  } catch (const std::bad_alloc&) {
-    return false;
-  }
-  unsent_.reset();
-  return true;
-}
-
-void SimulationLoop::halt(Halt why) {
-  {
-    std::lock_guard lock(mutex_);
-    if (halt_ == why || halt_ == Halt::GivenUp) return;  // what was given up is so until a reset
-    halt_ = why;
-    halt_tick_ = scene_run_.tick() + (why == Halt::GivenUp ? 1 : 0);
-    steps_left_ = 0;
-  }
-  try {
-    log_warn("%s", run_status().message.c_str());
-  } catch (const std::bad_alloc&) {  // clients are told as soon as there is memory for that
-  }
+  if (observe_) observe_(scene());
+  if (recorder_) recorder_->record(actions, stepped, scene());
+  const int64_t stepped_ns = stepped.stepped_ns;
+  const double simulated_s = stepped.run.simulated_s;
+  stepped.run = run_status();
+  stepped.run.simulated_s = simulated_s;
+  sink_.publish(std::move(stepped));
+  log_every_second(stepped_ns);
 }
 
 std::vector<InputSample> SimulationLoop::due(std::deque<InputSample>& samples, uint64_t tick) {
@@ -260,7 +171,7 @@ TickActions SimulationLoop::take_actions(std::vector<v1::SceneChange> changes) {
     if (!samples.empty()) actions.samples.push_back({session, std::move(samples)});
     if (now_ns() - mailbox.heard_ns > kStalledAfter_ns && scene_run_.holding(session)) actions.released.push_back(session);
   }
-  actions.stepped = (!run_.paused && halt_ == Halt::None) || steps_left_ > 0;
+  actions.stepped = !run_.paused || steps_left_ > 0;
   if (run_.paused && steps_left_ > 0) --steps_left_;
   return actions;
 }
@@ -289,7 +200,6 @@ SimulationSummary SimulationLoop::summary() const {
   summary.step_ms_max = step_ms_.largest();
   summary.step_ms_total = step_ms_.sum();
   summary.shots = shots_;
-  summary.waits = waits_;
   return summary;
 }
 

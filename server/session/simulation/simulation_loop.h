@@ -38,16 +38,13 @@ struct SimulationSummary {
   double run_s = 0;
   double step_ms_p50 = 0, step_ms_p99 = 0, step_ms_max = 0, step_ms_total = 0;
   uint64_t shots = 0;
-  uint64_t waits = 0;  // ticks that were left out until there is memory
 };
 
 // Runs a Scene on a thread of its own, at the scene's rate against an absolute schedule. Inputs come by
 // queue, ticks go out as values: nothing in here waits for a client.
 //
-// A tick that finds no memory is finished with a reserve (memory_reserve.h). Then the scene is paused, clients are told why, and no tick
-// comes until the reserve is whole again; from there it goes on when it is resumed, as if nothing had been. Where the reserve is not
-// enough the step is given up half-way, and with it the scene: clients keep what they were told last, and a reset loads it anew with all
-// that was decided.
+// A failed allocation ends the process: scene_memory.h refuses scenes that do not fit, and a restarted server gets its
+// clients back.
 class SimulationLoop : public InputSink {
  public:
   // `sink` outlives the loop. `observe`, if given, sees the scene after each step, on the loop's thread.
@@ -67,9 +64,9 @@ class SimulationLoop : public InputSink {
   // returns at once. What is posted after the last tick is dropped.
   void post(v1::SceneChange change);
 
-  // Halted, ticks go on with the same drivers, inputs and changes are taken, and nothing moves. Unavailable for a scene that was given up.
-  Result<void> pause(bool paused);
-  Result<void> step_paused(uint32_t ticks);  // halts after so many ticks from now
+  // Halted, ticks go on with the same drivers, inputs and changes are taken, and nothing moves.
+  void pause(bool paused);
+  void step_paused(uint32_t ticks);  // halts after this many more ticks
   // What clients are told: a scene is being loaded, or why that failed.
   void set_loading(bool loading, std::string message);
   // At the next tick this scene takes the place of the one that runs, before anything that was posted and before `changes`,
@@ -89,16 +86,8 @@ class SimulationLoop : public InputSink {
     uint64_t seen_sequence = 0;  // the newest ever put in
   };
 
-  // Why nothing moves although nobody asked for that.
-  enum class Halt { None, MemoryWasShort, GivenUp };
-
   void run();
   void tick();
-  bool advance(TickActions& actions);  // false: given up
-  bool send();                         // false: memory is short, and unsent_ still to be sent
-  void halt(Halt why);
-  std::string halted_text() const;  // under the lock
-  Result<void> may_go_on() const;   // under the lock
   // What was posted up to the moment at which the scene of this tick was settled.
   std::vector<v1::SceneChange> take_next_scene();
   TickActions take_actions(std::vector<v1::SceneChange> changes);
@@ -111,11 +100,7 @@ class SimulationLoop : public InputSink {
   std::function<void(const Scene&)> observe_;
   TickRecorder* recorder_ = nullptr;
 
-  std::optional<SteppedTick> unsent_;  // the loop's thread only
-
   mutable std::mutex mutex_;  // guards everything down to gone_
-  Halt halt_ = Halt::None;
-  uint64_t halt_tick_ = 0;
   RunStatus run_;
   uint32_t steps_left_ = 0;  // while halted
   std::optional<Scene> next_scene_;
@@ -123,8 +108,7 @@ class SimulationLoop : public InputSink {
   std::map<SessionNumber, Mailbox> mailboxes_;
   std::vector<SessionNumber> gone_;
 
-  mutable std::mutex summary_mutex_;  // guards the next six
-  uint64_t waits_ = 0;
+  mutable std::mutex summary_mutex_;  // guards the next five
   DurationHistogram step_ms_;
   uint64_t late_ticks_ = 0;
   uint64_t slips_ = 0;

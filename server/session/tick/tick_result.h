@@ -43,7 +43,7 @@ struct RunStatus {
   bool loading = false;  // a reset is under way
   uint32_t resets = 0;
   double simulated_s = 0;  // since the scene was loaded
-  std::string message;     // why the last reset failed, or why it is paused although nobody asked for that
+  std::string message;     // why the last reset failed
 };
 
 // Everything one tick left behind.
@@ -60,8 +60,7 @@ struct SteppedTick {
   std::vector<uint32_t> cuts;  // fragile objects whose pieces were done, in the order in which the step took them
 };
 
-// Takes ticks, on the simulation's thread, and returns at once. When memory is short it throws std::bad_alloc; what happened in the tick
-// stands in it then, so that it can be published later.
+// Takes ticks, on the simulation's thread, and returns at once.
 class TickSink {
  public:
   virtual ~TickSink() = default;
