@@ -6,6 +6,7 @@
 
 #include <fstream>
 #include <map>
+#include <thread>
 
 #include "core/file.h"
 #include "render/scene_view.h"
@@ -24,7 +25,8 @@ namespace {
 class LiveSession : public ::testing::Test {
  protected:
   void start(double rate_hz = 90) { start(box_scene(rate_hz)); }
-  void start(Scene built) {
+  // `waits`: the first tick comes when a client streams.
+  void start(Scene built, bool waits = false) {
     auto server = LiveServer::listen("127.0.0.1:0");
     ASSERT_TRUE(server) << server.error().message;
     server_ = std::move(*server);
@@ -39,9 +41,14 @@ class LiveSession : public ::testing::Test {
           ticked_.notify_all();
         });
     server_->open(loop_->scene(), *loop_);
-    loop_->start();
+    if (!waits) return loop_->start();
+    starter_ = std::jthread([this](const std::stop_token& over) {
+      while (server_->streaming_count() == 0 && !over.stop_requested()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      loop_->start();
+    });
   }
   void TearDown() override {
+    starter_ = {};
     if (server_) server_->shut_down("the test is over");
     if (loop_) loop_->stop();
   }
@@ -108,6 +115,7 @@ class LiveSession : public ::testing::Test {
   uint64_t newest_tick_ = 0;
   std::unique_ptr<LiveServer> server_;
   std::unique_ptr<SimulationLoop> loop_;
+  std::jthread starter_;
   std::atomic<bool> interrupted_{false};
 };
 
@@ -139,7 +147,7 @@ TEST_F(LiveSession, TheLastPictureIsAnOfflineDrawOfTheServersOwnDrivers) {
 // Whatever a client asked its frames to be, it draws the same: floats of drivers, and kernels that the server has moved, of a
 // scene in which something breaks and becomes another asset.
 TEST_F(LiveSession, EveryEncodingShowsTheSameAlsoOnceSomethingHasBroken) {
-  start(breaking_scene());
+  start(breaking_scene(90, 1, 0.3), true);
   for (const auto encoding : {v1::JoinRequest::KERNELS, v1::JoinRequest::DRIVERS_RAW, v1::JoinRequest::KERNELS_EXACT}) {
     OffscreenRunOptions run = options(v1::JoinRequest::Encoding_Name(encoding), encoding == v1::JoinRequest::KERNELS ? 2.0 : 0.5);
     run.encoding = encoding;
@@ -177,9 +185,9 @@ TEST_F(LiveSession, TheLastPictureByVulkanIsTheOraclesToo) {
 // and balls.
 TEST_F(LiveSession, SherdsAndBallsByVulkanAreTheOraclesToo) {
   if (const auto device = VulkanDevice::create(); !device) GTEST_SKIP() << device.error().message;
-  Scene scene = breaking_scene();
+  Scene scene = breaking_scene(90, 1, 0.3);
   const size_t whole_kernels = scene.find("box")->asset->size();
-  start(std::move(scene));
+  start(std::move(scene), true);
   // So often that one is on its way from the eye whenever the session ends.
   std::string shots;
   for (double time_s = 0.2; time_s < 2; time_s += 0.15)
@@ -240,7 +248,7 @@ TEST_F(LiveSession, SherdsAndBallsByVulkanAreTheOraclesToo) {
 
 // What a client that was there when it broke sees, and what one sees that comes afterwards.
 TEST_F(LiveSession, ABreakReachesTheClientThatIsThereAndTheOneThatComesLater) {
-  start(breaking_scene());
+  start(breaking_scene(90, 1, 0.3), true);
   for (const char* name : {"there", "later"}) {
     const OffscreenRunOptions run = options(name, std::string(name) == "there" ? 2.0 : 0.3);
     const auto summary = run_offscreen(run, interrupted_);

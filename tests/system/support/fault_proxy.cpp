@@ -79,8 +79,11 @@ void FaultProxy::set_link(const Link& link) {
 }
 
 void FaultProxy::stall(double seconds) {
-  std::lock_guard lock(mutex_);
-  stalled_until_ns_ = now_ns() + static_cast<int64_t>(seconds * 1e9);
+  {
+    std::lock_guard lock(mutex_);
+    stalled_until_ns_ = now_ns() + static_cast<int64_t>(seconds * 1e9);
+  }
+  wake();
 }
 
 void FaultProxy::cut() {

@@ -33,7 +33,7 @@ class FaultProxy {
   // Of connections to come: a server that was started anew may have another.
   void set_server(int server_port);
   void set_link(const Link& link);
-  // Nothing gets through until it is over; then all of it does.
+  // Nothing gets through until it is over; then all of it does. 0 ends a stall.
   void stall(double seconds);
   // As if a cable were pulled: nothing gets through, nobody is told, and what was sent is lost. Connections that are open
   // or are being made then stay dead after heal(): their ends may wait for ever.

@@ -15,8 +15,8 @@
 namespace livegs {
 namespace {
 
-// A quarter of a minute for all assets. Leaving takes tens of milliseconds.
-constexpr double kSlow_mbit_s = 1, kMost_s = 5, kPatience_s = 60;
+// A quarter of a minute for all assets.
+constexpr double kSlow_mbit_s = 1, kPatience_s = 60;
 
 class WhileItLoads : public Programs {
  protected:
@@ -72,11 +72,10 @@ class WhileItLoads : public Programs {
     }
     return filled;
   }
-  void expect_end(Program& program, int code, int64_t asked_ns) {
+  // It ends before its assets are there.
+  void expect_end_while_fetching(Program& program, int code) {
     EXPECT_EQ(program.wait(), code) << program.err();
-    const double took_s = seconds_from_ns(now_ns() - asked_ns);
-    std::printf("it ended after %.3f s\n", took_s);
-    EXPECT_LT(took_s, kMost_s);
+    EXPECT_TRUE(is_fetching()) << "it waited for its assets";
   }
 
   std::unique_ptr<Screen> screen_;
@@ -94,9 +93,8 @@ TEST_F(WhileItLoads, TheWindowSaysHowFarItIsAndCanBeClosed) {
   Image shown;
   ASSERT_TRUE(wait_for([&] { return filled_columns(shown = hands_->picture()) > 2; })) << window->err();
   EXPECT_LT(filled_columns(shown), 370);
-  const int64_t asked_ns = now_ns();
   hands_->close();
-  expect_end(*window, 0, asked_ns);
+  expect_end_while_fetching(*window, 0);
 }
 
 // What a window says before there is a scene and once its server was killed, side by side.
@@ -123,9 +121,8 @@ TEST_F(WhileItLoads, TheSameWindowOutlivesItsServer) {
   EXPECT_GT(orange(gone), 2000u);
   const char* folder = std::getenv("LIVEGS_TEST_PICTURES");
   ASSERT_TRUE(write_png(std::filesystem::path(folder ? folder : folder_ / "") / "window_notices.png", side_by_side({loading, gone})));
-  const int64_t asked_ns = now_ns();
   hands_->close();
-  expect_end(*window, 0, asked_ns);
+  EXPECT_EQ(window->wait(), 0) << window->err();
 }
 
 TEST_F(WhileItLoads, TheWindowCanBeClosedBeforeTheServerAnswers) {
@@ -133,18 +130,16 @@ TEST_F(WhileItLoads, TheWindowCanBeClosedBeforeTheServerAnswers) {
   const auto window = client("window");
   ASSERT_TRUE(has_window()) << window->err();
   ASSERT_TRUE(wait_for([&] { return network_->connections() > 0; })) << window->err();
-  const int64_t asked_ns = now_ns();
   hands_->close();
-  expect_end(*window, 0, asked_ns);
+  EXPECT_EQ(window->wait(), 0) << window->err();
 }
 
 TEST_F(WhileItLoads, AWindowCanBeInterrupted) {
   network_->set_link({.mbit_s = kSlow_mbit_s});
   const auto window = client("window");
   ASSERT_TRUE(is_fetching()) << window->err();
-  const int64_t asked_ns = now_ns();
   window->send(SIGINT);
-  expect_end(*window, 0, asked_ns);
+  expect_end_while_fetching(*window, 0);
 }
 
 // Without a window it is asked for pictures, and there are none.
@@ -152,9 +147,8 @@ TEST_F(WhileItLoads, AClientWithoutAWindowCanBeInterrupted) {
   network_->set_link({.mbit_s = kSlow_mbit_s});
   const auto run = client("offscreen", {"--no-video"});
   ASSERT_TRUE(is_fetching()) << run->err();
-  const int64_t asked_ns = now_ns();
   run->send(SIGINT);
-  expect_end(*run, 1, asked_ns);
+  expect_end_while_fetching(*run, 1);
   EXPECT_NE(run->err().find("interrupted before the scene was there"), std::string::npos) << run->err();
 }
 

@@ -89,17 +89,6 @@ void expect_drawn_by_vulkan(Program& window) {
   EXPECT_EQ(window.err().find("the processor draws"), std::string::npos) << window.err();
 }
 
-// One by one: a picture takes 16 MB.
-size_t read_shots(const std::filesystem::path& folder, const std::function<void(const Image&)>& see) {
-  for (size_t i = 0;; ++i) {
-    char name[32];
-    std::snprintf(name, sizeof name, "window_%03zu.png", i);
-    const auto image = read_png(folder / name);
-    if (!image) return i;
-    see(*image);
-  }
-}
-
 // The first screenshot from number `from` on of which this is true, while they are being written; those before the newest are
 // written to their end.
 std::optional<Image> first_shot(const std::filesystem::path& folder, int from, int& newest, const std::function<bool(const Image&)>& wanted) {
@@ -129,32 +118,30 @@ void keep(const char* name, const Image& image) {
 
 // Before, during and after a pull.
 TEST_F(WindowOnADisplay, ShowsTheSceneAndAPull) {
-  const std::string shots = folder_ / "shots";
+  const std::filesystem::path shots = folder_ / "shots";
   // The box between the panels.
   const std::string camera = folder_.write("camera.json", R"({ "position_m": [-0.3, 0.4, 1.8], "look_at_m": [-0.3, 0.3, 0],
                                                               "vertical_fov_deg": 40 })");
-  Program window(window_words(display_, port_, {"--seconds", "5", "--poke", "box", "--output", shots, "--every", "1",
-                                                "--renderer", "cpu", "--camera", camera}));
-  EXPECT_EQ(window.wait(), 0) << window.err();
-
-  // The box is drawn up, and an arrow that is seen stands at it while it is pulled, neither before nor after.
-  Image before;
-  size_t most_changed = 0, most_force = 0, last_force = 0;
-  const size_t count = read_shots(shots, [&](const Image& image) {
-    if (before.pixels.empty()) before = image;
-    most_changed = std::max(most_changed, changed(before, image));
-    last_force = force_pixels(image);
-    most_force = std::max(most_force, last_force);
-  });
-  ASSERT_GE(count, 3u) << window.err();
-  ASSERT_EQ(before.width, 1280);
-  ASSERT_EQ(before.height, 800);
-  const auto [darkest, brightest] = std::minmax_element(before.pixels.begin(), before.pixels.end());
+  Program window(window_words(display_, port_, {"--poke", "box", "--output", shots.string(), "--every", "1", "--renderer", "cpu", "--camera", camera}));
+  int newest = 0;
+  const auto before = first_shot(shots, 0, newest, [](const Image&) { return true; });
+  ASSERT_TRUE(before) << window.err();
+  ASSERT_EQ(before->width, 1280);
+  ASSERT_EQ(before->height, 800);
+  const auto [darkest, brightest] = std::minmax_element(before->pixels.begin(), before->pixels.end());
   EXPECT_GT(*brightest - *darkest, 0.5f);
-  EXPECT_GT(most_changed, 2000u);
-  EXPECT_EQ(force_pixels(before), 0u);
-  EXPECT_GT(most_force, 200u);
-  EXPECT_EQ(last_force, 0u);
+  // The box is drawn up, and an arrow that is seen stands at it while it is pulled, neither before nor after.
+  EXPECT_EQ(force_pixels(*before), 0u);
+  size_t most_changed = 0, most_force = 0;
+  const auto pulled = first_shot(shots, newest + 1, newest, [&](const Image& image) {
+    most_changed = std::max(most_changed, changed(*before, image));
+    most_force = std::max(most_force, force_pixels(image));
+    return most_changed > 2000 && most_force > 200;
+  });
+  EXPECT_TRUE(pulled) << window.err() << most_changed << " pixels changed, an arrow of " << most_force;
+  EXPECT_TRUE(first_shot(shots, newest + 1, newest, [](const Image& image) { return force_pixels(image) == 0; })) << window.err();
+  window.send(SIGINT);
+  EXPECT_EQ(window.wait(), 0) << window.err();
 
   server_->send(SIGTERM);
   EXPECT_EQ(server_->wait(), 0) << server_->err();
@@ -253,30 +240,41 @@ TEST_F(WindowOnADisplay, SaysThatTheDeviceIsFull) {
 
 // The panel of an object: text from top to bottom on the right, none of it beyond the panel.
 TEST_F(WindowOnADisplay, ShowsWhatAThingIsMadeOf) {
-  const std::string plain = folder_ / "plain", selected = folder_ / "selected";
-  Program without(window_words(display_, port_, {"--seconds", "3", "--output", plain}));
-  EXPECT_EQ(without.wait(), 0) << without.err();
-  Program with(window_words(display_, port_, {"--seconds", "3", "--select", "cube", "--output", selected}));
-  EXPECT_EQ(with.wait(), 0) << with.err();
-  Image closed, open;
-  ASSERT_GT(read_shots(plain, [&](const Image& image) { closed = image; }), 0u);
-  ASSERT_GT(read_shots(selected, [&](const Image& image) { open = image; }), 0u);
-  EXPECT_GT(text_pixels(open, 880, 1270, 120, 790), text_pixels(closed, 880, 1270, 120, 790) + 2000);
-  EXPECT_EQ(text_pixels(open, 1271, 1280, 0, 800), 0u);
-  EXPECT_GT(text_pixels(open, 10, 310, 10, 400), 1000u);  // the other panel
+  const auto shown = [&](const std::string& name, std::vector<std::string> more, const std::function<bool(const Image&)>& wanted) {
+    const std::filesystem::path shots = folder_ / name;
+    more.insert(more.end(), {"--output", shots.string(), "--every", "1"});
+    Program window(window_words(display_, port_, more));
+    int newest = 0;
+    auto found = first_shot(shots, 0, newest, [&](const Image& image) { return text_pixels(image, 10, 310, 10, 400) > 1000 && wanted(image); });  // the other panel
+    EXPECT_TRUE(found) << window.err();
+    window.send(SIGINT);
+    EXPECT_EQ(window.wait(), 0) << window.err();
+    return found;
+  };
+  const auto text = [](const Image& image) { return text_pixels(image, 880, 1270, 120, 790); };
+  const auto closed = shown("plain", {}, [](const Image&) { return true; });
+  ASSERT_TRUE(closed);
+  const auto open = shown("selected", {"--select", "cube"}, [&](const Image& image) { return text(image) > text(*closed) + 2000; });
+  ASSERT_TRUE(open);
+  EXPECT_EQ(text_pixels(*open, 1271, 1280, 0, 800), 0u);
 }
 
 // In a narrow window the panel that was asked for is open, the other a bar above it, and to their right the scene is seen.
 TEST_F(WindowOnADisplay, ANarrowWindowHasOnePanelOpen) {
   size_ = "640x480";
   for (const bool selects : {false, true}) {
-    const std::string shots = folder_ / (selects ? "narrow_selected" : "narrow");
-    std::vector<std::string> more = {"--seconds", "3", "--renderer", "cpu", "--output", shots};
+    const std::filesystem::path shots = folder_ / (selects ? "narrow_selected" : "narrow");
+    std::vector<std::string> more = {"--renderer", "cpu", "--output", shots.string(), "--every", "1"};
     if (selects) more.insert(more.end(), {"--select", "cube"});
     Program window(window_words(display_, port_, more));
+    int newest = 0;
+    const auto found = first_shot(shots, 0, newest, [&](const Image& image) {
+      return text_pixels(image, 10, 310, 60, 470) > 1000 && (text_pixels(image, 311, 400, 60, 375) > 100) == selects;
+    });
+    ASSERT_TRUE(found) << window.err();
+    const Image& last = *found;
+    window.send(SIGINT);
     EXPECT_EQ(window.wait(), 0) << window.err();
-    Image last;
-    ASSERT_GT(read_shots(shots, [&](const Image& image) { last = image; }), 0u);
     if (const char* folder = std::getenv("LIVEGS_TEST_PICTURES")) {
       EXPECT_TRUE(write_png(std::filesystem::path(folder) / (selects ? "narrow_selected.png" : "narrow.png"), last));
     }

@@ -7,7 +7,6 @@
 #include <thread>
 
 #include "analysis/run/explain_page.h"
-#include "core/clock.h"
 #include "core/log.h"
 #include "scratch_folder.h"
 #include "server/analysis/gate/answer_fixtures.h"
@@ -57,7 +56,6 @@ Result<std::string> weigh(const AnalysisQuestion& question, const ToolBox& tools
 struct Seen {
   std::vector<AnalysisUpdate> updates;
   AnalysisSummary summary;
-  int64_t first_ns = 0, end_ns = 0;  // since the start
 
   const AnalysisUpdate& last(size_t index) const {
     for (size_t i = updates.size(); i-- > 0;) {
@@ -69,15 +67,9 @@ struct Seen {
 Seen run(std::span<const AnalysisTarget> targets, ModelEndpoint* endpoint, AnalysisOptions options = {},
          std::stop_token stop = {}, const TargetViews& views = look) {
   Seen result;
-  const int64_t begun = now_ns();
   result.summary = analyze_scene(
       targets, endpoint, views, options,
-      [&](const AnalysisUpdate& update) {
-        if (result.updates.empty()) result.first_ns = now_ns() - begun;
-        result.updates.push_back(update);
-      },
-      stop);
-  result.end_ns = now_ns() - begun;
+      [&](const AnalysisUpdate& update) { result.updates.push_back(update); }, stop);
   return result;
 }
 
@@ -216,7 +208,6 @@ TEST(AnalyzeScene, AHangIsEndedByTheStop) {
     source.request_stop();
   });
   const Seen result = run(targets, &endpoint, {}, source.get_token());
-  EXPECT_LT(seconds_from_ns(result.end_ns), 60);  // ten minutes, had it waited
   for (size_t i = 0; i < 6; ++i) {
     EXPECT_EQ(result.last(i).stage, AnalysisStage::Finished);
     EXPECT_TRUE(result.last(i).cancelled);
@@ -423,32 +414,16 @@ TEST(AnalyzeScene, ThreeViewsVote) {
   EXPECT_LT(std::abs(std::log(result.last(0).parameters.mass_kg().best() / 0.33)), 0.25);
 }
 
-// Scaled down twentyfold from an endpoint that answers in 4 s: one object within 6 s, twenty within 30 s,
-// first values within 1 s, so as shares of the answer's time: 1.5, 7.5 and 0.25. Twenty at four a time are
-// five answers long.
-TEST(AnalyzeScene, TwentyObjectsTakeLittleMoreThanFiveAnswers) {
-  constexpr double kAnswer_s = 0.2;
-  const auto timed = [&](size_t count) {
+// `analyze_bench` holds the times of one and of twenty objects to bars.
+TEST(AnalyzeScene, TwentyObjectsAreAskedFourAtATime) {
+  for (const size_t count : {size_t{1}, size_t{20}}) {
     const auto targets = mugs(count);
     FakeEndpoint endpoint(weigh);
-    endpoint.delay = [](const std::string&) { return milliseconds(static_cast<int>(1e3 * kAnswer_s)); };
-    Seen result = run(targets, &endpoint);
+    endpoint.delay = [](const std::string&) { return milliseconds(100); };
+    const Seen result = run(targets, &endpoint);
     EXPECT_EQ(result.summary.accepted, count);
     EXPECT_EQ(endpoint.most_at_once(), static_cast<int>(std::min<size_t>(4, count)));
-    return result;
-  };
-  // The best of three: what else runs on the machine only adds.
-  double one = 1e9, twenty = 1e9, first = 1e9;
-  for (int i = 0; i < 3 && (one >= 1.5 || twenty >= 7.5 || first >= 0.25); ++i) {
-    const Seen single = timed(1), many = timed(20);
-    one = std::min(one, seconds_from_ns(single.end_ns) / kAnswer_s);
-    twenty = std::min(twenty, seconds_from_ns(many.end_ns) / kAnswer_s);
-    first = std::min(first, seconds_from_ns(many.first_ns) / kAnswer_s);
   }
-  EXPECT_LT(one, 1.5);
-  EXPECT_LT(twenty, 7.5);
-  EXPECT_LT(first, 0.25);
-  std::printf("of an answer's time: one object %.2f, twenty %.2f, first values %.3f\n", one, twenty, first);
 }
 
 TEST(ExplainPage, HoldsEverythingAndRunsNothing) {

@@ -3,9 +3,8 @@
 // turns of 0.4 s in one process, so that what other programs do falls on both alike. Whole turns are
 // resampled for the ratio's interval, because load comes in stretches. A ratio of idle turns to idle turns,
 // had the same way, says what the machine does to it by itself.
-//   LIVEGS_TICK_TURNS=96 analysis_tick_test
-// is the measurement, and prints what is committed; the few turns of an ordinary run only show that no tick
-// waits for a picture or an answer.
+// Runs alone on a machine, nightly (label `timing`), and prints the rows that are committed. LIVEGS_TICK_TURNS=8 is a short trial, which
+// holds to no bar. That ticks go on during an analysis is asserted by live_analysis_test.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -31,16 +30,12 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kTurn{400};
 constexpr double kRate_hz = 250;
-// Of a few turns on a machine that may be busy. A tick that waits for a picture takes a hundred times as
-// long, one that waits for an answer for ever.
-constexpr double kShortBar = 5;
-// What happens between steps shows in their number: ticks a second, of those of the idle turns.
-constexpr double kShortShare = 0.6;
-// Of a measurement on a machine that does nothing else: p99 within 10 % of idle.
+// A measurement needs a machine without other load. Bar of the ratio: p99 within 10 % of idle, by the low end of its 98 %
+// interval. The ratio itself is a known gap.
 constexpr int kMeasuredTurns = 48;
-constexpr double kMeasuredShare = 0.98;
-// Sure to be worse is a failure: the low end of a 98 % interval.
 constexpr double kMeasuredBar = 1.10;
+// Ticks a second over those of the idle turns. Work between steps lowers it.
+constexpr double kMeasuredShare = 0.98;
 constexpr double kTail = 0.01;
 
 struct Turn {
@@ -152,7 +147,7 @@ Ratio ratio_of_p99(const std::vector<Turn>& above, const std::vector<Turn>& belo
 
 int turn_count() {
   const char* told = std::getenv("LIVEGS_TICK_TURNS");
-  return told ? std::max(8, std::atoi(told)) : 8;
+  return told ? std::max(8, std::atoi(told)) : 96;
 }
 
 // Analyses one after the other for one turn; ends with the last one cancelled.
@@ -223,10 +218,11 @@ void expect_same_ticks(const char* name, const FakeEndpoint::Say& say, milliseco
       "%s,%d,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f\n",
       name, turn_count(), p99(all_quiet), ratio.value, ratio.low, ratio.high, control.value, control.low,
       control.high, share);
-  const bool measured = turn_count() >= kMeasuredTurns;
-  if (measured) report_gap("analysis_tick.p99_ratio", ratio.value);
-  EXPECT_LE(ratio.low, measured ? kMeasuredBar : kShortBar);
-  EXPECT_GE(share, measured ? kMeasuredShare : kShortShare);
+  if (turn_count() >= kMeasuredTurns) {
+    report_gap("analysis_tick.p99_ratio", ratio.value);
+    EXPECT_LE(ratio.low, kMeasuredBar);
+    EXPECT_GE(share, kMeasuredShare);
+  }
   set_log_level(LogLevel::Info);
 }
 

@@ -1,0 +1,364 @@
+// SPDX-License-Identifier: Apache-2.0
+// The times of the session through faults: staleness, recovery, rates. Runs alone on a machine, nightly (label `timing`). The order,
+// the counts and the states of the same faults are asserted by resume_test, faults_test, sending_test and many_clients_test.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "session/sessions/session_table.h"
+#include "system/connection_storm.h"
+#include "system/counting_sink.h"
+#include "system/support/lateness.h"
+#include "system/listener.h"
+#include "system/stream/noise_server.h"
+#include "system/proxied_session.h"
+
+namespace livegs {
+namespace {
+
+class Timing : public ProxiedSession {};
+
+// How long after `moment_ns` the first frame came that came after it.
+double first_frame_after_ms(const SinkLog::State& state, int64_t moment_ns) {
+  for (const ReceivedFrame& frame : state.frames) {
+    if (frame.received_ns > moment_ns) return milliseconds_from_ns(frame.received_ns - moment_ns);
+  }
+  return 1e9;
+}
+
+// Bytes of frames a second, over those that came in the window.
+double bytes_a_second(const SinkLog::State& state, int64_t begin_ns, int64_t end_ns) {
+  double bytes = 0;
+  for (const ReceivedFrame& frame : state.frames) {
+    if (frame.received_ns >= begin_ns && frame.received_ns < end_ns) bytes += static_cast<double>(frame.bytes);
+  }
+  return bytes / seconds_from_ns(end_ns - begin_ns);
+}
+
+std::unique_ptr<SessionClient> join_capped(int port, double most_mbit_s) {
+  ConnectOptions options = patient();
+  options.most_mbit_s = most_mbit_s;
+  return join(port, options);
+}
+
+// The goals of a reconnect, of which `resume_bench` has the figures. The waits on the way may each be late beside other work: the
+// pause, the connection's handshake, Join and its reply, the stream, its first message, the tick, the frame, and the threads on both sides.
+constexpr double kAfterCut_ms = 300, kAfterRestart_ms = 500;
+constexpr int kWaits = 10;
+constexpr double kRetryPause_ms = 150;
+constexpr size_t kTimes = 3;
+constexpr int64_t kCut_ns = 5'000'000'000;
+
+// Nobody is told of the cut: the client notices by the silence, the server too, and gives up the stream. It follows from a
+// fresh connection every 150 ms, and that the first that can brings the frames.
+TEST_F(Timing, AfterACutTheFirstConnectionBringsTheFrames) {
+  start();
+  const uint64_t before = proxy_->connections();
+  proxy_->cut();
+  const int64_t cut_ns = now_ns();
+  ASSERT_TRUE(sink_.wait([](const SinkLog::State& state) { return !state.lost.empty(); }));
+  EXPECT_GE(seconds_from_ns(now_ns() - cut_ns), 0.9);
+  sleep_until_ns(cut_ns + kCut_ns);
+  EXPECT_EQ(served_->server->streaming_count(), 0u);  // given up after two seconds and a sweep
+  const uint64_t tried = proxy_->connections();
+  EXPECT_GE(tried - before, 10u);
+  Lateness lateness;
+  proxy_->heal();
+  const int64_t healed_ns = now_ns();
+  ASSERT_TRUE(sink_.wait_resumed(1));
+  const uint64_t needed = proxy_->connections() - tried;
+  ASSERT_TRUE(sink_.wait_frames(20));
+  const double late_ms = lateness.allowance_ms(kWaits), ms = first_frame_after_ms(sink_.state(), healed_ns);
+  std::printf("moving %.0f ms after a cut of %.0f s healed (goal %.0f); the machine may be late by %.1f ms\n", ms, seconds_from_ns(kCut_ns),
+              kAfterCut_ms, late_ms);
+  EXPECT_LE(ms, kAfterCut_ms + late_ms);
+  // The one that was being made, the first that can, and those for which there was time beyond the goal.
+  EXPECT_LE(static_cast<double>(needed), 2 + std::ceil(std::max(0.0, ms - kAfterCut_ms) / kRetryPause_ms));
+  const SinkLog::State state = sink_.state();
+  EXPECT_TRUE(state.resumed.front().same_server);
+  EXPECT_TRUE(state.added.empty() && state.changed.empty() && state.removed.empty());
+  EXPECT_TRUE(client_->stop());
+  EXPECT_EQ(served_->server->sessions().sessions, 1u);
+}
+
+// The server's end, as a client sees it: its connections are reset and its port answers no more.
+TEST_F(Timing, FramesComeSoonAfterARestart) {
+  start();
+  for (size_t ends = 1; ends <= kTimes; ++ends) {
+    proxy_->set_server(kNobody);
+    proxy_->reset();
+    ASSERT_TRUE(sink_.wait([&](const SinkLog::State& state) { return state.lost.size() >= ends; }));
+    served_ = std::make_unique<ServedScene>(box_scene());
+    Lateness lateness;
+    proxy_->set_server(served_->port());
+    const int64_t back_ns = now_ns();
+    ASSERT_TRUE(sink_.wait_resumed(ends));
+    ASSERT_TRUE(sink_.wait_frames(20));
+    const double late_ms = lateness.allowance_ms(kWaits), ms = first_frame_after_ms(sink_.state(), back_ns);
+    std::printf("moving %.0f ms after the server was back (goal %.0f); the machine may be late by %.1f ms\n", ms, kAfterRestart_ms, late_ms);
+    EXPECT_LE(ms, kAfterRestart_ms + late_ms);
+  }
+  EXPECT_TRUE(client_->stop());
+}
+
+// No more than the two frames that were under way on this link are old; then comes the newest.
+TEST_F(Timing, After300MsOfStallTheThirdFrameIsFresh) {
+  start();
+  const int64_t begun_ns = now_ns();
+  proxy_->stall(0.3);
+  sleep_until_ns(begun_ns + 290'000'000);
+  const uint64_t newest = served_->tick;
+  ASSERT_TRUE(sink_.wait([&](const SinkLog::State& state) { return state.frames.back().tick >= newest; }));
+  const SinkLog::State state = sink_.state();
+  EXPECT_TRUE(state.lost.empty());
+  size_t old = 0;
+  for (const ReceivedFrame& frame : state.frames) {
+    old += frame.received_ns > begun_ns + 295'000'000 && frame.tick + 2 < newest ? 1 : 0;
+  }
+  EXPECT_LE(old, 2u);
+  EXPECT_GT(newest, state.frames.front().tick + 10);
+  // It did stall: nothing came for that long, less the frame that was on its way out of the proxy.
+  double gap_ms = 0;
+  for (size_t i = 1; i < state.frames.size(); ++i)
+    gap_ms = std::max(gap_ms, milliseconds_from_ns(state.frames[i].received_ns - state.frames[i - 1].received_ns));
+  std::printf("a stall of 300 ms: no frame for %.0f ms, then %zu old ones\n", gap_ms, old);
+  EXPECT_GE(gap_ms, 250.0);
+}
+
+// Both ends have one clock here, so the offset is 0. Over the wire: 20 ms of jitter each way.
+TEST_F(Timing, TheClockIsKnownWithinAMillisecondUnder20MsOfJitter) {
+  start();
+  proxy_->set_link({.delay_ms = 1, .jitter_ms = 20});
+  sleep_until_ns(now_ns() + 3'000'000'000);
+  const SinkLog::State state = sink_.state();
+  EXPECT_GE(spread_ms(std::span(state.frames).last(state.frames.size() / 2)), 10.0);  // as above, of 20
+  std::vector<double> errors_ms;
+  for (const ReceivedFrame& frame : state.frames) {
+    if (frame.received_ns < state.frames.back().received_ns - 2'000'000'000) continue;
+    ASSERT_TRUE(frame.clock);
+    errors_ms.push_back(std::abs(milliseconds_from_ns(frame.clock->offset_ns)));
+  }
+  ASSERT_GT(errors_ms.size(), 20u);
+  std::printf("clock off by p50 %.2f ms, p99 %.2f ms\n", percentile(errors_ms, 0.5), percentile(errors_ms, 0.99));
+  EXPECT_LE(percentile(errors_ms, 0.99), 1.0);
+}
+
+// A tick that takes long is told of when it is done. So frames are older by as long as it takes, and by nothing else: not by a tick,
+// which one that waits for the next would be, and no more at the end than at first.
+TEST_F(Timing, ATickThatTakes40MsSlowsTheStreamAndNothingElse) {
+  constexpr double kTakes_ms = 40;
+  const auto slow = std::make_shared<std::atomic<bool>>(false);  // the server outlives this body
+  start(box_scene(), patient(), [slow](const Scene&) {
+    if (*slow) sleep_until_ns(now_ns() + static_cast<int64_t>(1e6 * kTakes_ms));
+  });
+  ASSERT_TRUE(sink_.wait_frames(40));
+  const size_t quick = sink_.state().frames.size();
+  *slow = true;
+  const uint64_t slow_from = served_->tick + 2;
+  ASSERT_TRUE(sink_.wait_frames(60));
+  const SinkLog::State state = sink_.state();
+  EXPECT_TRUE(state.lost.empty());
+  const std::span frames(state.frames);
+  const auto begun = std::find_if(frames.begin(), frames.end(), [&](const ReceivedFrame& frame) { return frame.tick > slow_from; });
+  const auto late = frames.subspan(static_cast<size_t>(begun - frames.begin()));
+  ASSERT_GE(late.size(), 40u);
+  // The better half: the other says what else the machine does.
+  const auto age_ms = [](std::span<const ReceivedFrame> some) { return percentile(ages_ms(some), 0.25); };
+  const double before = age_ms(frames.first(quick)), first = age_ms(late.first(late.size() / 2)),
+               second = age_ms(late.subspan(late.size() / 2));
+  const double ticks = static_cast<double>(late.back().tick - late.front().tick);
+  const double spacing_ms = milliseconds_from_ns(late.back().stepped_ns - late.front().stepped_ns) / ticks;
+  std::printf("ticks of %.0f ms: one each %.1f ms, %.0f %% of them sent, %.1f then %.1f ms old; %.1f without\n", kTakes_ms, spacing_ms,
+              100 * static_cast<double>(late.size() - 1) / ticks, first, second, before);
+  EXPECT_GE(spacing_ms, kTakes_ms);
+  EXPECT_GE(static_cast<double>(late.size() - 1), 0.6 * ticks);
+  EXPECT_GE(first, kTakes_ms);
+  EXPECT_LT(first, before + 1.5 * kTakes_ms);
+  EXPECT_LT(second, before + 1.5 * kTakes_ms);
+}
+
+// A round trip of 40 ms. Two frames under way at a time are 50 a second; the window opens to four.
+TEST_F(Timing, ALongWayKeepsTheRate) {
+  NoiseServer noise(100);
+  FaultProxy proxy(noise.port());
+  SinkLog sink;
+  const auto client = join(proxy.port());
+  ASSERT_TRUE(client);
+  proxy.set_link({.delay_ms = 20});
+  client->start(sink);
+  ASSERT_TRUE(sink.wait_frames(200));  // the window opens
+  const size_t before = sink.state().frames.size();
+  const uint64_t made_before = noise.newest;
+  sleep_until_ns(now_ns() + 4'000'000'000);
+  const auto frames = static_cast<double>(sink.state().frames.size() - before), made = static_cast<double>(noise.newest - made_before);
+  std::printf("40 ms there and back: %.1f frames a second of %.1f made, in a window of %zu; two would give 50\n", frames / 4, made / 4,
+              noise.server->session_table().sessions_now().front()->window());
+  EXPECT_GE(frames, 0.85 * made);
+  EXPECT_EQ(noise.server->session_table().sessions_now().front()->window(), 4u);
+  EXPECT_TRUE(client->stop());
+}
+
+// 16 kB at 90 Hz are 11.5 Mbit/s. In a pipe of 8 a frame takes 16 ms; one may be under way, and the newest waits for its turn.
+// Bar: p99 at most 60 ms, flat. `stream_bench --links` has the figures of a minute; beside other work each of the five waits on a
+// frame's way may be late.
+TEST_F(Timing, FramesThroughANarrowPipeStayFresh) {
+  NoiseServer noise(2667);
+  FaultProxy proxy(noise.port());
+  SinkLog sink;
+  const auto client = join(proxy.port());
+  ASSERT_TRUE(client);
+  proxy.set_link({.delay_ms = 1, .mbit_s = 8});
+  client->start(sink);
+  ASSERT_TRUE(sink.wait_frames(50));  // the key frame's wake, and the window's first look
+  const size_t begin = sink.state().frames.size();
+  Lateness lateness;
+  ASSERT_TRUE(sink.wait_frames(700));
+  const double late_ms = lateness.allowance_ms(5);
+  EXPECT_TRUE(client->stop());
+  const SinkLog::State state = sink.state();
+  EXPECT_TRUE(state.lost.empty());
+  EXPECT_GT(state.frames.back().bytes, 15'000u);
+  EXPECT_GT(state.frames.back().tick - state.frames.front().tick, state.frames.size() + 200);  // the others were left out
+  const std::span frames = std::span(state.frames).subspan(begin);
+  const double first = percentile(ages_ms(frames.first(frames.size() / 2)), 0.99);
+  const double second = percentile(ages_ms(frames.subspan(frames.size() / 2)), 0.99);
+  std::printf("8 Mbit/s: staleness p50 %.1f, p99 %.1f then %.1f ms (bar 60); the machine may be late by %.1f ms\n",
+              percentile(ages_ms(frames), 0.5), first, second, late_ms);
+  EXPECT_LT(percentile(ages_ms(frames), 0.99), 60 + late_ms);
+  // Flat: a queue would add a second. One that just misses a tick waits for the next.
+  constexpr double kTick_ms = 1e3 / 90;
+  EXPECT_LT(second, 1.25 * first + kTick_ms + late_ms);
+}
+
+// One of four takes nothing any more. A server that queued for it would hold 135 frames of 54 kB: 7 MB. A fifth stands still
+// altogether: it is dropped. The bar is 2.5 s, and each of the waits on the way may be late beside other work.
+TEST_F(Timing, ASlowClientHoldsUpNobody) {
+  NoiseServer noise(9000);
+  std::vector<std::unique_ptr<CountingSink>> sinks;
+  std::vector<std::unique_ptr<SessionClient>> clients;
+  for (int i = 0; i < 4; ++i) {
+    clients.push_back(join(noise.port()));
+    ASSERT_TRUE(clients.back());
+    sinks.push_back(std::make_unique<CountingSink>());
+    clients.back()->start(*sinks.back());
+  }
+  const auto share_of = [&](int64_t duration_ns) {
+    const uint64_t tick = noise.newest, before = sinks[0]->frames;
+    sleep_until_ns(now_ns() + duration_ns);
+    return static_cast<double>(sinks[0]->frames - before) / static_cast<double>(noise.newest - tick);
+  };
+  (void)share_of(300'000'000);
+  const double together = share_of(700'000'000);
+  sinks[3]->freeze(true);
+  (void)share_of(200'000'000);
+  const uint64_t frozen_at = sinks[3]->frames;
+  const double beside = share_of(1'500'000'000);
+  std::printf("frames got of those made: %.2f, beside a frozen client %.2f\n", together, beside);
+  EXPECT_GT(beside, 0.8 * together);
+  EXPECT_LE(sinks[3]->frames, frozen_at);
+  // Its threads live and say so: it stays, and takes part again.
+  sinks[3]->freeze(false);
+  for (int i = 0; sinks[3]->frames < frozen_at + 5 && i < 6000; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_GE(sinks[3]->frames, frozen_at + 5);
+
+  RawClient still(noise.port());
+  ASSERT_TRUE(still.join().ok());
+  still.open();
+  v1::ServerMessage first;
+  ASSERT_TRUE(still.read_any(first));
+  ASSERT_EQ(noise.server->streaming_count(), 5u);
+  Lateness lateness;
+  const int64_t still_ns = now_ns();
+  const uint64_t tick = noise.newest;
+  std::array<uint64_t, 4> got{};
+  for (size_t i = 0; i < 4; ++i) got[i] = sinks[i]->frames;
+  while (noise.server->streaming_count() > 4 && now_ns() - still_ns < std::chrono::nanoseconds(kPatience).count())
+    sleep_until_ns(now_ns() + 5'000'000);
+  const double dropped_s = seconds_from_ns(now_ns() - still_ns), late_ms = lateness.allowance_ms(5);
+  const auto made = static_cast<double>(noise.newest - tick);
+  double least = 1;
+  for (size_t i = 0; i < 4; ++i) least = std::min(least, static_cast<double>(sinks[i]->frames - got[i]) / made);
+  std::printf("one that stands still is dropped after %.2f s (bar 2.5); the others got %.2f of the frames or more; the machine may be late by %.1f ms\n",
+              dropped_s, least, late_ms);
+  EXPECT_LE(dropped_s, 2.5 + 1e-3 * late_ms);
+  EXPECT_GT(made, 90);
+  EXPECT_GT(least, 0.8 * together);
+  EXPECT_FALSE(still.finish_reading().ok());
+  for (size_t i = 0; i < 3; ++i) EXPECT_EQ(sinks[i]->lost, 0u);
+  for (auto& client : clients) EXPECT_TRUE(client->stop());
+}
+
+// A thousand connections a second, client and server together on this machine: twenty in a row are as fast at least once.
+TEST_F(Timing, AThousandConnectionsASecondAreTaken) {
+  start();
+  constexpr double kLeastRate = 1000;  // a second
+  // Of the ticks that are made meanwhile; with nobody else about first.
+  const auto share_of = [this](const std::function<void()>& meanwhile) {
+    const uint64_t tick = served_->tick;
+    const size_t before = sink_.state().frames.size();
+    meanwhile();
+    return static_cast<double>(sink_.state().frames.size() - before) / static_cast<double>(served_->tick - tick);
+  };
+  const double alone = share_of([] { sleep_until_ns(now_ns() + 500'000'000); });
+  double rate = 0;
+  const double beside = share_of([&] { rate = connection_storm(served_->port(), 1000); });
+  std::printf("%.0f connections a second at best (bar %.0f); frames got of those made: %.2f, %.2f before\n", rate, kLeastRate, beside, alone);
+  EXPECT_GE(rate, kLeastRate) << "a second";
+  EXPECT_GT(beside, 0.6 * alone);
+}
+
+// 16 kB at 90 Hz are 11.5 Mbit/s; one client wishes for 4, one is held to 6 by the server, which holds for all.
+TEST_F(Timing, ACapIsUsedAndNotPassed) {
+  NoiseServer noise(2667);
+  noise.server->cap_clients(6);
+  SinkLog modest_sink, greedy_sink;
+  const auto modest = join_capped(noise.port(), 4), greedy = join_capped(noise.port(), 1000);
+  ASSERT_TRUE(modest && greedy);
+  modest->start(modest_sink);
+  greedy->start(greedy_sink);
+  ASSERT_TRUE(modest_sink.wait_frames(3) && greedy_sink.wait_frames(3));
+  const int64_t begin_ns = now_ns(), end_ns = begin_ns + 3'000'000'000;
+  sleep_until_ns(end_ns);
+  const double modest_mbit_s = 8e-6 * bytes_a_second(modest_sink.state(), begin_ns, end_ns);
+  const double greedy_mbit_s = 8e-6 * bytes_a_second(greedy_sink.state(), begin_ns, end_ns);
+  std::printf("capped at 4: %.2f Mbit/s; at 6: %.2f Mbit/s\n", modest_mbit_s, greedy_mbit_s);
+  // What a tenth of a second saves, and one frame of 16 kB, more than three seconds carry.
+  EXPECT_LE(modest_mbit_s, 4 * 3.1 / 3 + 0.05);
+  EXPECT_LE(greedy_mbit_s, 6 * 3.1 / 3 + 0.05);
+  // And not much less, if the machine lets it.
+  EXPECT_GT(modest_mbit_s, 2);
+  // What is left out are whole frames, here, where there is one object; those that come are fresh.
+  EXPECT_TRUE(modest_sink.state().lost.empty());
+  EXPECT_TRUE(modest->stop());
+  EXPECT_TRUE(greedy->stop());
+}
+
+// Sixty-four clients share the machine evenly.
+TEST_F(Timing, NoneOfManyClientsIsLeftBehind) {
+  NoiseServer noise(1000);
+  std::vector<std::unique_ptr<Listener>> clients;
+  for (size_t i = 0; i < kUsualSessions; ++i) clients.push_back(std::make_unique<Listener>(noise.port()));
+  ASSERT_TRUE(wait_until([&] { return std::all_of(clients.begin(), clients.end(), [](const auto& one) { return one->frames() >= 20; }); }));
+  const uint64_t tick = noise.newest;
+  const PublisherSummary before = noise.server->published();
+  std::vector<uint64_t> got;
+  for (const auto& client : clients) got.push_back(client->frames());
+  ASSERT_TRUE(wait_until([&] { return noise.newest >= tick + 180; }));
+  const PublisherSummary after = noise.server->published();
+  const double made = static_cast<double>(noise.newest - tick);
+  for (size_t i = 0; i < clients.size(); ++i) got[i] = clients[i]->frames() - got[i];
+  std::sort(got.begin(), got.end());
+  const double encodings = static_cast<double>(after.encoded - before.encoded) / static_cast<double>(after.frames - before.frames);
+  std::printf("of %.0f ticks the last of %zu clients got %.2f, half of them %.2f or more; a tick was encoded %.1f times\n", made, clients.size(),
+              static_cast<double>(got.front()) / made, static_cast<double>(got[got.size() / 2]) / made, encodings);
+  EXPECT_GE(got.front() * 2, got[got.size() / 2]);
+  EXPECT_GT(got.front(), 0u);
+  EXPECT_LT(encodings, 16.0);
+}
+
+}  // namespace
+}  // namespace livegs
