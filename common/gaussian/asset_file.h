@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/result.h"
-#include "gaussian/decoded_asset.h"
+#include "gaussian/asset/decoded_asset.h"
 #include "gaussian/gaussian_asset.h"
 
 // Every file format of Gaussian splats that is read or written here. All functions may be called from any

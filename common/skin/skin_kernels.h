@@ -8,7 +8,7 @@
 #include "gaussian/gaussian_asset.h"
 #include "gaussian/posed_kernels.h"
 #include "skin/driver_frame.h"
-#include "skin/kernel_bindings.h"
+#include "skin/bind/kernel_bindings.h"
 #include "skin/rest_body.h"
 
 // Kernels follow drivers. Always from rest, never from frame to frame, so nothing drifts.

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "skin/driver_frame.h"
-#include "wire/grid_values.h"
+#include "wire/coding/grid_values.h"
 
 // Drivers as integers, which is what both ends of a stream keep and predict from; proto/frame_format.md,
 // "Grids".

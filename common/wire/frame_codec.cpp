@@ -12,8 +12,8 @@
 #include "core/assert.h"
 #include "wire/header.h"
 #include "wire/little_endian.h"
-#include "wire/packed_quaternion.h"
-#include "wire/quantised_box.h"
+#include "wire/coding/packed_quaternion.h"
+#include "wire/coding/quantised_box.h"
 
 namespace livegs {
 namespace {

@@ -13,8 +13,8 @@
 #include "wire/frame_codec.h"
 #include "wire/header.h"
 #include "wire/little_endian.h"
-#include "wire/packed_quaternion.h"
-#include "wire/quantised_box.h"
+#include "wire/coding/packed_quaternion.h"
+#include "wire/coding/quantised_box.h"
 #include "wire/rest_body_codec.h"
 
 namespace livegs {

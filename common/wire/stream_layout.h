@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "wire/driver_grid.h"
-#include "wire/grid_coder.h"
+#include "wire/coding/grid_coder.h"
 #include "wire/header.h"
 #include "wire/little_endian.h"
 #include "wire/varint.h"

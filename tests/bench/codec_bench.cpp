@@ -24,7 +24,7 @@
 #include "wire/frame_codec.h"
 #include "wire/driver_grid.h"
 #include "wire/frame_stream.h"
-#include "wire/grid_coder.h"
+#include "wire/coding/grid_coder.h"
 #include "wire/kernel_codec.h"
 
 using namespace livegs;

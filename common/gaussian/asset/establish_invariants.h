@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "core/result.h"
-#include "gaussian/decoded_asset.h"
+#include "gaussian/asset/decoded_asset.h"
 
 namespace livegs {
 

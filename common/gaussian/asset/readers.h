@@ -6,7 +6,7 @@
 
 #include "core/result.h"
 #include "gaussian/asset/bytes.h"
-#include "gaussian/decoded_asset.h"
+#include "gaussian/asset/decoded_asset.h"
 #include "gaussian/ply/ply_header.h"
 #include "gaussian/sog/sog_files.h"
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "core/file.h"
-#include "gaussian/decoded_asset.h"
+#include "gaussian/asset/decoded_asset.h"
 
 namespace livegs {
 namespace {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "splat/projected_kernel.h"
+#include "splat/raster/projected_kernel.h"
 
 namespace livegs {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "splat/raster/bin_tiles.h"
-#include "splat/projected_kernel.h"
+#include "splat/raster/projected_kernel.h"
 #include "splat/raster/raster_options.h"
 
 namespace livegs {

@@ -6,7 +6,7 @@
 
 #include "gaussian/posed_kernels.h"
 #include "splat/camera.h"
-#include "splat/projected_kernel.h"
+#include "splat/raster/projected_kernel.h"
 #include "splat/raster/raster_options.h"
 
 namespace livegs {

@@ -5,7 +5,7 @@
 
 #include "physics/motion/free_rotation.h"
 #include "physics/collision/conservative_advancement.h"
-#include "physics/vector_algebra.h"
+#include "physics/motion/vector_algebra.h"
 
 namespace livegs {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "core/pose.h"
 #include "physics/motion/body_id.h"
-#include "physics/contact_patch.h"
+#include "physics/rigid/contact/contact_point.h"
 #include "physics/fracture/impact_record.h"
 #include "physics/motion/free_rotation.h"
 #include "physics/collision/collision_shape.h"

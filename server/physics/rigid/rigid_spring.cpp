@@ -9,7 +9,7 @@
 
 #include "physics/rigid/rigid_body.h"
 #include "physics/motion/free_rotation.h"
-#include "physics/vector_algebra.h"
+#include "physics/motion/vector_algebra.h"
 
 namespace livegs {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "core/log.h"
 #include "core/parallel_for.h"
-#include "physics/motion_validity.h"
+#include "physics/motion/motion_validity.h"
 #include "physics/rigid/contact/restitution.h"
 #include "physics/rigid/contact/contact_solver.h"
 #include "physics/rigid/contact/find_contacts.h"

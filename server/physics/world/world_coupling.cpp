@@ -5,7 +5,7 @@
 
 #include "core/disjoint_sets.h"
 #include "physics/motion/free_rotation.h"
-#include "physics/vector_algebra.h"
+#include "physics/motion/vector_algebra.h"
 #include "physics/world/world_state.h"
 
 namespace livegs {

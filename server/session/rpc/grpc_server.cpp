@@ -14,7 +14,7 @@
 #include "core/log.h"
 #include "scene/build/fragile_object.h"
 #include "session/rpc/admin_service.h"
-#include "session/access/call_authorizer.h"
+#include "session/access/call_authoriser.h"
 #include "session/access/connection_limiter.h"
 #include "session/assets/describe_object.h"
 #include "session/rpc/grpc_service.h"

@@ -9,7 +9,7 @@
 #include "core/log.h"
 #include "session/rpc/analysis_call.h"
 #include "session/rpc/asset_call.h"
-#include "session/access/call_authorizer.h"
+#include "session/access/call_authoriser.h"
 #include "session/rpc/grpc_status.h"
 #include "session/simulation/hand_controls.h"
 #include "session/rpc/stream_call.h"

@@ -15,7 +15,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "study/bullet_convert.h"
+#include "study/peers/bullet_convert.h"
 #include "study/harness/tetrahedral_box.h"
 
 namespace livegs::study {

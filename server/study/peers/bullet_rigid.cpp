@@ -9,7 +9,7 @@
 #include <memory>
 #include <vector>
 
-#include "study/bullet_convert.h"
+#include "study/peers/bullet_convert.h"
 
 namespace livegs::study {
 namespace {

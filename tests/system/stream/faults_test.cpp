@@ -17,10 +17,10 @@
 #include "server/session/rpc/raw_client.h"
 #include "session/sessions/session_table.h"
 #include "stream/received/asset_cache.h"
-#include "system/connection_storm.h"
-#include "system/counting_sink.h"
+#include "system/support/connection_storm.h"
+#include "system/support/counting_sink.h"
 #include "system/stream/noise_server.h"
-#include "system/proxied_session.h"
+#include "system/support/proxied_session.h"
 
 namespace livegs {
 namespace {

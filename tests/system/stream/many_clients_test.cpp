@@ -6,9 +6,9 @@
 #include <memory>
 #include <vector>
 
-#include "system/listener.h"
+#include "system/support/listener.h"
 #include "system/stream/noise_server.h"
-#include "system/proxied_session.h"
+#include "system/support/proxied_session.h"
 
 namespace livegs {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "scratch_folder.h"
 #include "stream/channel/retry_schedule.h"
-#include "system/proxied_session.h"
+#include "system/support/proxied_session.h"
 #include "viewer/runs/offscreen_run.h"
 
 namespace livegs {

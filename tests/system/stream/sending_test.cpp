@@ -6,7 +6,7 @@
 
 #include "session/frames/send_budget.h"
 #include "system/stream/noise_server.h"
-#include "system/proxied_session.h"
+#include "system/support/proxied_session.h"
 
 namespace livegs {
 namespace {

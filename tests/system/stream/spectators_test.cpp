@@ -13,7 +13,7 @@
 #include "core/clock.h"
 #include "patience.h"
 #include "scenes/box_scene.h"
-#include "server/session/no_inputs.h"
+#include "server/session/support/no_inputs.h"
 #include "session/publish/zmq_publisher.h"
 #include "session/rpc/grpc_server.h"
 #include "session/simulation/scene_run.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "physics/elastic/cells/cells_body.h"
-#include "physics/motion_validity.h"
+#include "physics/motion/motion_validity.h"
 #include "physics/elastic/rigid_proxy.h"
 #include "physics/motion/free_rotation.h"
 

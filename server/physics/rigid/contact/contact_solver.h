@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "physics/contact_patch.h"
+#include "physics/rigid/contact/contact_point.h"
 
 // Contact between a rigid body and something else, solved.
 

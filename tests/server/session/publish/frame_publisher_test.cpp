@@ -12,7 +12,7 @@
 #include "patience.h"
 #include "scene/build/fragile_object.h"
 #include "scenes/box_scene.h"
-#include "server/session/no_inputs.h"
+#include "server/session/support/no_inputs.h"
 #include "session/assets/describe_object.h"
 
 namespace livegs {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "wire/quantised_box.h"
+#include "wire/coding/quantised_box.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "wire/driver_grid.h"
-#include "wire/rice_bits.h"
+#include "wire/coding/rice_bits.h"
 
 // The integers of one object as bits: what is left of them after a prediction from frames before and, in a lattice, from nodes
 // before; proto/frame_format.md, "Integers". Arithmetic wraps, so that any integers can be written and any bits read.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "wire/packed_quaternion.h"
+#include "wire/coding/packed_quaternion.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "session/access/call_authorizer.h"
+#include "session/access/call_authoriser.h"
 
 #include "core/clock.h"
 

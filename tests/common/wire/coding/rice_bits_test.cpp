@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "wire/rice_bits.h"
+#include "wire/coding/rice_bits.h"
 
 #include <gtest/gtest.h>
 

@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "session/sessions/session_table.h"
-#include "system/connection_storm.h"
-#include "system/counting_sink.h"
+#include "system/support/connection_storm.h"
+#include "system/support/counting_sink.h"
 #include "system/support/lateness.h"
-#include "system/listener.h"
+#include "system/support/listener.h"
 #include "system/stream/noise_server.h"
-#include "system/proxied_session.h"
+#include "system/support/proxied_session.h"
 
 namespace livegs {
 namespace {

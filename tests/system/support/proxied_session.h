@@ -14,7 +14,7 @@
 #include "core/clock.h"
 #include "core/percentile.h"
 #include "stream/session/session_client.h"
-#include "system/join_server.h"
+#include "system/support/join_server.h"
 #include "system/support/fault_proxy.h"
 #include "scenes/served_scene.h"
 

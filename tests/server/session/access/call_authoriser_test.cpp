@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A server with TLS and tokens, in this process, asked by clients that show what a test wants them to.
-#include "session/access/call_authorizer.h"
+#include "session/access/call_authoriser.h"
 
 #include <google/protobuf/descriptor.h>
 #include <grpcpp/generic/generic_stub.h>
