@@ -97,7 +97,7 @@ struct WorldEvent {
   WorldEventKind kind = WorldEventKind::Contact;
   uint32_t object_id = 0;
   double impulse_n_s = 0;  // Contact: from other objects, summed over the tick, when above kReportedImpulse. Fracture: of
-                           // blows within 1/60 s and of what lasted, see rigid_blow.h; 0 when broken at will
+                           // impacts within 1/60 s and of what lasted, see rigid_blow.h; 0 when broken at will
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
 };
 
@@ -213,11 +213,11 @@ class World {
   const Material* material(uint32_t object_id) const;
 
   // What a rigid object can break into (of the very mesh and fill it was added with); until then it does not break.
-  // From now on it does, if it is fragile, when the impulses of blows on it, summed over 1/60 s wherever ticks end, with
+  // From now on it does, if it is fragile, when the impulses of impacts on it, summed over 1/60 s wherever ticks end, with
   // those of a millisecond of what lasts reach material().break_impulse_n_s: see rigid_blow.h. Its fragments break again,
   // down to single pieces.
   Result<void> set_pieces(uint32_t object_id, std::shared_ptr<const BreakablePieces> pieces);
-  // Breaks it at a material point (rest object frame) as a blow of kBreakAtWill times what it bears would, without
+  // Breaks it at a material point (rest object frame) as an impact of kBreakAtWill times what it bears would, without
   // giving it any momentum. Fails, and says why, if there is nothing to break there.
   Result<void> break_object(uint32_t object_id, const Eigen::Vector3d& rest_point_m);
   // The body (BodyState::body_index) of each piece; empty until the object breaks.

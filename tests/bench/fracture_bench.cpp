@@ -80,9 +80,9 @@ void bench_shape(const char* shape, const TriangleMesh& mesh, int threads) {
     BondGraph graph;
     const bench::Times connect = measure([&] { graph = make_bond_graph(pieces, 0.3, 1.0); });
     report(shape, count, threads, "graph", connect, graph.bonds.size());
-    const Blow blow{0, graph.pieces[0].centre_m, {0, 2, 0}};
+    const Impact impact{0, graph.pieces[0].centre_m, {0, 2, 0}};
     std::vector<uint32_t> broken;
-    const bench::Times strike = measure([&] { broken = broken_bonds(graph, blow); });
+    const bench::Times strike = measure([&] { broken = broken_bonds(graph, impact); });
     report(shape, count, threads, "blow", strike, broken.size());
   }
 }

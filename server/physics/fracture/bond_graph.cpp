@@ -36,27 +36,27 @@ double length_of(const BondGraph::Piece& body) {
   return std::sqrt(12.0 * std::max(variance, 1e-18));
 }
 
-LoadedGroup loads_of(const BondGraph& graph, const Blow& blow) {
+LoadedGroup loads_of(const BondGraph& graph, const Impact& impact) {
   LoadedGroup group;
   const std::vector<uint32_t> groups = connected_groups(graph);
   std::vector<uint32_t> pieces;
   std::vector<int> number(graph.pieces.size(), -1);
   for (uint32_t p = 0; p < graph.pieces.size(); ++p) {
-    if (groups[p] != groups[blow.piece]) continue;
+    if (groups[p] != groups[impact.piece]) continue;
     number[p] = static_cast<int>(pieces.size());
     pieces.push_back(p);
   }
-  const double impulse = blow.impulse_n_s.norm();
+  const double impulse = impact.impulse_n_s.norm();
   if (!(impulse > 0.0)) return group;
   for (uint32_t b = 0; b < graph.bonds.size(); ++b) {
     if (graph.bonds[b].health > 0.0 && number[graph.bonds[b].first] >= 0) group.bonds.push_back(b);
   }
   if (group.bonds.empty()) return group;
 
-  const BondGraph::Piece body = joined_piece(graph, groups, groups[blow.piece]);
-  const Vector3d unit = blow.impulse_n_s / impulse;
+  const BondGraph::Piece body = joined_piece(graph, groups, groups[impact.piece]);
+  const Vector3d unit = impact.impulse_n_s / impulse;
   const Vector3d velocity = unit / body.mass_kg;
-  const Vector3d turning = body.inertia.inverse() * (blow.point_m - body.centre_m).cross(unit);
+  const Vector3d turning = body.inertia.inverse() * (impact.point_m - body.centre_m).cross(unit);
 
   const auto count = static_cast<Eigen::Index>(pieces.size());
   Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(count, count);
@@ -65,7 +65,7 @@ LoadedGroup loads_of(const BondGraph& graph, const Blow& blow) {
     const BondGraph::Piece& piece = graph.pieces[pieces[i]];
     momentum.row(i) = -piece.mass_kg * (velocity + turning.cross(piece.centre_m - body.centre_m));
   }
-  momentum.row(number[blow.piece]) += unit;
+  momentum.row(number[impact.piece]) += unit;
   const auto spring = [&](const BondGraph::Bond& bond) {
     const double length = (graph.pieces[bond.second].centre_m - graph.pieces[bond.first].centre_m).norm();
     return bond.area_m2 / std::max(length, 1e-9);
@@ -189,14 +189,14 @@ BondGraph make_bond_graph(const VoronoiPieces& pieces, double mass_kg, double br
   return graph;
 }
 
-double break_threshold_n_s(const BondGraph& graph, const Blow& blow) {
-  return threshold_n_s(graph, loads_of(graph, blow));
+double break_threshold_n_s(const BondGraph& graph, const Impact& impact) {
+  return threshold_n_s(graph, loads_of(graph, impact));
 }
 
-std::vector<uint32_t> broken_bonds(const BondGraph& graph, const Blow& blow) {
-  const LoadedGroup group = loads_of(graph, blow);
+std::vector<uint32_t> broken_bonds(const BondGraph& graph, const Impact& impact) {
+  const LoadedGroup group = loads_of(graph, impact);
   const double threshold = threshold_n_s(graph, group);
-  const double impulse = blow.impulse_n_s.norm();
+  const double impulse = impact.impulse_n_s.norm();
   if (!(impulse >= threshold)) return {};
   const double paid_m2 = group.cross_section_m2 * (impulse / threshold) * (impulse / threshold);
   const std::vector<Seam> seams = joined_seams(graph, group);
@@ -210,8 +210,8 @@ std::vector<uint32_t> broken_bonds(const BondGraph& graph, const Blow& blow) {
   return bonds;
 }
 
-void wear_bonds(BondGraph& graph, const Blow& blow) {
-  const LoadedGroup group = loads_of(graph, blow);
+void wear_bonds(BondGraph& graph, const Impact& impact) {
+  const LoadedGroup group = loads_of(graph, impact);
   const auto load = [&](size_t k) {
     const BondGraph::Bond& bond = graph.bonds[group.bonds[k]];
     return group.impulses[k] * bond.health / bond.area_m2;
@@ -222,7 +222,7 @@ void wear_bonds(BondGraph& graph, const Blow& blow) {
   // The most loaded one, if it were whole, would break at this.
   const double breaks_n_s = graph.break_impulse_n_s * group.area_m2 / graph.whole_area_m2;
   for (size_t k = 0; k < group.bonds.size(); ++k) {
-    const double borne = blow.impulse_n_s.norm() / breaks_n_s * load(k) / most;
+    const double borne = impact.impulse_n_s.norm() / breaks_n_s * load(k) / most;
     const double loss = kWear * std::max(0.0, borne - kBearsForEver) / (1.0 - kBearsForEver);
     double& health = graph.bonds[group.bonds[k]].health;
     if (loss > 0.0) health = std::min(health, std::max(kLeastHealth, health - loss));

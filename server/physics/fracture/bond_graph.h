@@ -7,24 +7,24 @@
 
 #include "geometry/fracture/voronoi_pieces.h"
 
-// What holds the pieces of a fragile body together, and which bonds a blow breaks. Pure functions of the graph and the
-// blow: an impulse in N s, never a force, so that the step has no say in what breaks.
+// What holds the pieces of a fragile body together, and which bonds an impact breaks. Pure functions of the graph and the
+// impact: an impulse in N s, never a force, so that the step has no say in what breaks.
 //
-// The rule. A blow's impulse has to set the whole body in motion, and what it gives to the pieces far from the blow
+// The rule. An impact's impulse has to set the whole body in motion, and what it gives to the pieces far from the impact
 // passes through bonds. Bonds are springs in parallel, stiffness area / length; the impulse through each follows from
 // one linear solve (Newton's law for each piece as a node: what comes in minus what goes out is the momentum of its
 // rigid motion). A bond's load is that impulse by area and health.
 //   - Nothing breaks below the threshold of the body, J_c = break_impulse_n_s for the whole, scaled by its share of the
 //     bond area for a fragment, and lower where the most loaded bond is weak.
 //   - Pieces across faces of little load stay together: from single pieces on, the two neighbouring groups with the
-//     least mean load between them become one, until all are. A blow undoes these joins from the last on, so cracks
-//     run right across, fine near the blow and coarse far from it.
-//   - Cracked area is paid for by the energy of the blow, which goes with J² (Griffith 1921): joins are undone while the
+//     least mean load between them become one, until all are. An impact undoes these joins from the last on, so cracks
+//     run right across, fine near the impact and coarse far from it.
+//   - Cracked area is paid for by the energy of the impact, which goes with J² (Griffith 1921): joins are undone while the
 //     area of the faces between groups stays within A_0 (J / J_c)², the first one always. A_0 is the mean cross-section
 //     of the body, volume by length: at the threshold one crack goes right through, however finely it was cut.
-// What a blow breaks, a stronger one at the same place and direction breaks too.
+// What an impact breaks, a stronger one at the same place and direction breaks too.
 //
-// A blow that breaks nothing wears bonds. Damage adds up linearly (Palmgren 1924, Miner 1945), and only of bonds that bear
+// An impact that breaks nothing wears bonds. Damage adds up linearly (Palmgren 1924, Miner 1945), and only of bonds that bear
 // more than half of what breaks them: under some part of their toughness cracks in brittle solids do not grow from cycle to
 // cycle (Ritchie 1999, Int. J. Fracture 100, 55); one half is our choice. So a thing that is struck hard again and again
 // breaks, along bonds that were struck before.
@@ -54,7 +54,7 @@ struct BondGraph {
 BondGraph make_bond_graph(const VoronoiPieces& pieces, double mass_kg, double break_impulse_n_s);
 
 // An impulse on one piece, summed over the frame.
-struct Blow {
+struct Impact {
   uint32_t piece = 0;  // the one that was struck: VoronoiPieces::locate(point_m)
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();      // object frame at rest
   Eigen::Vector3d impulse_n_s = Eigen::Vector3d::Zero();  // the same axes
@@ -62,20 +62,20 @@ struct Blow {
 
 // The least impulse at this place and in this direction that breaks the body the struck piece belongs to, N s; infinite
 // for a lone piece.
-double break_threshold_n_s(const BondGraph& graph, const Blow& blow);
+double break_threshold_n_s(const BondGraph& graph, const Impact& impact);
 
 // Numbers of the bonds that break, in the order they do; empty below the threshold.
-std::vector<uint32_t> broken_bonds(const BondGraph& graph, const Blow& blow);
+std::vector<uint32_t> broken_bonds(const BondGraph& graph, const Impact& impact);
 
-// Of a bond's health, what one blow takes that just does not break it; in proportion from kBearsForEver of that blow on.
-// Larger: fewer blows break. A cup that bears 0.9 of what breaks it breaks at the second such blow, at 0.8 the third, at
+// Of a bond's health, what one impact takes that just does not break it; in proportion from kBearsForEver of that impact on.
+// Larger: fewer impacts break. A cup that bears 0.9 of what breaks it breaks at the second such impact, at 0.8 the third, at
 // 0.65 the sixth.
 inline constexpr double kWear = 0.25;
 inline constexpr double kBearsForEver = 0.5;
-// Wear leaves this much: only a blow breaks.
+// Wear leaves this much: only an impact breaks.
 inline constexpr double kLeastHealth = 0.1;
-// Wears the bonds of the body that the struck piece belongs to. Precondition: the blow broke nothing.
-void wear_bonds(BondGraph& graph, const Blow& blow);
+// Wears the bonds of the body that the struck piece belongs to. Precondition: the impact broke nothing.
+void wear_bonds(BondGraph& graph, const Impact& impact);
 
 // For each piece the lowest number of a piece it hangs together with.
 std::vector<uint32_t> connected_groups(const BondGraph& graph);

@@ -8,9 +8,9 @@
 
 namespace livegs {
 
-// With k the speed at the blow's place by unit impulse, J ended an approach of u = k J / (1 + e). An impulse x has taken
+// With k the speed at the impact's place by unit impulse, J ended an approach of u = k J / (1 + e). An impulse x has taken
 // u x - k x² / 2 of the energy.
-double blow_loss_j(const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& arm_m, double borne,
+double impact_energy_loss_j(const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& arm_m, double borne,
                    double restitution) {
   const double size = impulse_n_s.norm();
   if (!(size > 0.0)) return 0.0;

@@ -10,10 +10,10 @@
 namespace livegs {
 namespace {
 
-constexpr double kLoadTime_s = 0.004;  // what is passed on through a body for longer than this is a load
+constexpr double kLoadFilterTime_s = 0.004;  // what is passed on through a body for longer than this is a load
 
 // In world axes. Whether there is anything.
-bool add_held(ImpulseSum& sum, const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& point_m) {
+bool add_load(ImpulseAccumulator& sum, const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& point_m) {
   const double size = impulse_n_s.norm();
   if (!(size > 0.0)) return false;
   const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
@@ -24,50 +24,50 @@ bool add_held(ImpulseSum& sum, const RigidBody& body, const Eigen::Vector3d& imp
 
 }  // namespace
 
-void ImpulseSum::add(double size_n_s, const Eigen::Vector3d& direction, const Eigen::Vector3d& point_m) {
+void ImpulseAccumulator::add(double size_n_s, const Eigen::Vector3d& direction, const Eigen::Vector3d& point_m) {
   impulse_n_s += size_n_s;
   moment += size_n_s * point_m;
   push_n_s += size_n_s * direction;
-  given_n_s += size_n_s * direction;
-  given_moment += size_n_s * point_m.cross(direction);
+  total_n_s += size_n_s * direction;
+  total_moment += size_n_s * point_m.cross(direction);
   spread += size_n_s * direction * direction.transpose();
 }
 
-void ImpulseSum::add(const ImpulseSum& other, double share) {
+void ImpulseAccumulator::add(const ImpulseAccumulator& other, double share) {
   if (!(share * other.impulse_n_s > 0.0)) return;
   impulse_n_s += share * other.impulse_n_s;
   moment += share * other.moment;
   push_n_s += share * other.push_n_s;
-  given_n_s += share * other.given_n_s;
-  given_moment += share * other.given_moment;
+  total_n_s += share * other.total_n_s;
+  total_moment += share * other.total_moment;
   spread += share * other.spread;
   from_colliders = from_colliders && other.from_colliders;
   restitution = std::max(restitution, other.restitution);
 }
 
-void RigidBlows::note_force(const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& point_m) {
-  if (add_held(forces_, body, impulse_n_s, point_m)) forces_.restitution = 1.0;
+void ImpactRecord::record_force(const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& point_m) {
+  if (add_load(forces_, body, impulse_n_s, point_m)) forces_.restitution = 1.0;
 }
 
-void RigidBlows::note_joint(const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& point_m) {
-  add_held(contacts_, body, impulse_n_s, point_m);
+void ImpactRecord::record_joint(const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& point_m) {
+  add_load(contacts_, body, impulse_n_s, point_m);
 }
 
-void RigidBlows::note_contact(const RigidBody& body, const ContactPatch& patch, const ContactPoint& point,
+void ImpactRecord::record_contact(const RigidBody& body, const ContactPatch& patch, const ContactPoint& point,
                               const Eigen::Vector3d& normal, const Eigen::Vector3d& point_m) {
   if (point.impulse_n_s <= 0.0) return;
   const bool hard = point.impact_speed_m_s >= patch.restitution_speed_m_s;
   const double ended = (hard ? point.impact_speed_m_s : point.approach_speed_m_s) * (1.0 + patch.restitution);
   double share = ended > 0.0 ? ended / (ended + point.carried_speed_m_s) : 0.0;
   if (hard)
-    hard_share_ = std::max(hard_share_, share);
+    bounce_fraction_ = std::max(bounce_fraction_, share);
   else
-    share *= earlier_share_;
+    share *= previous_bounce_fraction_;
   if (share > 0.0) {
-    struck_share_ = std::max(struck_share_, share);
-    if (ended > fastest_ended_m_s_) {
-      fastest_ended_m_s_ = ended;
-      struck_after_s_ = point.until_touch_s;
+    impact_fraction_ = std::max(impact_fraction_, share);
+    if (ended > fastest_approach_m_s_) {
+      fastest_approach_m_s_ = ended;
+      impact_time_s_ = point.until_touch_s;
     }
   }
   if (!body.can_break) return;
@@ -77,73 +77,73 @@ void RigidBlows::note_contact(const RigidBody& body, const ContactPatch& patch, 
   if (patch.other) contacts_.from_colliders = false;
 }
 
-void RigidBlows::note_friction(const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& twist,
+void ImpactRecord::record_friction(const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& twist,
                                const Eigen::Vector3d& point_m) {
   if (!body.can_break) return;
   const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
-  contacts_.given_n_s += body_from_world * impulse_n_s;
-  contacts_.given_moment += body_from_world * (point_m.cross(impulse_n_s) + twist);
+  contacts_.total_n_s += body_from_world * impulse_n_s;
+  contacts_.total_moment += body_from_world * (point_m.cross(impulse_n_s) + twist);
 }
 
-void RigidBlows::end_substep(const RigidBody& body, double island_share, double duration_s) {
-  earlier_share_ = std::exchange(hard_share_, 0.0);
+void ImpactRecord::end_substep(const RigidBody& body, double island_fraction, double duration_s) {
+  previous_bounce_fraction_ = std::exchange(bounce_fraction_, 0.0);
   if (!body.can_break) {
-    struck_share_ = fastest_ended_m_s_ = 0.0;
+    impact_fraction_ = fastest_approach_m_s_ = 0.0;
     return;
   }
   const double size = contacts_.impulse_n_s, now_n = size / duration_s;
   double struck = 0.0;
-  if (island_share > 0.0) {
+  if (island_fraction > 0.0) {
     // What it bore before, it bears on. What is passed on to it came from elsewhere in the island.
-    const bool passed_on = struck_share_ == 0.0;
-    if (passed_on && !borne_known_) borne_n_ = now_n;
-    struck = (passed_on ? island_share : struck_share_) * std::max(0.0, size - duration_s * borne_n_);
-    if (passed_on) borne_n_ += std::min(1.0, duration_s / kLoadTime_s) * (now_n - borne_n_);
+    const bool passed_on = impact_fraction_ == 0.0;
+    if (passed_on && !sustained_force_known_) sustained_force_n_ = now_n;
+    struck = (passed_on ? island_fraction : impact_fraction_) * std::max(0.0, size - duration_s * sustained_force_n_);
+    if (passed_on) sustained_force_n_ += std::min(1.0, duration_s / kLoadFilterTime_s) * (now_n - sustained_force_n_);
   } else {
-    borne_n_ = now_n;
+    sustained_force_n_ = now_n;
   }
-  borne_known_ = borne_known_ || size > 0.0;
+  sustained_force_known_ = sustained_force_known_ || size > 0.0;
 
-  for (Struck& one : recent_) one.age_s += duration_s;
-  std::erase_if(recent_, [&](const Struck& one) { return one.age_s - duration_s > kFrame_s - 1e-9; });
+  for (RecentImpact& one : recent_) one.age_s += duration_s;
+  std::erase_if(recent_, [&](const RecentImpact& one) { return one.age_s - duration_s > kImpactWindow_s - 1e-9; });
   if (struck > 0.0) {
-    recent_.push_back({fastest_ended_m_s_ > 0.0 ? duration_s - struck_after_s_ : 0.0, {}});
+    recent_.push_back({fastest_approach_m_s_ > 0.0 ? duration_s - impact_time_s_ : 0.0, {}});
     recent_.back().sum.add(contacts_, struck / size);
-    ImpulseSum together;
-    for (const Struck& one : recent_) {
-      if (one.age_s - recent_.back().age_s <= kFrame_s - 1e-9) together.add(one.sum, 1.0);
+    ImpulseAccumulator together;
+    for (const RecentImpact& one : recent_) {
+      if (one.age_s - recent_.back().age_s <= kImpactWindow_s - 1e-9) together.add(one.sum, 1.0);
     }
-    if (together.impulse_n_s > blow_.impulse_n_s) blow_ = together;
-    if (together.impulse_n_s > spell_.impulse_n_s) spell_ = together;
+    if (together.impulse_n_s > strongest_.impulse_n_s) strongest_ = together;
+    if (together.impulse_n_s > episode_.impulse_n_s) episode_ = together;
   }
   if (recent_.empty()) {
-    if (spell_.impulse_n_s > over_.impulse_n_s) over_ = spell_;
-    spell_ = {};
+    if (episode_.impulse_n_s > ended_episode_.impulse_n_s) ended_episode_ = episode_;
+    episode_ = {};
   }
-  pressed_.add(contacts_, 1.0 - struck / std::max(size, 1e-300));
-  if (kBlowTime_s / duration_s * forces_.impulse_n_s > pushed_.impulse_n_s) {
-    pushed_ = {};
-    pushed_.add(forces_, kBlowTime_s / duration_s);
+  sustained_.add(contacts_, 1.0 - struck / std::max(size, 1e-300));
+  if (kImpactDuration_s / duration_s * forces_.impulse_n_s > forced_.impulse_n_s) {
+    forced_ = {};
+    forced_.add(forces_, kImpactDuration_s / duration_s);
   }
   contacts_ = forces_ = {};
-  struck_share_ = fastest_ended_m_s_ = 0.0;
+  impact_fraction_ = fastest_approach_m_s_ = 0.0;
 }
 
-ImpulseSum RigidBlows::take(double tick_s) {
-  ImpulseSum sum = std::exchange(blow_, {});
+ImpulseAccumulator ImpactRecord::take(double tick_s) {
+  ImpulseAccumulator sum = std::exchange(strongest_, {});
   const double struck_n_s = sum.impulse_n_s, restitution = sum.restitution;
-  sum.add(std::exchange(pressed_, {}), kBlowTime_s / tick_s);
-  sum.add(std::exchange(pushed_, {}), 1.0);
+  sum.add(std::exchange(sustained_, {}), kImpactDuration_s / tick_s);
+  sum.add(std::exchange(forced_, {}), 1.0);
   sum.restitution = 2.0 * struck_n_s > sum.impulse_n_s ? restitution : 1.0;
   return sum;
 }
 
-ImpulseSum RigidBlows::take_spell() { return std::exchange(over_, {}); }
+ImpulseAccumulator ImpactRecord::take_ended_episode() { return std::exchange(ended_episode_, {}); }
 
-Eigen::Vector3d direction_of(const ImpulseSum& sum) {
-  constexpr double kOneSided = 0.5;
+Eigen::Vector3d direction_of(const ImpulseAccumulator& sum) {
+  constexpr double kMinNetShare = 0.5;
   const double push = sum.push_n_s.norm();
-  if (push > kOneSided * sum.impulse_n_s) return sum.push_n_s / push;
+  if (push > kMinNetShare * sum.impulse_n_s) return sum.push_n_s / push;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(sum.spread);
   const Eigen::Vector3d axis = axes.eigenvectors().col(2);
   return axis.dot(sum.moment) > 0.0 ? Eigen::Vector3d(-axis) : axis;  // inwards

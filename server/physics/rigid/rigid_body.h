@@ -65,8 +65,8 @@ struct RigidBody {
   double outer_impulse_n_s = 0.0;
   Eigen::Vector3d outer_moment = Eigen::Vector3d::Zero();  // impulse times point
   double felt_impulse_n_s = 0.0;                           // contact_impulse_n_s of the last tick
-  bool can_break = false;  // it has pieces: its blows are counted
-  RigidBlows blows;
+  bool can_break = false;  // it has pieces: its impacts are counted
+  ImpactRecord impacts;
   double tick_energy_j = 0.0;  // of its motion and its weight, at the start of the tick
 
   // Unique in a world and ascending as its list of bodies; below kColliderBit.

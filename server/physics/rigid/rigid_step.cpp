@@ -22,7 +22,7 @@ namespace {
 
 // A substep's contacts, found once, are solved in this many short steps of one sweep each: against heavy things on light
 // ones and tall stacks that does more than as many sweeps of one step (Macklin et al. 2019, Small steps in physics
-// simulation), since the contacts may be that much stiffer. The corners of a body that strikes share the blow only after
+// simulation), since the contacts may be that much stiffer. The corners of a body that strikes share the impact only after
 // some sweeps of one step.
 constexpr int kSolverSteps = 4;
 constexpr int kPushSweeps = 1;
@@ -95,7 +95,7 @@ void tally_point(RigidBody& body, const ContactPatch& patch, const RigidBody* fr
     body.outer_impulse_n_s += point.impulse_n_s;
     body.outer_moment += point.impulse_n_s * where;
   }
-  body.blows.note_contact(body, patch, point, normal, where - body.world_from_body.position_m);
+  body.impacts.record_contact(body, patch, point, normal, where - body.world_from_body.position_m);
 }
 
 void tally(RigidBody& body, ContactPatch& patch) {
@@ -112,8 +112,8 @@ void tally(RigidBody& body, ContactPatch& patch) {
     }
   }
   const Eigen::Vector3d &rubbed = patch.friction_impulse_n_s, twist = patch.twist_impulse * patch.normal;
-  body.blows.note_friction(body, rubbed, twist, patch.arm_a_m);
-  if (patch.other) patch.other->blows.note_friction(*patch.other, -rubbed, -twist, patch.arm_b_m);
+  body.impacts.record_friction(body, rubbed, twist, patch.arm_a_m);
+  if (patch.other) patch.other->impacts.record_friction(*patch.other, -rubbed, -twist, patch.arm_b_m);
   if (struck) {
     patch.friction_impulse_n_s.setZero();
     patch.twist_impulse = 0.0;
@@ -132,14 +132,14 @@ void cut_bounce(ContactPatch& patch, double part) {
 }
 
 // What hands and joints gave in the step loads a body as contacts do.
-void note_held(const RigidIsland& island, std::span<JointGroup* const> joints, double step_s) {
+void record_held_loads(const RigidIsland& island, std::span<JointGroup* const> joints, double step_s) {
   for (RigidBody* body : island.bodies) {
     if (!body->can_break) continue;
-    for (const RigidSpring* spring : body->springs) body->blows.note_force(*body, step_s * spring->force_n, spring->arm_m);
+    for (const RigidSpring* spring : body->springs) body->impacts.record_force(*body, step_s * spring->force_n, spring->arm_m);
   }
   const auto note = [&](RigidBody* body, const Eigen::Vector3d& force_n, const Eigen::Vector3d& anchor_m) {
     if (!body || !body->can_break || body->asleep) return;
-    body->blows.note_joint(*body, step_s * force_n, anchor_m - body->world_from_body.position_m);
+    body->impacts.record_joint(*body, step_s * force_n, anchor_m - body->world_from_body.position_m);
   };
   for (const JointGroup* group : joints) {
     for (const RigidJoint& joint : group->joints()) {
@@ -187,7 +187,7 @@ void put_back(RigidIsland& island, std::span<const Pose> poses, std::span<JointG
     body.substep_acceleration_m_s2.setZero();
     body.patches.clear();
     body.previous_patches.clear();
-    body.blows = RigidBlows();
+    body.impacts = ImpactRecord();
     body.contact_impulse_n_s = body.outer_impulse_n_s = 0.0;
     body.outer_moment.setZero();
     body.update_turning();
@@ -266,15 +266,15 @@ void solve_island(RigidIsland& island, double duration_s, int times) {
     }
     for (JointGroup* group : joints) group->end(step_s);
     each(tally);
-    note_held(island, joints, step_s);
+    record_held_loads(island, joints, step_s);
   }
   if (times > 1) each([&](RigidBody&, ContactPatch& patch) { scale_impulses(patch, times); });
   if (!std::all_of(island.bodies.begin(), island.bodies.end(), [](const RigidBody* body) { return moves_finitely(*body); })) {
     put_back(island, poses, joints);
   }
-  double struck_share = 0.0;
-  for (const RigidBody* body : island.bodies) struck_share = std::max(struck_share, body->blows.struck_share());
-  for (RigidBody* body : island.bodies) body->blows.end_substep(*body, struck_share, duration_s);
+  double impact_fraction = 0.0;
+  for (const RigidBody* body : island.bodies) impact_fraction = std::max(impact_fraction, body->impacts.impact_fraction());
+  for (RigidBody* body : island.bodies) body->impacts.end_substep(*body, impact_fraction, duration_s);
 }
 
 // The substep in `parts`, each with contacts of its own. Its bodies meet nobody but each other, colliders and sleepers: other

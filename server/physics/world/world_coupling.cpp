@@ -145,14 +145,14 @@ void World::State::take_impulses(double duration_s) {
     const Vector3d balance = -body.mass_kg * copy.expected_m_s;
     const double whole = balance.squaredNorm();
     const double part = whole > 0.0 ? std::clamp(balance.dot(copy.impulse_n_s) / whole, 0.0, 1.0) : 0.0;
-    const Vector3d blow = copy.impulse_n_s - part * balance;
+    const Vector3d impact = copy.impulse_n_s - part * balance;
     loads[i].impulse_n_s += part * balance;
-    loads[i].implicit_impulse_n_s += blow;
+    loads[i].implicit_impulse_n_s += impact;
     loads[i].angular_impulse += copy.angular_impulse;
     body.contact_impulse_n_s += size;
     body.outer_impulse_n_s += size;
     body.outer_moment += copy.contact_moment;
-    const double struck = blow.norm();
+    const double struck = impact.norm();
     // Where the copy was: impulses that came later in the substep moved it less. Those that balance come evenly.
     const double steps = copy.steps_n_s / size, even = 0.5 * (steps - 1.0) / steps * duration_s;
     body.world_from_body.position_m += even * part / body.mass_kg * balance - copy.late_m;
@@ -160,7 +160,7 @@ void World::State::take_impulses(double duration_s) {
     body.world_from_body.orientation = (rotation_exp(-turned * copy.late_rad) * body.world_from_body.orientation).normalized();
     body.update_turning();
     // What is soft takes its time: its push is a force, however it came.
-    if (body.can_break) body.blows.note_force(body, copy.impulse_n_s, copy.contact_moment / size - body.world_from_body.position_m);
+    if (body.can_break) body.impacts.record_force(body, copy.impulse_n_s, copy.contact_moment / size - body.world_from_body.position_m);
   }
 }
 

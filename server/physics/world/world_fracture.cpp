@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How a rigid object becomes several. A body that breaks hands each fragment the velocity its material has at that
 // place, v + w x r, and its own share of mass and inertia: mass, linear and angular momentum are those of the whole to
-// rounding. Kinetic energy is that and what the strain of the blow gives back: see fracture_recoil.h.
+// rounding. Kinetic energy is that and what the strain of the impact gives back: see fracture_recoil.h.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -14,7 +14,7 @@ namespace livegs {
 namespace {
 
 // Blows below this part of the break impulse of the whole break nothing, of a fragment either.
-constexpr double kFaintBlow = 0.01;
+constexpr double kMinImpactRatio = 0.01;
 // Impulses whose sum is at least this part of the sum of their sizes point one way.
 constexpr double kOneWay = 0.99;
 
@@ -54,7 +54,7 @@ void become_fragment(RigidBody& body, const RigidBody& whole, const RigidObject&
   body.restitution = object.material.restitution;
   body.asleep = false;
   body.still_s = 0.0;
-  body.blows = {};
+  body.impacts = {};
   body.can_break = true;
   body.set_angular_velocity(spin);
 }
@@ -87,19 +87,19 @@ uint32_t nearest_piece(const RigidObject& object, uint32_t body_index, const Eig
   return nearest;
 }
 
-Blow blow_of(const RigidObject& object, uint32_t body_index, const ImpulseSum& sum) {
-  Blow blow;
-  blow.point_m = object.body_at(body_index).rest_centre_m + sum.moment / sum.impulse_n_s;
-  blow.impulse_n_s = sum.impulse_n_s * direction_of(sum);
-  blow.piece = nearest_piece(object, body_index, blow.point_m);
-  return blow;
+Impact impact_of(const RigidObject& object, uint32_t body_index, const ImpulseAccumulator& sum) {
+  Impact impact;
+  impact.point_m = object.body_at(body_index).rest_centre_m + sum.moment / sum.impulse_n_s;
+  impact.impulse_n_s = sum.impulse_n_s * direction_of(sum);
+  impact.piece = nearest_piece(object, body_index, impact.point_m);
+  return impact;
 }
 
 // Takes back what contacts gave (axes of the body), as far as the motion has no more than `most_j` then: it was given over
 // some substeps, in which the body turned.
-void give_back(RigidBody& body, const ImpulseSum& given, double part, double most_j) {
-  const Eigen::Vector3d impulse = -part * (body.world_from_body.orientation * given.given_n_s);
-  const Eigen::Vector3d moment = -part * (body.world_from_body.orientation * given.given_moment);
+void give_back(RigidBody& body, const ImpulseAccumulator& given, double part, double most_j) {
+  const Eigen::Vector3d impulse = -part * (body.world_from_body.orientation * given.total_n_s);
+  const Eigen::Vector3d moment = -part * (body.world_from_body.orientation * given.total_moment);
   // kinetic + s linear + s² square <= most
   const double linear = impulse.dot(body.velocity_m_s) + moment.dot(body.angular_velocity_rad_s);
   const double square = 0.5 * (body.inverse_mass * impulse.squaredNorm() + moment.dot(body.inverse_inertia * moment));
@@ -155,9 +155,9 @@ void World::State::split_body(uint32_t object_id, RigidObject& object, uint32_t 
   become_fragment(broken, broken, object, *largest);
 }
 
-bool World::State::strike(uint32_t object_id, RigidObject& object, uint32_t body_index, const Blow& blow,
-                          const ImpulseSum& given, double given_back, double recoil_j) {
-  const std::vector<uint32_t> broken = broken_bonds(object.bonds, blow);
+bool World::State::strike(uint32_t object_id, RigidObject& object, uint32_t body_index, const Impact& impact,
+                          const ImpulseAccumulator& given, double given_back, double recoil_j) {
+  const std::vector<uint32_t> broken = broken_bonds(object.bonds, impact);
   for (const uint32_t bond : broken) object.bonds.bonds[bond].health = 0.0;
   const std::vector<uint32_t> group_of = connected_groups(object.bonds);
   std::map<uint32_t, std::vector<uint32_t>> members;
@@ -212,28 +212,28 @@ void World::State::break_struck() {
     for (uint32_t index = 0; index < count; ++index) {
       RigidBody& body = object->body_at(index);
       if (!body.can_break) continue;
-      const ImpulseSum sum = body.blows.take(1.0 / settings.rate_hz), spell = body.blows.take_spell();
+      const ImpulseAccumulator sum = body.impacts.take(1.0 / settings.rate_hz), episode = body.impacts.take_ended_episode();
       if (!object->material.fragile) continue;
-      const double faint_n_s = kFaintBlow * object->bonds.break_impulse_n_s;
-      // Only once a spell of blows is over: while it lasts it is one blow, and has to break what is as it was before.
-      if (spell.impulse_n_s >= faint_n_s) wear_bonds(object->bonds, blow_of(*object, index, spell));
+      const double faint_n_s = kMinImpactRatio * object->bonds.break_impulse_n_s;
+      // Only once an episode of impacts is over: while it lasts it is one impact, and has to break what is as it was before.
+      if (episode.impulse_n_s >= faint_n_s) wear_bonds(object->bonds, impact_of(*object, index, episode));
       if (sum.impulse_n_s < faint_n_s) continue;
-      const Blow blow = blow_of(*object, index, sum);
-      const Eigen::Vector3d where = body.world_from_body * Eigen::Vector3d(blow.point_m - body.rest_centre_m);
-      // What the bonds did not bear was never passed on: of a blow from the floor, fragments keep the velocity they had
+      const Impact impact = impact_of(*object, index, sum);
+      const Eigen::Vector3d where = body.world_from_body * Eigen::Vector3d(impact.point_m - body.rest_centre_m);
+      // What the bonds did not bear was never passed on: of an impact from the floor, fragments keep the velocity they had
       // before it, less the part that broke them, and go on until they hit the floor themselves. Blows from other bodies are
       // kept whole, because those have had theirs.
       double given_back = 0.0;
       const bool one_way = sum.push_n_s.norm() > kOneWay * sum.impulse_n_s;
       double borne = 1.0;
       if (sum.from_colliders && one_way) {
-        borne = std::min(1.0, break_threshold_n_s(object->bonds, blow) / sum.impulse_n_s);
+        borne = std::min(1.0, break_threshold_n_s(object->bonds, impact) / sum.impulse_n_s);
         given_back = 1.0 - borne;
       }
-      const Eigen::Vector3d arm = blow.point_m - body.rest_centre_m;
+      const Eigen::Vector3d arm = impact.point_m - body.rest_centre_m;
       const double restitution = body.touches_elastic ? 1.0 : sum.restitution;  // what is soft takes no energy at once
-      const double recoil_j = kRecoilPart * blow_loss_j(body, sum.push_n_s, arm, borne, restitution);
-      if (!strike(id, *object, index, blow, sum, given_back, recoil_j)) continue;
+      const double recoil_j = kRecoilPart * impact_energy_loss_j(body, sum.push_n_s, arm, borne, restitution);
+      if (!strike(id, *object, index, impact, sum, given_back, recoil_j)) continue;
       broke = true;
       events.push_back({tick, WorldEventKind::Fracture, id, sum.impulse_n_s, where});
     }
@@ -274,21 +274,21 @@ Result<void> World::break_object(uint32_t object_id, const Eigen::Vector3d& rest
   RigidObject* object = thing ? thing->rigid() : nullptr;
   if (!object) return not_found(name + ": there is no rigid object of this id to break");
   if (!object->pieces) return invalid_argument(name + ": it has no pieces to break into; make it fragile, or wait until it is cut");
-  Blow blow;
-  blow.piece = object->pieces->cut.locate(rest_point_m);
-  blow.point_m = rest_point_m;
-  const uint32_t index = object->body_of(blow.piece);
+  Impact impact;
+  impact.piece = object->pieces->cut.locate(rest_point_m);
+  impact.point_m = rest_point_m;
+  const uint32_t index = object->body_of(impact.piece);
   const RigidBody& body = object->body_at(index);
   const Eigen::Vector3d inwards = body.rest_centre_m - rest_point_m;
   const Eigen::Vector3d direction =
       inwards.norm() > 0.01 * body.shape.bounding_radius_m ? inwards.normalized() : -Eigen::Vector3d::UnitY();
-  blow.impulse_n_s = direction;
-  const double threshold = break_threshold_n_s(object->bonds, blow);
+  impact.impulse_n_s = direction;
+  const double threshold = break_threshold_n_s(object->bonds, impact);
   if (!std::isfinite(threshold)) return invalid_argument(name + ": the piece at this point breaks no further");
-  blow.impulse_n_s = kBreakAtWill * threshold * direction;
+  impact.impulse_n_s = kBreakAtWill * threshold * direction;
   const Eigen::Vector3d where = body.world_from_body.position_m + body.arm_of(rest_point_m);
   thing->wake();
-  if (!state_->strike(object_id, *object, index, blow, {}, 0.0, 0.0)) {
+  if (!state_->strike(object_id, *object, index, impact, {}, 0.0, 0.0)) {
     return invalid_argument(name + ": nothing breaks at this point");
   }
   state_->events.push_back({state_->tick, WorldEventKind::Fracture, object_id, 0.0, where});

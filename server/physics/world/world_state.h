@@ -190,11 +190,11 @@ struct World::State {
   double lost_near_j(const RigidBody& body) const;
   // At the end of a tick: what was struck hard enough comes apart.
   void break_struck();
-  // Breaks what a blow on one body breaks. Returns whether the body came apart.
+  // Breaks what an impact on one body breaks. Returns whether the body came apart.
   // The part `given_back` of what contacts gave it is taken from it first, never beyond the energy it began the tick with;
   // `recoil_j`, as far as it and what it met have lost ten times as much, drives the fragments apart.
-  bool strike(uint32_t object_id, RigidObject& object, uint32_t body_index, const Blow& blow,
-              const ImpulseSum& given, double given_back, double recoil_j);
+  bool strike(uint32_t object_id, RigidObject& object, uint32_t body_index, const Impact& impact,
+              const ImpulseAccumulator& given, double given_back, double recoil_j);
   // Makes a body of each group of pieces (at least two groups, together all of the body's); the largest keeps the index.
   void split_body(uint32_t object_id, RigidObject& object, uint32_t body_index,
                   const std::vector<std::vector<uint32_t>>& groups);

@@ -30,7 +30,7 @@ void World::State::gather_loads(double duration_s) {
       RigidLoad& load = loads[index_of(rigid_bodies, body)];
       load.impulse_n_s += duration_s * force;
       // A sleeper bears it as it did when it fell asleep, and nobody takes the sum of its substeps.
-      if (body.can_break && !body.asleep) body.blows.note_force(body, duration_s * force, body.arm_of(rest_point));
+      if (body.can_break && !body.asleep) body.impacts.record_force(body, duration_s * force, body.arm_of(rest_point));
       load.angular_impulse += duration_s * body.arm_of(rest_point).cross(force);
     }
   };

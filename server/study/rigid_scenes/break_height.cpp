@@ -28,7 +28,7 @@ Drop flat_drop() {
   return drop;
 }
 
-// Nearly balanced on the corner, so that no other one lands within the frame over which blows are summed.
+// Nearly balanced on the corner, so that no other one lands within the frame over which impacts are summed.
 Drop corner_drop() {
   constexpr double kOffBalance_rad = 0.1;
   Drop drop = flat_drop();

@@ -26,8 +26,8 @@ size_t group_count(const BondGraph& graph) {
   return std::set(groups.begin(), groups.end()).size();
 }
 
-BondGraph broken(BondGraph graph, const Blow& blow) {
-  for (uint32_t b : broken_bonds(graph, blow)) graph.bonds[b].health = 0.0;
+BondGraph broken(BondGraph graph, const Impact& impact) {
+  for (uint32_t b : broken_bonds(graph, impact)) graph.bonds[b].health = 0.0;
   return graph;
 }
 
@@ -44,18 +44,18 @@ TEST(BondGraph, LoadsARowByWhatLiesBehind) {
   row.bonds = {{1, 2, 1e-4}, {0, 1, 1e-4}};
   row.break_impulse_n_s = kThreshold;
   row.whole_area_m2 = 2e-4;
-  Blow blow{0, {0, 0, 0}, {kThreshold, 0, 0}};
-  EXPECT_EQ(broken_bonds(row, blow), std::vector<uint32_t>{1});
+  Impact impact{0, {0, 0, 0}, {kThreshold, 0, 0}};
+  EXPECT_EQ(broken_bonds(row, impact), std::vector<uint32_t>{1});
   // Cracked area goes with the square of the impulse: both bonds from sqrt(2) of the threshold on.
-  blow.impulse_n_s *= 1.41;
-  EXPECT_EQ(broken_bonds(row, blow), std::vector<uint32_t>{1});
-  blow.impulse_n_s *= 1.42 / 1.41;
-  EXPECT_EQ(broken_bonds(row, blow), (std::vector<uint32_t>{1, 0}));
+  impact.impulse_n_s *= 1.41;
+  EXPECT_EQ(broken_bonds(row, impact), std::vector<uint32_t>{1});
+  impact.impulse_n_s *= 1.42 / 1.41;
+  EXPECT_EQ(broken_bonds(row, impact), (std::vector<uint32_t>{1, 0}));
   // With 0.4 of its strength the far bond gives way first, at 0.4 / (1/3) · 2/3 = 0.8 of the threshold.
   row.bonds[0].health = 0.4;
-  EXPECT_NEAR(break_threshold_n_s(row, blow), 0.8 * kThreshold, 1e-12);
-  blow.impulse_n_s = {0.81 * kThreshold, 0, 0};
-  EXPECT_EQ(broken_bonds(row, blow), std::vector<uint32_t>{0});
+  EXPECT_NEAR(break_threshold_n_s(row, impact), 0.8 * kThreshold, 1e-12);
+  impact.impulse_n_s = {0.81 * kThreshold, 0, 0};
+  EXPECT_EQ(broken_bonds(row, impact), std::vector<uint32_t>{0});
 }
 
 // At 0.9 of what breaks it the near bond loses 0.25 · (0.9 - 0.5) / 0.5 = 0.2, the far one, which bears 0.45, nothing.
@@ -65,14 +65,14 @@ TEST(BondGraph, BlowsThatBreakNothingWearWhatBearsMoreThanHalf) {
   row.bonds = {{1, 2, 1e-4}, {0, 1, 1e-4}};
   row.break_impulse_n_s = kThreshold;
   row.whole_area_m2 = 2e-4;
-  const Blow blow{0, {0, 0, 0}, {0.9 * kThreshold, 0, 0}}, light{0, {0, 0, 0}, {0.5 * kThreshold, 0, 0}};
-  ASSERT_TRUE(broken_bonds(row, blow).empty());
-  wear_bonds(row, blow);
+  const Impact impact{0, {0, 0, 0}, {0.9 * kThreshold, 0, 0}}, light{0, {0, 0, 0}, {0.5 * kThreshold, 0, 0}};
+  ASSERT_TRUE(broken_bonds(row, impact).empty());
+  wear_bonds(row, impact);
   EXPECT_NEAR(row.bonds[1].health, 0.8, 1e-12);
   EXPECT_EQ(row.bonds[0].health, 1.0);
-  EXPECT_NEAR(break_threshold_n_s(row, blow), 0.8 * kThreshold, 1e-12);
-  EXPECT_EQ(broken_bonds(row, blow).front(), 1u);
-  // What it was worn by before does not change what a blow takes; half of what breaks it takes nothing.
+  EXPECT_NEAR(break_threshold_n_s(row, impact), 0.8 * kThreshold, 1e-12);
+  EXPECT_EQ(broken_bonds(row, impact).front(), 1u);
+  // What it was worn by before does not change what an impact takes; half of what breaks it takes nothing.
   wear_bonds(row, light);
   EXPECT_NEAR(row.bonds[1].health, 0.8, 1e-12);
   wear_bonds(row, {0, {0, 0, 0}, {0.7 * kThreshold, 0, 0}});
@@ -81,18 +81,18 @@ TEST(BondGraph, BlowsThatBreakNothingWearWhatBearsMoreThanHalf) {
   EXPECT_EQ(row.bonds[1].health, kLeastHealth);
 }
 
-// A cup that is struck again and again breaks along bonds that those blows wore.
+// A cup that is struck again and again breaks along bonds that those impacts wore.
 TEST(BondGraph, ACrackRunsAlongWhatWasWorn) {
   int worn_first = 0, cracks = 0;
   for (uint64_t seed = 1; seed <= 25; ++seed) {
     const VoronoiPieces pieces = cut_cup(32, seed);
     const BondGraph fresh = make_bond_graph(pieces, 0.3, kThreshold);
     BondGraph worn = fresh;
-    const Blow blow{7, pieces.pieces[7].mesh.vertices_m[0], 0.72 * kThreshold * Eigen::Vector3d(-0.6, 0, 0.8)};
-    int blows = 1;
-    for (; broken_bonds(worn, blow).empty() && blows < 20; ++blows) wear_bonds(worn, blow);
-    EXPECT_EQ(blows, 4) << "0.11 each, and 0.67 is less than 0.72";
-    const std::vector<uint32_t> crack = broken_bonds(worn, blow);
+    const Impact impact{7, pieces.pieces[7].mesh.vertices_m[0], 0.72 * kThreshold * Eigen::Vector3d(-0.6, 0, 0.8)};
+    int impacts = 1;
+    for (; broken_bonds(worn, impact).empty() && impacts < 20; ++impacts) wear_bonds(worn, impact);
+    EXPECT_EQ(impacts, 4) << "0.11 each, and 0.67 is less than 0.72";
+    const std::vector<uint32_t> crack = broken_bonds(worn, impact);
     ++cracks;
     worn_first += std::any_of(crack.begin(), crack.end(), [&](uint32_t b) { return worn.bonds[b].health < 0.99; });
   }
@@ -115,7 +115,7 @@ TEST(BondGraph, BreaksAtItsThresholdWhereverTheBlowFalls) {
   }
 }
 
-// What a blow breaks, a stronger one breaks too; the strongest leaves no two pieces together.
+// What an impact breaks, a stronger one breaks too; the strongest leaves no two pieces together.
 TEST(BondGraph, StrongerBlowsBreakMore) {
   const VoronoiPieces pieces = cut_cup(32, 4);
   const BondGraph graph = make_bond_graph(pieces, 0.3, kThreshold);
@@ -148,11 +148,11 @@ TEST(BondGraph, GroupsAddUpAndFragmentsBreakAtTheirShare) {
     for (const BondGraph::Bond& bond : after.bonds) {
       if (bond.health > 0.0 && groups[bond.first] == group) area_m2 += bond.area_m2;
     }
-    const Blow blow{group, body.centre_m, {0, 0, 1}};
+    const Impact impact{group, body.centre_m, {0, 0, 1}};
     if (area_m2 > 0.0) {
-      EXPECT_NEAR(break_threshold_n_s(after, blow), kThreshold * area_m2 / graph.whole_area_m2, 1e-12);
+      EXPECT_NEAR(break_threshold_n_s(after, impact), kThreshold * area_m2 / graph.whole_area_m2, 1e-12);
     } else {
-      EXPECT_TRUE(std::isinf(break_threshold_n_s(after, blow)));
+      EXPECT_TRUE(std::isinf(break_threshold_n_s(after, impact)));
       EXPECT_TRUE(broken_bonds(after, {group, body.centre_m, {0, 0, 1e6}}).empty());
     }
   }

@@ -101,7 +101,7 @@ TEST(Breaking, TheHeightThatBreaksACupLandingOnItsRimIsTheClosedFormForAnySubste
   }
 }
 
-// Tilted by a few degrees it rocks from corner to corner within 4 to 14 ms: one landing, wherever ticks and substeps end. When blows
+// Tilted by a few degrees it rocks from corner to corner within 4 to 14 ms: one landing, wherever ticks and substeps end. When impacts
 // were summed by the tick, at 9 degrees and 90 Hz it broke and held by turns from 0.32 to 0.65 m; when they were timed by the substep
 // in which they came, it held up to 0.277 m at 60 Hz. There is no closed form; all ticks and substeps share one threshold.
 TEST(Breaking, ATiltedCupHasOneBreakHeight) {

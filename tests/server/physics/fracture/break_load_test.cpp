@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What lasts is no blow: weights, piles and hands that press, whatever the rate. And what a blow is, passed on through
+// What lasts is no impact: weights, piles and hands that press, whatever the rate. And what an impact is, passed on through
 // what lies between.
 #include "known_gaps.h"
 #include "physics/fracture/impact_record.h"
@@ -38,10 +38,10 @@ TEST(BreakingLoads, AWeightLaidOnACupBreaksNothing) {
   }
 }
 
-// A force breaks it as a blow of kBlowTime_s of it would; the cup is pressed from both sides, and both count. From 4 substeps
+// A force breaks it as an impact of kImpactDuration_s of it would; the cup is pressed from both sides, and both count. From 4 substeps
 // on: with fewer, 140 times its weight is thrown against the floor before the first contact bears it.
 TEST(BreakingLoads, TheForceThatCrushesItIsTheSameAtAnyRate) {
-  const double crushing_n = 0.5 * kBreakImpulse_n_s / kBlowTime_s;
+  const double crushing_n = 0.5 * kBreakImpulse_n_s / kImpactDuration_s;
   for (const double rate : {60.0, 90.0}) {
     for (const int substeps : {4, 8, 16, 32}) {
       SCOPED_TRACE(::testing::Message() << substeps << " substeps of " << rate << " Hz");
@@ -117,7 +117,7 @@ TEST(BreakingLoads, AFallingWeightBreaksItFromTheSameHeightForAnySubsteps) {
   }
 }
 
-// Light things that strike what lies there do not make a blow of it: 36 balls of a gram from the first tick on. And a cup under
+// Light things that strike what lies there do not make an impact of it: 36 balls of a gram from the first tick on. And a cup under
 // 4 kg may be among what strikes.
 TEST(BreakingLoads, APeltedLoadIsNoBlow) {
   for (const double rate : kRates_hz) {
@@ -196,9 +196,9 @@ TEST(BreakingLoads, AForceOnASleeperBreaksNothingWhenItEnds) {
 }
 
 // Two hands that draw a cup apart are a load like any other, a grip's or a ray's: both count, each with what it gives in
-// kBlowTime_s. They were none, and 2000 N from either side left it whole.
+// kImpactDuration_s. They were none, and 2000 N from either side left it whole.
 TEST(BreakingLoads, HandsThatPullApartBreakWhatAForceWould) {
-  const double tearing_n = 0.5 * kBreakImpulse_n_s / kBlowTime_s;
+  const double tearing_n = 0.5 * kBreakImpulse_n_s / kImpactDuration_s;
   for (const double rate : kRates_hz) {
     for (const int substeps : {4, 32}) {
       for (const bool grips : {true, false}) {
@@ -230,7 +230,7 @@ TEST(BreakingLoads, HandsThatPullApartBreakWhatAForceWould) {
 
 // A cup between a hook and a weight bears the weight below and both above.
 TEST(BreakingLoads, AWeightThatHangsFromACupBreaksItAsOneThatStandsOnItWould) {
-  const double tearing_kg = 0.5 * (kBreakImpulse_n_s / kBlowTime_s / kGravity - kMass_kg);
+  const double tearing_kg = 0.5 * (kBreakImpulse_n_s / kImpactDuration_s / kGravity - kMass_kg);
   for (const double rate : kRates_hz) {
     for (const int substeps : {4, 32}) {
       SCOPED_TRACE(::testing::Message() << substeps << " substeps of " << rate << " Hz");
@@ -250,7 +250,7 @@ TEST(BreakingLoads, AWeightThatHangsFromACupBreaksItAsOneThatStandsOnItWould) {
   }
 }
 
-// What a joint passes on of a blow belongs to the blow, so that the step has no say in it.
+// What a joint passes on of an impact belongs to the impact, so that the step has no say in it.
 TEST(BreakingLoads, ACupOnAHookBreaksFromTheSameBlowForAnySubsteps) {
   const auto breaks = [](double rate, int substeps, double speed_m_s) {
     World world = with_cup(cup_at(0.0), world_at(rate, substeps));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is kept when a body breaks: mass, momentum, and energy but for what the blow took.
+// What is kept when a body breaks: mass, momentum, and energy but for what the impact took.
 #include <algorithm>
 #include <optional>
 
@@ -46,7 +46,7 @@ TEST(Breaking, MassMomentumAndEnergyAreKeptForAllSeeds) {
   }
 }
 
-// In free space a cup meets a plate that comes towards it, turning, or a ball. Blow, recoil and what fragments give back are
+// In free space a cup meets a plate that comes towards it, turning, or a ball. Impact, recoil and what fragments give back are
 // in the sum: they are between bodies, so nothing may be missing.
 TEST(Breaking, ACupThatIsStruckKeepsMassAndMomentumForAllSeeds) {
   for (const double rate : kRates_hz) for (int run = 1; run <= seed_count(10); ++run) {

@@ -61,10 +61,10 @@ TEST(FractureRecoil, ABlowTakesWhatTheFallHad) {
   const double speed = 4.0;
   for (const double restitution : {0.0, 0.2, 1.0}) {
     const Vector3d impulse(0, 0.3 * speed * (1 + restitution), 0);
-    EXPECT_NEAR(blow_loss_j(body, impulse, Vector3d::Zero(), 1.0, restitution),
+    EXPECT_NEAR(impact_energy_loss_j(body, impulse, Vector3d::Zero(), 1.0, restitution),
                 0.5 * 0.3 * speed * speed * (1 - restitution * restitution), 1e-12);
     const double part = 0.25 * impulse.y();
-    EXPECT_NEAR(blow_loss_j(body, impulse, Vector3d::Zero(), 0.25, restitution), speed * part - part * part / 0.6, 1e-12);
+    EXPECT_NEAR(impact_energy_loss_j(body, impulse, Vector3d::Zero(), 0.25, restitution), speed * part - part * part / 0.6, 1e-12);
   }
 }
 

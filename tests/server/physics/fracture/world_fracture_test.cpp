@@ -57,7 +57,7 @@ TEST(Breaking, FragmentsComeToRestAndSleepAndNoneGainsEnergy) {
   }
 }
 
-// Plates, boxes and rods that break on the floor, in six ways each: what is given back to the fragments of the blow that its
+// Plates, boxes and rods that break on the floor, in six ways each: what is given back to the fragments of the impact that its
 // bonds did not bear is friction's part too, and no more than there was. Of plates six in twelve gained up to 28 % in that tick.
 TEST(Breaking, WhatBreaksOnTheFloorInWhateverWayGainsNothing) {
   int broken = 0;
@@ -182,7 +182,7 @@ TEST(Breaking, WhatLastsWearsNothing) {
     run_seconds(world, 0.5);
   }
   EXPECT_EQ(world.revision(kCup), 0u);
-  const double crushing_n = 0.5 * kBreakImpulse_n_s / kBlowTime_s;
+  const double crushing_n = 0.5 * kBreakImpulse_n_s / kImpactDuration_s;
   world.set_force(3, kCup, {{0, 0.05, 0}, {0, -(0.97 * crushing_n - kMass_kg * kGravity), 0}});
   run_seconds(world, 0.5);
   EXPECT_EQ(world.revision(kCup), 0u) << "as strong as new";
@@ -279,7 +279,7 @@ TEST(Breaking, WhatCannotBreakSaysWhy) {
   box.material.break_impulse_n_s = 1.0;
   ASSERT_TRUE(world.add_rigid(box));
   says(world.set_pieces(3, cup_pieces()), "another body");
-  // So weak that no blow has a direction: it was no error, and nothing broke.
+  // So weak that no impact has a direction: it was no error, and nothing broke.
   RigidBodyDescription weak = cup_at(0.0);
   weak.object_id = 4;
   weak.material.break_impulse_n_s = 1e-200;
