@@ -217,7 +217,7 @@ class World {
   // those of a millisecond of what lasts reach material().break_impulse_n_s: see rigid_blow.h. Its fragments break again,
   // down to single pieces.
   Result<void> set_pieces(uint32_t object_id, std::shared_ptr<const BreakablePieces> pieces);
-  // Breaks it at a material point (rest object frame) as an impact of kBreakAtWill times what it bears would, without
+  // Breaks it at a material point (rest object frame) as an impact of kForcedBreakFactor times what it bears would, without
   // giving it any momentum. Fails, and says why, if there is nothing to break there.
   Result<void> break_object(uint32_t object_id, const Eigen::Vector3d& rest_point_m);
   // The body (BodyState::body_index) of each piece; empty until the object breaks.
@@ -241,6 +241,6 @@ class World {
 // Contacts weaker than this over a tick are not reported as events.
 inline constexpr double kReportedImpulse_n_s = 0.02;
 
-inline constexpr double kBreakAtWill = 2.5;
+inline constexpr double kForcedBreakFactor = 2.5;
 
 }  // namespace livegs

@@ -19,7 +19,7 @@ constexpr ShapeDetail kPieceDetail{
 constexpr size_t kOutsidePoints = 32;  // of a piece
 constexpr size_t kFacePoints = 12;     // of one cut face
 // A piece with less of the outside than this part of its share of the volume is no piece of a shell.
-constexpr double kLeastOutside = 0.05;
+constexpr double kMinOutsideShare = 0.05;
 
 TriangleMesh triangles_on(const VoronoiPiece& piece, uint32_t bond) {
   TriangleMesh mesh;
@@ -90,7 +90,7 @@ bool has_outside(const VoronoiPiece& piece) {
     const Eigen::Vector3d& corner = outside.vertices_m[a];
     area += 0.5 * (outside.vertices_m[b] - corner).cross(outside.vertices_m[c] - corner).norm();
   }
-  return area > kLeastOutside * std::pow(piece.mass.volume_m3, 2.0 / 3.0);
+  return area > kMinOutsideShare * std::pow(piece.mass.volume_m3, 2.0 / 3.0);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace livegs {
 
 // Of the energy that an impact takes, the part that fragments fly apart with. Chosen, not measured: without it the sherds of a
 // cup dropped upright from four times its break height stand as high as it did; with it, half as high.
-inline constexpr double kRecoilPart = 0.1;
+inline constexpr double kRecoilEnergyFraction = 0.1;
 
 // A face that gave way, as it is in the world: between two bodies, by their numbers in the list.
 struct OpenedFace {

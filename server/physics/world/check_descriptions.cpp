@@ -85,8 +85,8 @@ Result<void> check_material(uint32_t object_id, const Material& material) {
 }
 
 Result<void> check_break_impulse(uint32_t object_id, const Material& material) {
-  return check_range(object_id, "break_impulse_n_s", material.break_impulse_n_s, kLeastBreakImpulse_n_s,
-                     kMostBreakImpulse_n_s);
+  return check_range(object_id, "break_impulse_n_s", material.break_impulse_n_s, kMinBreakImpulse_n_s,
+                     kMaxBreakImpulse_n_s);
 }
 
 Result<void> check_rigid(const RigidBodyDescription& description) {

@@ -12,7 +12,7 @@ Result<void> check_settings(const WorldSettings& settings);
 Result<void> check_pose(uint32_t object_id, const Pose& pose);
 Result<void> check_material(uint32_t object_id, const Material& material);
 // Of what can break: below it standing would be an impact. The same range as a scene's.
-inline constexpr double kLeastBreakImpulse_n_s = 1e-6, kMostBreakImpulse_n_s = 1e6;
+inline constexpr double kMinBreakImpulse_n_s = 1e-6, kMaxBreakImpulse_n_s = 1e6;
 Result<void> check_break_impulse(uint32_t object_id, const Material& material);
 Result<void> check_rigid(const RigidBodyDescription& description);
 Result<void> check_ball(const BallDescription& description);

@@ -16,10 +16,10 @@ namespace {
 // Blows below this part of the break impulse of the whole break nothing, of a fragment either.
 constexpr double kMinImpactRatio = 0.01;
 // Impulses whose sum is at least this part of the sum of their sizes point one way.
-constexpr double kOneWay = 0.99;
+constexpr double kMinDirectionality = 0.99;
 
 // Contacts of the body that was are void: their features are gone. What leaned on it wakes.
-void forget_contacts(std::span<RigidBody* const> bodies, RigidBody& broken) {
+void discard_contacts(std::span<RigidBody* const> bodies, RigidBody& broken) {
   for (ContactPatch& patch : broken.patches) {
     if (patch.other && patch.other->asleep) patch.other->wake();
   }
@@ -32,7 +32,7 @@ void forget_contacts(std::span<RigidBody* const> bodies, RigidBody& broken) {
   }
 }
 
-void take_mass(RigidBody& body, const MassProperties& properties, double mass_kg) {
+void set_mass_properties(RigidBody& body, const MassProperties& properties, double mass_kg) {
   body.mass_kg = mass_kg;
   body.set_unit_inertia(properties.inertia_m2);
   body.rest_centre_m = properties.centre_of_mass_m;
@@ -48,7 +48,7 @@ void become_fragment(RigidBody& body, const RigidBody& whole, const RigidObject&
   body.tick_energy_j = whole.tick_energy_j * mass_kg / whole.mass_kg;
   body.velocity_m_s = whole.velocity_m_s + spin.cross(arm);
   body.world_from_body = {whole.world_from_body.position_m + arm, whole.world_from_body.orientation};
-  take_mass(body, properties, mass_kg);
+  set_mass_properties(body, properties, mass_kg);
   body.shape = joined_shape(*object.pieces, members, properties.centre_of_mass_m);
   body.friction = object.material.friction;
   body.restitution = object.material.restitution;
@@ -97,7 +97,7 @@ Impact impact_of(const RigidObject& object, uint32_t body_index, const ImpulseAc
 
 // Takes back what contacts gave (axes of the body), as far as the motion has no more than `most_j` then: it was given over
 // some substeps, in which the body turned.
-void give_back(RigidBody& body, const ImpulseAccumulator& given, double part, double most_j) {
+void undo_contact_impulse(RigidBody& body, const ImpulseAccumulator& given, double part, double most_j) {
   const Eigen::Vector3d impulse = -part * (body.world_from_body.orientation * given.total_n_s);
   const Eigen::Vector3d moment = -part * (body.world_from_body.orientation * given.total_moment);
   // kinetic + s linear + s² square <= most
@@ -113,7 +113,7 @@ void give_back(RigidBody& body, const ImpulseAccumulator& given, double part, do
 }
 
 // Faces of the bonds that broke, where they part bodies.
-void spring_back(RigidObject& object, std::span<const uint32_t> broken, double energy_j) {
+void apply_fracture_energy(RigidObject& object, std::span<const uint32_t> broken, double energy_j) {
   std::vector<RigidBody*> bodies;
   std::vector<OpenedFace> faces;
   const auto number = [&](RigidBody& body) {
@@ -139,7 +139,7 @@ void spring_back(RigidObject& object, std::span<const uint32_t> broken, double e
 void World::State::split_body(uint32_t object_id, RigidObject& object, uint32_t body_index,
                               const std::vector<std::vector<uint32_t>>& groups) {
   RigidBody& broken = object.body_at(body_index);
-  forget_contacts(rigid_bodies, broken);
+  discard_contacts(rigid_bodies, broken);
   const auto share = [&](const std::vector<uint32_t>& group) { return joined_share(*object.pieces, group); };
   const auto largest = std::max_element(groups.begin(), groups.end(),
                                         [&](const auto& a, const auto& b) { return share(a) < share(b); });
@@ -155,8 +155,8 @@ void World::State::split_body(uint32_t object_id, RigidObject& object, uint32_t 
   become_fragment(broken, broken, object, *largest);
 }
 
-bool World::State::strike(uint32_t object_id, RigidObject& object, uint32_t body_index, const Impact& impact,
-                          const ImpulseAccumulator& given, double given_back, double recoil_j) {
+bool World::State::fracture_body(uint32_t object_id, RigidObject& object, uint32_t body_index, const Impact& impact,
+                          const ImpulseAccumulator& given, double undone_fraction, double recoil_j) {
   const std::vector<uint32_t> broken = broken_bonds(object.bonds, impact);
   for (const uint32_t bond : broken) object.bonds.bonds[bond].health = 0.0;
   const std::vector<uint32_t> group_of = connected_groups(object.bonds);
@@ -169,15 +169,15 @@ bool World::State::strike(uint32_t object_id, RigidObject& object, uint32_t body
   for (auto& [first, group] : members) groups.push_back(std::move(group));
   RigidBody& body = object.body_at(body_index);
   // Never more than it had when the tick began.
-  give_back(body, given, given_back, body.tick_energy_j - (energy_j(body) - body.kinetic_j()));
+  undo_contact_impulse(body, given, undone_fraction, body.tick_energy_j - (energy_j(body) - body.kinetic_j()));
   if (object.piece_bodies.empty()) {
     object.piece_bodies.assign(group_of.size(), 0);
-    hold_pieces(object_id, object);
+    assign_grabs_to_pieces(object_id, object);
   }
   // In a jam impulses are far larger than the approach they ended: they cannot have taken more than was lost.
-  const double most_j = kRecoilPart * std::max(0.0, lost_near_j(body));
+  const double most_j = kRecoilEnergyFraction * std::max(0.0, local_energy_loss_j(body));
   split_body(object_id, object, body_index, groups);
-  spring_back(object, broken, std::min(recoil_j, most_j));
+  apply_fracture_energy(object, broken, std::min(recoil_j, most_j));
   ++object.revision;
   return true;
 }
@@ -186,7 +186,7 @@ double World::State::energy_j(const RigidBody& body) const {
   return body.kinetic_j() - body.mass_kg * settings.gravity_m_s2.dot(body.world_from_body.position_m);
 }
 
-double World::State::lost_near_j(const RigidBody& body) const {
+double World::State::local_energy_loss_j(const RigidBody& body) const {
   const double tick_s = 1.0 / settings.rate_hz;
   const auto reach_m = [&](const RigidBody& one) {
     return one.shape.bounding_radius_m + tick_s * (one.velocity_m_s.norm() + tick_s * settings.gravity_m_s2.norm());
@@ -203,7 +203,7 @@ double World::State::lost_near_j(const RigidBody& body) const {
   return lost;
 }
 
-void World::State::break_struck() {
+void World::State::process_impacts() {
   bool broke = false;
   for (auto& [id, thing] : objects) {
     RigidObject* object = thing.rigid();
@@ -223,17 +223,17 @@ void World::State::break_struck() {
       // What the bonds did not bear was never passed on: of an impact from the floor, fragments keep the velocity they had
       // before it, less the part that broke them, and go on until they hit the floor themselves. Blows from other bodies are
       // kept whole, because those have had theirs.
-      double given_back = 0.0;
-      const bool one_way = sum.push_n_s.norm() > kOneWay * sum.impulse_n_s;
+      double undone_fraction = 0.0;
+      const bool one_way = sum.push_n_s.norm() > kMinDirectionality * sum.impulse_n_s;
       double borne = 1.0;
       if (sum.from_colliders && one_way) {
         borne = std::min(1.0, break_threshold_n_s(object->bonds, impact) / sum.impulse_n_s);
-        given_back = 1.0 - borne;
+        undone_fraction = 1.0 - borne;
       }
       const Eigen::Vector3d arm = impact.point_m - body.rest_centre_m;
       const double restitution = body.touches_elastic ? 1.0 : sum.restitution;  // what is soft takes no energy at once
-      const double recoil_j = kRecoilPart * impact_energy_loss_j(body, sum.push_n_s, arm, borne, restitution);
-      if (!strike(id, *object, index, impact, sum, given_back, recoil_j)) continue;
+      const double recoil_j = kRecoilEnergyFraction * impact_energy_loss_j(body, sum.push_n_s, arm, borne, restitution);
+      if (!fracture_body(id, *object, index, impact, sum, undone_fraction, recoil_j)) continue;
       broke = true;
       events.push_back({tick, WorldEventKind::Fracture, id, sum.impulse_n_s, where});
     }
@@ -285,10 +285,10 @@ Result<void> World::break_object(uint32_t object_id, const Eigen::Vector3d& rest
   impact.impulse_n_s = direction;
   const double threshold = break_threshold_n_s(object->bonds, impact);
   if (!std::isfinite(threshold)) return invalid_argument(name + ": the piece at this point breaks no further");
-  impact.impulse_n_s = kBreakAtWill * threshold * direction;
+  impact.impulse_n_s = kForcedBreakFactor * threshold * direction;
   const Eigen::Vector3d where = body.world_from_body.position_m + body.arm_of(rest_point_m);
   thing->wake();
-  if (!state_->strike(object_id, *object, index, impact, {}, 0.0, 0.0)) {
+  if (!state_->fracture_body(object_id, *object, index, impact, {}, 0.0, 0.0)) {
     return invalid_argument(name + ": nothing breaks at this point");
   }
   state_->events.push_back({state_->tick, WorldEventKind::Fracture, object_id, 0.0, where});

@@ -79,7 +79,7 @@ NearestBody nearest_body(const RigidObject& object, const Eigen::Vector3d& point
 
 RayHit hit_of(uint32_t object_id, const RigidObject& object, const NearestBody& nearest) {
   return {object_id, std::max(0.0, nearest.distance_m), nearest.rest_point_m,
-          object.piece_beside(*nearest.index, nearest.rest_point_m)};
+          object.piece_nearest_to(*nearest.index, nearest.rest_point_m)};
 }
 
 RayHit nearest_particle(uint32_t object_id, const ElasticObject& elastic, const Eigen::Vector3d& point_m) {
@@ -93,7 +93,7 @@ RayHit nearest_particle(uint32_t object_id, const ElasticObject& elastic, const 
 
 }  // namespace
 
-std::optional<uint32_t> RigidObject::piece_beside(size_t body_index, const Eigen::Vector3d& rest_point_m) const {
+std::optional<uint32_t> RigidObject::piece_nearest_to(size_t body_index, const Eigen::Vector3d& rest_point_m) const {
   std::optional<uint32_t> nearest;
   double least = INFINITY;
   for (uint32_t i = 0; i < piece_bodies.size(); ++i) {
@@ -107,9 +107,9 @@ std::optional<uint32_t> RigidObject::piece_beside(size_t body_index, const Eigen
   return nearest;
 }
 
-void World::State::hold_pieces(uint32_t object_id, const RigidObject& object) {
+void World::State::assign_grabs_to_pieces(uint32_t object_id, const RigidObject& object) {
   for (auto& [id, held] : grabs) {
-    if (held.object_id == object_id) held.piece = object.piece_beside(0, held.rest_point_m);
+    if (held.object_id == object_id) held.piece = object.piece_nearest_to(0, held.rest_point_m);
   }
 }
 
@@ -231,7 +231,7 @@ Result<void> World::grab(uint64_t grab_id, uint32_t object_id, const Pose& world
     const NearestBody nearest = nearest_body(*rigid, world_from_hand.position_m, INFINITY);
     if (!nearest.index) return invalid_argument("grab of " + name + ": the hand is out of this world");
     held.rest_point_m = nearest.rest_point_m;
-    held.piece = rigid->piece_beside(*nearest.index, nearest.rest_point_m);
+    held.piece = rigid->piece_nearest_to(*nearest.index, nearest.rest_point_m);
     held.hand_from_object =
         held.world_from_hand.orientation.conjugate() * rigid->body_at(*nearest.index).world_from_body.orientation;
   } else {

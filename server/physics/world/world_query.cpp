@@ -70,7 +70,7 @@ std::optional<RayHit> World::ray_cast(const Eigen::Vector3d& origin_m, const Eig
   for (const Collider& collider : state_->colliders) {
     if (way_to(collider, origin_m, direction, before_m) < before_m) return std::nullopt;
   }
-  if (met) nearest->piece = met->piece_beside(met_index, nearest->rest_point_m);
+  if (met) nearest->piece = met->piece_nearest_to(met_index, nearest->rest_point_m);
   return nearest;
 }
 

@@ -58,7 +58,7 @@ struct RigidObject {
   }
   // For hands: the piece of a body whose surface is nearest to a point (object frame, at rest), by its triangles; none
   // while the object is whole.
-  std::optional<uint32_t> piece_beside(size_t body_index, const Eigen::Vector3d& rest_point_m) const;
+  std::optional<uint32_t> piece_nearest_to(size_t body_index, const Eigen::Vector3d& rest_point_m) const;
 };
 
 struct ElasticObject {
@@ -172,7 +172,7 @@ struct World::State {
   void gather_loads(double duration_s);
   void gather_springs(double duration_s);  // of hands
   // Hands that hold an object as it breaks for the first time: each the piece beside it.
-  void hold_pieces(uint32_t object_id, const RigidObject& object);
+  void assign_grabs_to_pieces(uint32_t object_id, const RigidObject& object);
   void step_elastic(double start_s, double duration_s);
   void step_rigid(double duration_s);
   // world_contact.cpp
@@ -187,14 +187,14 @@ struct World::State {
   // Of the motion of a rigid body, and its weight's.
   double energy_j(const RigidBody& body) const;
   // What it and those that it can have met in this tick have lost since the tick began.
-  double lost_near_j(const RigidBody& body) const;
+  double local_energy_loss_j(const RigidBody& body) const;
   // At the end of a tick: what was struck hard enough comes apart.
-  void break_struck();
+  void process_impacts();
   // Breaks what an impact on one body breaks. Returns whether the body came apart.
-  // The part `given_back` of what contacts gave it is taken from it first, never beyond the energy it began the tick with;
+  // The part `undone_fraction` of what contacts gave it is taken from it first, never beyond the energy it began the tick with;
   // `recoil_j`, as far as it and what it met have lost ten times as much, drives the fragments apart.
-  bool strike(uint32_t object_id, RigidObject& object, uint32_t body_index, const Impact& impact,
-              const ImpulseAccumulator& given, double given_back, double recoil_j);
+  bool fracture_body(uint32_t object_id, RigidObject& object, uint32_t body_index, const Impact& impact,
+              const ImpulseAccumulator& given, double undone_fraction, double recoil_j);
   // Makes a body of each group of pieces (at least two groups, together all of the body's); the largest keeps the index.
   void split_body(uint32_t object_id, RigidObject& object, uint32_t body_index,
                   const std::vector<std::vector<uint32_t>>& groups);

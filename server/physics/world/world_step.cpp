@@ -149,7 +149,7 @@ void World::step() {
     for (size_t i = first; i < last; ++i) state.elastic_objects[i]->body->end_frame(tick_s);
   });
   state.times.elastic_ms += milliseconds_from_ns(now_ns() - end_ns);
-  state.break_struck();
+  state.process_impacts();
   state.rest_company(tick_s);
   state.report_contacts();
   state.report_sleep();
