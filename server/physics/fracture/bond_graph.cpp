@@ -22,10 +22,10 @@ using Eigen::Vector3d;
 // The pieces that hang together with the struck one, and the load of their bonds by unit impulse.
 struct LoadedGroup {
   std::vector<uint32_t> bonds;   // unbroken, in order of number
-  std::vector<double> impulses;  // through each of `bonds`, over its health
+  std::vector<double> impulses;  // through each of `bonds`, over its integrity
   double area_m2 = 0.0;
   double cross_section_m2 = 0.0;  // volume by length
-  double health = 1.0;  // how much the health of bonds lowers the threshold
+  double integrity = 1.0;  // how much the integrity of bonds lowers the threshold
 };
 
 // The longest side of the solid box with the same moments.
@@ -49,7 +49,7 @@ LoadedGroup loads_of(const BondGraph& graph, const Impact& impact) {
   const double impulse = impact.impulse_n_s.norm();
   if (!(impulse > 0.0)) return group;
   for (uint32_t b = 0; b < graph.bonds.size(); ++b) {
-    if (graph.bonds[b].health > 0.0 && number[graph.bonds[b].first] >= 0) group.bonds.push_back(b);
+    if (graph.bonds[b].integrity > 0.0 && number[graph.bonds[b].first] >= 0) group.bonds.push_back(b);
   }
   if (group.bonds.empty()) return group;
 
@@ -81,24 +81,24 @@ LoadedGroup loads_of(const BondGraph& graph, const Impact& impact) {
   displacement.bottomRows(count - 1) =
       stiffness.bottomRightCorner(count - 1, count - 1).ldlt().solve(momentum.bottomRows(count - 1));
 
-  double most = 0.0, most_by_health = 0.0;
+  double most = 0.0, max_by_integrity = 0.0;
   for (uint32_t b : group.bonds) {
     const BondGraph::Bond& bond = graph.bonds[b];
     const Vector3d stretch = displacement.row(number[bond.first]) - displacement.row(number[bond.second]);
     const double through = spring(bond) * stretch.norm();
-    group.impulses.push_back(through / bond.health);
+    group.impulses.push_back(through / bond.integrity);
     most = std::max(most, through / bond.area_m2);
-    most_by_health = std::max(most_by_health, through / bond.area_m2 / bond.health);
+    max_by_integrity = std::max(max_by_integrity, through / bond.area_m2 / bond.integrity);
     group.area_m2 += bond.area_m2;
   }
-  group.health = most_by_health > 0.0 ? most / most_by_health : 1.0;
+  group.integrity = max_by_integrity > 0.0 ? most / max_by_integrity : 1.0;
   group.cross_section_m2 = body.volume_m3 / length_of(body);
   return group;
 }
 
 double threshold_n_s(const BondGraph& graph, const LoadedGroup& group) {
   if (group.bonds.empty()) return std::numeric_limits<double>::infinity();
-  return graph.break_impulse_n_s * group.area_m2 / graph.whole_area_m2 * group.health;
+  return graph.break_impulse_n_s * group.area_m2 / graph.whole_area_m2 * group.integrity;
 }
 
 // The faces between two sets of pieces.
@@ -210,11 +210,11 @@ std::vector<uint32_t> broken_bonds(const BondGraph& graph, const Impact& impact)
   return bonds;
 }
 
-void wear_bonds(BondGraph& graph, const Impact& impact) {
+void accumulate_damage(BondGraph& graph, const Impact& impact) {
   const LoadedGroup group = loads_of(graph, impact);
   const auto load = [&](size_t k) {
     const BondGraph::Bond& bond = graph.bonds[group.bonds[k]];
-    return group.impulses[k] * bond.health / bond.area_m2;
+    return group.impulses[k] * bond.integrity / bond.area_m2;
   };
   double most = 0.0;
   for (size_t k = 0; k < group.bonds.size(); ++k) most = std::max(most, load(k));
@@ -223,16 +223,16 @@ void wear_bonds(BondGraph& graph, const Impact& impact) {
   const double breaks_n_s = graph.break_impulse_n_s * group.area_m2 / graph.whole_area_m2;
   for (size_t k = 0; k < group.bonds.size(); ++k) {
     const double borne = impact.impulse_n_s.norm() / breaks_n_s * load(k) / most;
-    const double loss = kWear * std::max(0.0, borne - kBearsForEver) / (1.0 - kBearsForEver);
-    double& health = graph.bonds[group.bonds[k]].health;
-    if (loss > 0.0) health = std::min(health, std::max(kLeastHealth, health - loss));
+    const double loss = kDamagePerCycle * std::max(0.0, borne - kEnduranceLimit) / (1.0 - kEnduranceLimit);
+    double& integrity = graph.bonds[group.bonds[k]].integrity;
+    if (loss > 0.0) integrity = std::min(integrity, std::max(kMinIntegrity, integrity - loss));
   }
 }
 
 std::vector<uint32_t> connected_groups(const BondGraph& graph) {
   DisjointSets sets(graph.pieces.size());
   for (const BondGraph::Bond& bond : graph.bonds) {
-    if (bond.health > 0.0) sets.join(bond.first, bond.second);
+    if (bond.integrity > 0.0) sets.join(bond.first, bond.second);
   }
   std::vector<uint32_t> groups(graph.pieces.size());
   for (uint32_t p = 0; p < groups.size(); ++p) groups[p] = sets.find(p);

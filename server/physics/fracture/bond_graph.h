@@ -13,7 +13,7 @@
 // The rule. An impact's impulse has to set the whole body in motion, and what it gives to the pieces far from the impact
 // passes through bonds. Bonds are springs in parallel, stiffness area / length; the impulse through each follows from
 // one linear solve (Newton's law for each piece as a node: what comes in minus what goes out is the momentum of its
-// rigid motion). A bond's load is that impulse by area and health.
+// rigid motion). A bond's load is that impulse by area and integrity.
 //   - Nothing breaks below the threshold of the body, J_c = break_impulse_n_s for the whole, scaled by its share of the
 //     bond area for a fragment, and lower where the most loaded bond is weak.
 //   - Pieces across faces of little load stay together: from single pieces on, the two neighbouring groups with the
@@ -41,7 +41,7 @@ struct BondGraph {
   struct Bond {
     uint32_t first = 0, second = 0;
     double area_m2 = 0.0;
-    double health = 1.0;  // of its strength, 0 … 1; 0 is broken
+    double integrity = 1.0;  // of its strength, 0 … 1; 0 is broken
   };
   std::vector<Piece> pieces;
   std::vector<Bond> bonds;         // in the order of VoronoiPieces::bonds; after them, those of parts that touch nothing
@@ -67,15 +67,15 @@ double break_threshold_n_s(const BondGraph& graph, const Impact& impact);
 // Numbers of the bonds that break, in the order they do; empty below the threshold.
 std::vector<uint32_t> broken_bonds(const BondGraph& graph, const Impact& impact);
 
-// Of a bond's health, what one impact takes that just does not break it; in proportion from kBearsForEver of that impact on.
+// Of a bond's integrity, what one impact takes that just does not break it; in proportion from kEnduranceLimit of that impact on.
 // Larger: fewer impacts break. A cup that bears 0.9 of what breaks it breaks at the second such impact, at 0.8 the third, at
 // 0.65 the sixth.
-inline constexpr double kWear = 0.25;
-inline constexpr double kBearsForEver = 0.5;
+inline constexpr double kDamagePerCycle = 0.25;
+inline constexpr double kEnduranceLimit = 0.5;
 // Wear leaves this much: only an impact breaks.
-inline constexpr double kLeastHealth = 0.1;
+inline constexpr double kMinIntegrity = 0.1;
 // Wears the bonds of the body that the struck piece belongs to. Precondition: the impact broke nothing.
-void wear_bonds(BondGraph& graph, const Impact& impact);
+void accumulate_damage(BondGraph& graph, const Impact& impact);
 
 // For each piece the lowest number of a piece it hangs together with.
 std::vector<uint32_t> connected_groups(const BondGraph& graph);

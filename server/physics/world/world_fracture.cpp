@@ -158,7 +158,7 @@ void World::State::split_body(uint32_t object_id, RigidObject& object, uint32_t 
 bool World::State::fracture_body(uint32_t object_id, RigidObject& object, uint32_t body_index, const Impact& impact,
                           const ImpulseAccumulator& given, double undone_fraction, double recoil_j) {
   const std::vector<uint32_t> broken = broken_bonds(object.bonds, impact);
-  for (const uint32_t bond : broken) object.bonds.bonds[bond].health = 0.0;
+  for (const uint32_t bond : broken) object.bonds.bonds[bond].integrity = 0.0;
   const std::vector<uint32_t> group_of = connected_groups(object.bonds);
   std::map<uint32_t, std::vector<uint32_t>> members;
   for (uint32_t piece = 0; piece < group_of.size(); ++piece) {
@@ -216,7 +216,7 @@ void World::State::process_impacts() {
       if (!object->material.fragile) continue;
       const double faint_n_s = kMinImpactRatio * object->bonds.break_impulse_n_s;
       // Only once an episode of impacts is over: while it lasts it is one impact, and has to break what is as it was before.
-      if (episode.impulse_n_s >= faint_n_s) wear_bonds(object->bonds, impact_of(*object, index, episode));
+      if (episode.impulse_n_s >= faint_n_s) accumulate_damage(object->bonds, impact_of(*object, index, episode));
       if (sum.impulse_n_s < faint_n_s) continue;
       const Impact impact = impact_of(*object, index, sum);
       const Eigen::Vector3d where = body.world_from_body * Eigen::Vector3d(impact.point_m - body.rest_centre_m);

@@ -27,7 +27,7 @@ size_t group_count(const BondGraph& graph) {
 }
 
 BondGraph broken(BondGraph graph, const Impact& impact) {
-  for (uint32_t b : broken_bonds(graph, impact)) graph.bonds[b].health = 0.0;
+  for (uint32_t b : broken_bonds(graph, impact)) graph.bonds[b].integrity = 0.0;
   return graph;
 }
 
@@ -52,7 +52,7 @@ TEST(BondGraph, LoadsARowByWhatLiesBehind) {
   impact.impulse_n_s *= 1.42 / 1.41;
   EXPECT_EQ(broken_bonds(row, impact), (std::vector<uint32_t>{1, 0}));
   // With 0.4 of its strength the far bond gives way first, at 0.4 / (1/3) · 2/3 = 0.8 of the threshold.
-  row.bonds[0].health = 0.4;
+  row.bonds[0].integrity = 0.4;
   EXPECT_NEAR(break_threshold_n_s(row, impact), 0.8 * kThreshold, 1e-12);
   impact.impulse_n_s = {0.81 * kThreshold, 0, 0};
   EXPECT_EQ(broken_bonds(row, impact), std::vector<uint32_t>{0});
@@ -67,18 +67,18 @@ TEST(BondGraph, BlowsThatBreakNothingWearWhatBearsMoreThanHalf) {
   row.whole_area_m2 = 2e-4;
   const Impact impact{0, {0, 0, 0}, {0.9 * kThreshold, 0, 0}}, light{0, {0, 0, 0}, {0.5 * kThreshold, 0, 0}};
   ASSERT_TRUE(broken_bonds(row, impact).empty());
-  wear_bonds(row, impact);
-  EXPECT_NEAR(row.bonds[1].health, 0.8, 1e-12);
-  EXPECT_EQ(row.bonds[0].health, 1.0);
+  accumulate_damage(row, impact);
+  EXPECT_NEAR(row.bonds[1].integrity, 0.8, 1e-12);
+  EXPECT_EQ(row.bonds[0].integrity, 1.0);
   EXPECT_NEAR(break_threshold_n_s(row, impact), 0.8 * kThreshold, 1e-12);
   EXPECT_EQ(broken_bonds(row, impact).front(), 1u);
   // What it was worn by before does not change what an impact takes; half of what breaks it takes nothing.
-  wear_bonds(row, light);
-  EXPECT_NEAR(row.bonds[1].health, 0.8, 1e-12);
-  wear_bonds(row, {0, {0, 0, 0}, {0.7 * kThreshold, 0, 0}});
-  EXPECT_NEAR(row.bonds[1].health, 0.7, 1e-12);
-  for (int i = 0; i < 100; ++i) wear_bonds(row, {0, {0, 0, 0}, {0.7 * kThreshold, 0, 0}});
-  EXPECT_EQ(row.bonds[1].health, kLeastHealth);
+  accumulate_damage(row, light);
+  EXPECT_NEAR(row.bonds[1].integrity, 0.8, 1e-12);
+  accumulate_damage(row, {0, {0, 0, 0}, {0.7 * kThreshold, 0, 0}});
+  EXPECT_NEAR(row.bonds[1].integrity, 0.7, 1e-12);
+  for (int i = 0; i < 100; ++i) accumulate_damage(row, {0, {0, 0, 0}, {0.7 * kThreshold, 0, 0}});
+  EXPECT_EQ(row.bonds[1].integrity, kMinIntegrity);
 }
 
 // A cup that is struck again and again breaks along bonds that those impacts wore.
@@ -90,11 +90,11 @@ TEST(BondGraph, ACrackRunsAlongWhatWasWorn) {
     BondGraph worn = fresh;
     const Impact impact{7, pieces.pieces[7].mesh.vertices_m[0], 0.72 * kThreshold * Eigen::Vector3d(-0.6, 0, 0.8)};
     int impacts = 1;
-    for (; broken_bonds(worn, impact).empty() && impacts < 20; ++impacts) wear_bonds(worn, impact);
+    for (; broken_bonds(worn, impact).empty() && impacts < 20; ++impacts) accumulate_damage(worn, impact);
     EXPECT_EQ(impacts, 4) << "0.11 each, and 0.67 is less than 0.72";
     const std::vector<uint32_t> crack = broken_bonds(worn, impact);
     ++cracks;
-    worn_first += std::any_of(crack.begin(), crack.end(), [&](uint32_t b) { return worn.bonds[b].health < 0.99; });
+    worn_first += std::any_of(crack.begin(), crack.end(), [&](uint32_t b) { return worn.bonds[b].integrity < 0.99; });
   }
   EXPECT_EQ(worn_first, cracks);
 }
@@ -146,7 +146,7 @@ TEST(BondGraph, GroupsAddUpAndFragmentsBreakAtTheirShare) {
     first += body.mass_kg * body.centre_m;
     double area_m2 = 0.0;
     for (const BondGraph::Bond& bond : after.bonds) {
-      if (bond.health > 0.0 && groups[bond.first] == group) area_m2 += bond.area_m2;
+      if (bond.integrity > 0.0 && groups[bond.first] == group) area_m2 += bond.area_m2;
     }
     const Impact impact{group, body.centre_m, {0, 0, 1}};
     if (area_m2 > 0.0) {
