@@ -6,7 +6,7 @@
 
 namespace livegs {
 
-// A place where two surfaces are close, before patches are made of them.
+// A place where two surfaces are close, before manifolds are made of them.
 struct ContactCandidate {
   uint64_t feature_id = 0;  // the same place in the next substep has the same id
   Eigen::Vector3d point_m;  // world

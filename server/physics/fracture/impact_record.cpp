@@ -53,11 +53,11 @@ void ImpactRecord::record_joint(const RigidBody& body, const Eigen::Vector3d& im
   add_load(contacts_, body, impulse_n_s, point_m);
 }
 
-void ImpactRecord::record_contact(const RigidBody& body, const ContactPatch& patch, const ContactPoint& point,
+void ImpactRecord::record_contact(const RigidBody& body, const ContactManifold& manifold, const ContactPoint& point,
                               const Eigen::Vector3d& normal, const Eigen::Vector3d& point_m) {
   if (point.impulse_n_s <= 0.0) return;
-  const bool hard = point.impact_speed_m_s >= patch.restitution_speed_m_s;
-  const double ended = (hard ? point.impact_speed_m_s : point.approach_speed_m_s) * (1.0 + patch.restitution);
+  const bool hard = point.impact_speed_m_s >= manifold.restitution_speed_m_s;
+  const double ended = (hard ? point.impact_speed_m_s : point.approach_speed_m_s) * (1.0 + manifold.restitution);
   double share = ended > 0.0 ? ended / (ended + point.carried_speed_m_s) : 0.0;
   if (hard)
     bounce_fraction_ = std::max(bounce_fraction_, share);
@@ -73,8 +73,8 @@ void ImpactRecord::record_contact(const RigidBody& body, const ContactPatch& pat
   if (!body.can_break) return;
   const Eigen::Quaterniond body_from_world = body.world_from_body.orientation.conjugate();
   contacts_.add(point.impulse_n_s, body_from_world * normal, body_from_world * point_m);
-  contacts_.restitution = std::max(contacts_.restitution, patch.restitution);
-  if (patch.other) contacts_.from_colliders = false;
+  contacts_.restitution = std::max(contacts_.restitution, manifold.restitution);
+  if (manifold.other) contacts_.from_colliders = false;
 }
 
 void ImpactRecord::record_friction(const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& twist,

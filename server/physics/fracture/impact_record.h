@@ -14,7 +14,7 @@
 namespace livegs {
 
 struct RigidBody;
-struct ContactPatch;
+struct ContactManifold;
 struct ContactPoint;
 
 // How long hard things the size of a cup touch when they strike: Hertz, 2.87 (m² / (R E² v))^(1/5) (Johnson 1985,
@@ -51,9 +51,9 @@ class ImpactRecord {
   // A joint passes on what comes from elsewhere, impacts among it, as a contact does that struck nothing itself.
   void record_joint(const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& point_m);
   // `normal`: towards this body.
-  void record_contact(const RigidBody& body, const ContactPatch& patch, const ContactPoint& point,
+  void record_contact(const RigidBody& body, const ContactManifold& manifold, const ContactPoint& point,
                     const Eigen::Vector3d& normal, const Eigen::Vector3d& point_m);
-  // What a patch's friction gave this body, at `point_m`, and its twist.
+  // What a manifold's friction gave this body, at `point_m`, and its twist.
   void record_friction(const RigidBody& body, const Eigen::Vector3d& impulse_n_s, const Eigen::Vector3d& twist,
                      const Eigen::Vector3d& point_m);
   // The part of what this body's contacts gave in the substep that ended an approach, 0 … 1; the rest carried what

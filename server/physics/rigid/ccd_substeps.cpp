@@ -10,7 +10,7 @@ namespace {
 constexpr double kHastyWays = 6.0;    // in a substep, of the two thicknesses together
 constexpr double kTurnOfPart = 0.25;  // rad, of the smaller one when a corner of it is stopped
 constexpr int kMostParts = 32;
-constexpr size_t kMostContacts = 1024;  // patches times parts
+constexpr size_t kMostContacts = 1024;  // manifolds times parts
 
 double thickness_m(const RigidShape& shape) { return shape.convex ? 2.0 * shape.inner_radius_m : shape.wall_m; }
 
@@ -29,7 +29,7 @@ int parts_of_pair(const RigidBody& a, const RigidBody& b, double duration_s) {
 int substep_parts(const RigidIsland& island, double duration_s) {
   int parts = 1;
   for (const RigidIsland::Contact& contact : island.contacts) {
-    const RigidBody* other = contact.patch->other;
+    const RigidBody* other = contact.manifold->other;
     if (contact.owner->joints || (other && other->joints)) return 1;
     if (!other || other->asleep || contact.owner->asleep) continue;
     parts = std::max(parts, parts_of_pair(*contact.owner, *other, duration_s));

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kHeavy = 12.5;  // of masses, that the usual steps bear: 1:10 sags by 0.1 mm
 constexpr int kMostTimes = 4;
-constexpr int kMostPatches = 256;  // times steps
+constexpr int kMaxManifoldSteps = 256;  // times steps
 constexpr double kUpwards = 0.5;   // cosine of a normal with the vertical, from which on one body lies on another
 
 }  // namespace
@@ -18,15 +18,15 @@ int heavy_steps(const RigidIsland& island, const Eigen::Vector3d& gravity_m_s2) 
   const double upwards = kUpwards * gravity_m_s2.norm();
   double ratio = 0.0;
   for (const RigidIsland::Contact& contact : island.contacts) {
-    const RigidBody &owner = *contact.owner, *other = contact.patch->other;
+    const RigidBody &owner = *contact.owner, *other = contact.manifold->other;
     if (owner.joints || (other && other->joints)) return 1;
     if (!other || other->asleep || owner.asleep) continue;
-    const double up = -contact.patch->normal.dot(gravity_m_s2);  // the normal points to the owner
+    const double up = -contact.manifold->normal.dot(gravity_m_s2);  // the normal points to the owner
     if (std::abs(up) <= upwards) continue;
     ratio = std::max(ratio, up > 0.0 ? owner.mass_kg / other->mass_kg : other->mass_kg / owner.mass_kg);
   }
   const int times = static_cast<int>(std::clamp(std::ceil(std::sqrt(ratio / kHeavy)), 1.0, static_cast<double>(kMostTimes)));
-  return std::clamp(kMostPatches / static_cast<int>(std::max<size_t>(1, island.contacts.size())), 1, times);
+  return std::clamp(kMaxManifoldSteps / static_cast<int>(std::max<size_t>(1, island.contacts.size())), 1, times);
 }
 
 }  // namespace livegs

@@ -45,9 +45,9 @@ void RigidBody::apply_angular_impulse(const Eigen::Vector3d& impulse) {
 Eigen::Vector3d RigidBody::mean_velocity(double duration_s) const {
   Eigen::Vector3d late = met_body || joints ? Eigen::Vector3d(duration_s * substep_acceleration_m_s2)
                                             : velocity_m_s - substep_velocity_m_s;
-  for (const ContactPatch& patch : patches) {
-    for (int i = 0; i < patch.point_count; ++i) {
-      const ContactPoint& point = patch.points[i];
+  for (const ContactManifold& manifold : manifolds) {
+    for (int i = 0; i < manifold.point_count; ++i) {
+      const ContactPoint& point = manifold.points[i];
       if (point.impulse_n_s > 0.0) late -= point.normal.dot(late) * point.normal;
     }
   }

@@ -34,7 +34,7 @@ class RigidBroadPhase {
   int axis_ = 0;
 };
 
-// The first of a pair, whose patches theirs are.
+// The first of a pair, whose manifolds theirs are.
 bool owns_pair(const RigidBody& a, const RigidBody& b);
 
 }  // namespace livegs

@@ -15,9 +15,9 @@ namespace {
 constexpr double kNearlyTouching_m = 2.5e-4;
 }  // namespace
 
-bool is_touching(const ContactPatch& patch) {
-  for (int i = 0; i < patch.point_count; ++i) {
-    if (patch.points[i].impulse_n_s > 0.0 || patch.points[i].separation_m <= kNearlyTouching_m) return true;
+bool is_touching(const ContactManifold& manifold) {
+  for (int i = 0; i < manifold.point_count; ++i) {
+    if (manifold.points[i].impulse_n_s > 0.0 || manifold.points[i].separation_m <= kNearlyTouching_m) return true;
   }
   return false;
 }
@@ -29,9 +29,9 @@ std::vector<RigidIsland> rigid_islands(std::span<RigidBody* const> bodies, Islan
   for (RigidBody* body : bodies) {
     if (body->asleep) continue;
     if (body->joints) sets.join(body->slot, body->joints->bodies().front()->slot);
-    for (const ContactPatch& patch : body->patches) {
-      if (!patch.other || patch.other->asleep) continue;
-      if (link == IslandLink::AnyPatch || is_touching(patch)) sets.join(body->slot, patch.other->slot);
+    for (const ContactManifold& manifold : body->manifolds) {
+      if (!manifold.other || manifold.other->asleep) continue;
+      if (link == IslandLink::AnyManifold || is_touching(manifold)) sets.join(body->slot, manifold.other->slot);
     }
   }
   // Roots are the lowest of their sets, so islands come in ascending id.
@@ -46,13 +46,13 @@ std::vector<RigidIsland> rigid_islands(std::span<RigidBody* const> bodies, Islan
     }
     islands[island_of[root]].bodies.push_back(body);
   }
-  if (link == IslandLink::TouchingPatch) return islands;
+  if (link == IslandLink::TouchingManifold) return islands;
 
   for (RigidBody* body : bodies) {
     if (!body->asleep) continue;
-    for (ContactPatch& patch : body->patches) {
-      if (!patch.other || patch.other->asleep) continue;
-      islands[island_of[sets.find(patch.other->slot)]].contacts.push_back({body, &patch});
+    for (ContactManifold& manifold : body->manifolds) {
+      if (!manifold.other || manifold.other->asleep) continue;
+      islands[island_of[sets.find(manifold.other->slot)]].contacts.push_back({body, &manifold});
     }
   }
   for (RigidIsland& island : islands) {
@@ -60,7 +60,7 @@ std::vector<RigidIsland> rigid_islands(std::span<RigidBody* const> bodies, Islan
       return gravity_m_s2.dot(a->world_from_body.position_m) > gravity_m_s2.dot(b->world_from_body.position_m);
     });
     for (RigidBody* body : island.bodies) {
-      for (ContactPatch& patch : body->patches) island.contacts.push_back({body, &patch});
+      for (ContactManifold& manifold : body->manifolds) island.contacts.push_back({body, &manifold});
     }
   }
   return islands;

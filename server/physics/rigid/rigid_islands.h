@@ -14,19 +14,19 @@ namespace livegs {
 struct RigidIsland {
   struct Contact {
     RigidBody* owner;
-    ContactPatch* patch;
+    ContactManifold* manifold;
   };
   std::vector<RigidBody*> bodies;  // the lowest first, against gravity: sweeps go from the ground up
   std::vector<Contact> contacts;   // in the order of their owners
 };
 
-// The islands of `bodies` (ascending id), ordered by the lowest id in them. `patches_join`: every patch, or those that
-// touch only (for sleep). Sleeping owners' patches with awake bodies count too.
-enum class IslandLink { AnyPatch, TouchingPatch };
+// The islands of `bodies` (ascending id), ordered by the lowest id in them. `manifolds_join`: every manifold, or those that
+// touch only (for sleep). Sleeping owners' manifolds with awake bodies count too.
+enum class IslandLink { AnyManifold, TouchingManifold };
 std::vector<RigidIsland> rigid_islands(std::span<RigidBody* const> bodies, IslandLink link,
                                        const Eigen::Vector3d& gravity_m_s2);
 
 // Pressed together, overlapping, or nearer than a body falls in a substep.
-bool is_touching(const ContactPatch& patch);
+bool is_touching(const ContactManifold& manifold);
 
 }  // namespace livegs

@@ -51,14 +51,14 @@ bool wake_groups(std::span<RigidBody* const> bodies) {
   return true;
 }
 
-// Whether the patch will press within the substep; the last relaxing sweep looks a step farther.
-bool will_press(const RigidBody& owner, const ContactPatch& patch, double duration_s) {
-  for (int i = 0; i < patch.point_count; ++i) {
-    const ContactPoint& point = patch.points[i];
+// Whether the manifold will press within the substep; the last relaxing sweep looks a step farther.
+bool will_press(const RigidBody& owner, const ContactManifold& manifold, double duration_s) {
+  for (int i = 0; i < manifold.point_count; ++i) {
+    const ContactPoint& point = manifold.points[i];
     Eigen::Vector3d velocity = owner.point_velocity(point.arm_a_m);
-    if (patch.other) {
-      const Eigen::Vector3d between = owner.world_from_body.position_m - patch.other->world_from_body.position_m;
-      velocity -= patch.other->point_velocity(point.arm_a_m + between);
+    if (manifold.other) {
+      const Eigen::Vector3d between = owner.world_from_body.position_m - manifold.other->world_from_body.position_m;
+      velocity -= manifold.other->point_velocity(point.arm_a_m + between);
     }
     const double ahead_s = duration_s + duration_s / kSolverSteps;
     if (point.separation_m + ahead_s * point.normal.dot(velocity) < 0.0) return true;
@@ -70,9 +70,9 @@ bool will_press(const RigidBody& owner, const ContactPatch& patch, double durati
 bool wake_touched(std::span<RigidBody* const> bodies, double duration_s) {
   bool any = false;
   for (RigidBody* body : bodies) {
-    for (const ContactPatch& patch : body->patches) {
-      if (!patch.other || body->asleep == patch.other->asleep || !will_press(*body, patch, duration_s)) continue;
-      (body->asleep ? *body : *patch.other).wake();
+    for (const ContactManifold& manifold : body->manifolds) {
+      if (!manifold.other || body->asleep == manifold.other->asleep || !will_press(*body, manifold, duration_s)) continue;
+      (body->asleep ? *body : *manifold.other).wake();
       any = true;
     }
   }
@@ -88,45 +88,45 @@ void accelerate(RigidBody& body, const RigidLoad& load, const Eigen::Vector3d& g
   body.velocity_m_s += duration_s * body.substep_acceleration_m_s2;
 }
 
-void tally_point(RigidBody& body, const ContactPatch& patch, const RigidBody* from, const ContactPoint& point,
+void tally_point(RigidBody& body, const ContactManifold& manifold, const RigidBody* from, const ContactPoint& point,
                  const Eigen::Vector3d& normal, const Eigen::Vector3d& where) {
   body.contact_impulse_n_s += point.impulse_n_s;
   if (!from || from->object_id != body.object_id) {
     body.outer_impulse_n_s += point.impulse_n_s;
     body.outer_moment += point.impulse_n_s * where;
   }
-  body.impacts.record_contact(body, patch, point, normal, where - body.world_from_body.position_m);
+  body.impacts.record_contact(body, manifold, point, normal, where - body.world_from_body.position_m);
 }
 
-void tally(RigidBody& body, ContactPatch& patch) {
+void tally(RigidBody& body, ContactManifold& manifold) {
   bool struck = false;
-  for (int i = 0; i < patch.point_count; ++i) {
-    ContactPoint& point = patch.points[i];
+  for (int i = 0; i < manifold.point_count; ++i) {
+    ContactPoint& point = manifold.points[i];
     const Eigen::Vector3d where = body.world_from_body.position_m + point.arm_a_m;
-    if (!body.asleep) tally_point(body, patch, patch.other, point, point.normal, where);
-    if (patch.other && !patch.other->asleep) tally_point(*patch.other, patch, &body, point, -point.normal, where);
+    if (!body.asleep) tally_point(body, manifold, manifold.other, point, point.normal, where);
+    if (manifold.other && !manifold.other->asleep) tally_point(*manifold.other, manifold, &body, point, -point.normal, where);
     // The impulse of an impact is no forecast of the next substep's.
-    if (point.impact_speed_m_s >= patch.restitution_speed_m_s) {
+    if (point.impact_speed_m_s >= manifold.restitution_speed_m_s) {
       point.impulse_n_s = 0.0;
       struck = true;
     }
   }
-  const Eigen::Vector3d &rubbed = patch.friction_impulse_n_s, twist = patch.twist_impulse * patch.normal;
-  body.impacts.record_friction(body, rubbed, twist, patch.arm_a_m);
-  if (patch.other) patch.other->impacts.record_friction(*patch.other, -rubbed, -twist, patch.arm_b_m);
+  const Eigen::Vector3d &rubbed = manifold.friction_impulse_n_s, twist = manifold.twist_impulse * manifold.normal;
+  body.impacts.record_friction(body, rubbed, twist, manifold.arm_a_m);
+  if (manifold.other) manifold.other->impacts.record_friction(*manifold.other, -rubbed, -twist, manifold.arm_b_m);
   if (struck) {
-    patch.friction_impulse_n_s.setZero();
-    patch.twist_impulse = 0.0;
+    manifold.friction_impulse_n_s.setZero();
+    manifold.twist_impulse = 0.0;
   }
 }
 
-void remember_impulses(ContactPatch& patch) {
-  for (int i = 0; i < patch.point_count; ++i) patch.points[i].resting_impulse_n_s = patch.points[i].impulse_n_s;
+void remember_impulses(ContactManifold& manifold) {
+  for (int i = 0; i < manifold.point_count; ++i) manifold.points[i].resting_impulse_n_s = manifold.points[i].impulse_n_s;
 }
 
-void cut_bounce(ContactPatch& patch, double part) {
-  for (int i = 0; i < patch.point_count; ++i) {
-    ContactPoint& point = patch.points[i];
+void cut_bounce(ContactManifold& manifold, double part) {
+  for (int i = 0; i < manifold.point_count; ++i) {
+    ContactPoint& point = manifold.points[i];
     point.impulse_n_s = point.resting_impulse_n_s + part * (point.impulse_n_s - point.resting_impulse_n_s);
   }
 }
@@ -149,18 +149,18 @@ void record_held_loads(const RigidIsland& island, std::span<JointGroup* const> j
   }
 }
 
-bool is_impact(const ContactPatch& patch) {
-  for (int i = 0; i < patch.point_count; ++i) {
-    if (patch.points[i].impact_speed_m_s >= patch.restitution_speed_m_s) return true;
+bool is_impact(const ContactManifold& manifold) {
+  for (int i = 0; i < manifold.point_count; ++i) {
+    if (manifold.points[i].impact_speed_m_s >= manifold.restitution_speed_m_s) return true;
   }
   return false;
 }
 
 // Decides how the bodies will move, which their joints reckon with.
-void note_meeting(RigidBody& body, ContactPatch& patch) {
-  if (!patch.other || total_impulse(patch) <= 0.0) return;
+void note_meeting(RigidBody& body, ContactManifold& manifold) {
+  if (!manifold.other || total_impulse(manifold) <= 0.0) return;
   if (!body.asleep) body.met_body = true;
-  if (!patch.other->asleep) patch.other->met_body = patch.other->pushed_by_owner = true;
+  if (!manifold.other->asleep) manifold.other->met_body = manifold.other->pushed_by_owner = true;
 }
 
 bool moves_finitely(const RigidBody& body) {
@@ -185,8 +185,8 @@ void put_back(RigidIsland& island, std::span<const Pose> poses, std::span<JointG
     body.angular_momentum.setZero();
     body.substep_velocity_m_s.setZero();
     body.substep_acceleration_m_s2.setZero();
-    body.patches.clear();
-    body.previous_patches.clear();
+    body.manifolds.clear();
+    body.previous_manifolds.clear();
     body.impacts = ImpactRecord();
     body.contact_impulse_n_s = body.outer_impulse_n_s = 0.0;
     body.outer_moment.setZero();
@@ -196,24 +196,24 @@ void put_back(RigidIsland& island, std::span<const Pose> poses, std::span<JointG
 }
 
 // Impulses are those of a step: the next one is `factor` as long.
-void scale_impulses(ContactPatch& patch, double factor) {
-  for (int i = 0; i < patch.point_count; ++i) patch.points[i].impulse_n_s *= factor;
-  patch.friction_impulse_n_s *= factor;
-  patch.twist_impulse *= factor;
+void scale_impulses(ContactManifold& manifold, double factor) {
+  for (int i = 0; i < manifold.point_count; ++i) manifold.points[i].impulse_n_s *= factor;
+  manifold.friction_impulse_n_s *= factor;
+  manifold.twist_impulse *= factor;
 }
 
 // In `times` as many steps as is usual, each so much shorter; contacts keep impulses of the usual ones.
 void solve_island(RigidIsland& island, double duration_s, int times) {
   const auto each = [&](const auto& visit) {
-    for (const RigidIsland::Contact& contact : island.contacts) visit(*contact.owner, *contact.patch);
+    for (const RigidIsland::Contact& contact : island.contacts) visit(*contact.owner, *contact.manifold);
   };
   const int steps = times * kSolverSteps;
   const double step_s = duration_s / steps;
-  if (times > 1) each([&](RigidBody&, ContactPatch& patch) { scale_impulses(patch, 1.0 / times); });
+  if (times > 1) each([&](RigidBody&, ContactManifold& manifold) { scale_impulses(manifold, 1.0 / times); });
   std::vector<Pose> poses;
   for (const RigidBody* body : island.bodies) poses.push_back(body->world_from_body);
   const bool struck = std::any_of(island.contacts.begin(), island.contacts.end(),
-                                  [](const RigidIsland::Contact& contact) { return is_impact(*contact.patch); });
+                                  [](const RigidIsland::Contact& contact) { return is_impact(*contact.manifold); });
   const int push_sweeps = struck ? kImpactSweeps : kPushSweeps;
   const int relax_sweeps = struck ? kImpactSweeps : kRelaxSweeps;
   const std::vector<JointGroup*> joints = joint_groups(island.bodies);
@@ -225,50 +225,50 @@ void solve_island(RigidIsland& island, double duration_s, int times) {
       body->substep_velocity_m_s = body->velocity_m_s;
       body->velocity_m_s += step_s * body->substep_acceleration_m_s2;
     }
-    each(prepare_patch);
+    each(prepare_manifold);
     for (JointGroup* group : joints) group->begin();
-    each(warm_start_patch);
+    each(warm_start_manifold);
     for (RigidBody* body : island.bodies) {
       for (RigidSpring* spring : body->springs) prepare_spring(*body, *spring, step_s);
     }
     for (JointGroup* group : joints) group->prepare(ContactPhase::Push);
     for (int sweep = 0; sweep < push_sweeps; ++sweep) {
-      each([&](RigidBody& body, ContactPatch& patch) { solve_patch(body, patch, ContactPhase::Push, step_s); });
+      each([&](RigidBody& body, ContactManifold& manifold) { solve_manifold(body, manifold, ContactPhase::Push, step_s); });
       for (RigidBody* body : island.bodies) {
         for (RigidSpring* spring : body->springs) solve_spring(*body, *spring, step_s);
       }
       if (!joints.empty()) each(note_meeting);
       for (JointGroup* group : joints) group->solve(ContactPhase::Push, step_s);
     }
-    each([&](RigidBody& body, ContactPatch& patch) { follow_patch(body, patch, step_s); });
+    each([&](RigidBody& body, ContactManifold& manifold) { follow_patch(body, manifold, step_s); });
     each(note_meeting);
     for (RigidBody* body : island.bodies) {
       if (!body->joints) body->move(step_s);
     }
     for (JointGroup* group : joints) group->move(step_s);
 
-    each(prepare_patch);
+    each(prepare_manifold);
     for (JointGroup* group : joints) group->prepare(ContactPhase::Relax);
     for (int sweep = 0; sweep < relax_sweeps; ++sweep) {
-      each([&](RigidBody& body, ContactPatch& patch) { solve_patch(body, patch, ContactPhase::Relax, step_s); });
+      each([&](RigidBody& body, ContactManifold& manifold) { solve_manifold(body, manifold, ContactPhase::Relax, step_s); });
       for (JointGroup* group : joints) group->solve(ContactPhase::Relax, step_s);
     }
     if (step + 1 == steps && (struck || !joints.empty())) {
       guard.begin();
-      each([](RigidBody&, ContactPatch& patch) { remember_impulses(patch); });
+      each([](RigidBody&, ContactManifold& manifold) { remember_impulses(manifold); });
       for (int sweep = 0; sweep < kImpactSweeps; ++sweep) {
-        each([&](RigidBody& body, ContactPatch& patch) {
-          if (restitute_patch(body, patch)) rub_patch(body, patch);
+        each([&](RigidBody& body, ContactManifold& manifold) {
+          if (restitute_patch(body, manifold)) rub_patch(body, manifold);
         });
         for (JointGroup* group : joints) group->solve(ContactPhase::Relax, step_s);
       }
-      if (const double part = guard.end(); part < 1.0) each([&](RigidBody&, ContactPatch& patch) { cut_bounce(patch, part); });
+      if (const double part = guard.end(); part < 1.0) each([&](RigidBody&, ContactManifold& manifold) { cut_bounce(manifold, part); });
     }
     for (JointGroup* group : joints) group->end(step_s);
     each(tally);
     record_held_loads(island, joints, step_s);
   }
-  if (times > 1) each([&](RigidBody&, ContactPatch& patch) { scale_impulses(patch, times); });
+  if (times > 1) each([&](RigidBody&, ContactManifold& manifold) { scale_impulses(manifold, times); });
   if (!std::all_of(island.bodies.begin(), island.bodies.end(), [](const RigidBody* body) { return moves_finitely(*body); })) {
     put_back(island, poses, joints);
   }
@@ -290,7 +290,7 @@ void solve_in_parts(RigidIsland& island, std::span<const Collider> colliders, do
   for (RigidBody* body : island.bodies) {
     near.push_back(body->near);
     std::erase_if(body->near, elsewhere);
-    for (ContactPatch& patch : body->patches) scale_impulses(patch, 1.0 / parts);
+    for (ContactManifold& manifold : body->manifolds) scale_impulses(manifold, 1.0 / parts);
     body->velocity_m_s = body->substep_velocity_m_s;
   }
   std::erase_if(island.contacts, [](const RigidIsland::Contact& contact) { return !contact.owner->asleep; });
@@ -303,13 +303,13 @@ void solve_in_parts(RigidIsland& island, std::span<const Collider> colliders, do
     for (RigidBody* body : island.bodies) find_contacts(*body, colliders, gravity_m_s2, part_s);
     island.contacts.resize(of_sleepers);
     for (RigidBody* body : island.bodies) {
-      for (ContactPatch& patch : body->patches) island.contacts.push_back({body, &patch});
+      for (ContactManifold& manifold : body->manifolds) island.contacts.push_back({body, &manifold});
     }
     solve_island(island, part_s, 1);
   }
   for (size_t i = 0; i < island.bodies.size(); ++i) {
     island.bodies[i]->near = std::move(near[i]);
-    for (ContactPatch& patch : island.bodies[i]->patches) scale_impulses(patch, parts);
+    for (ContactManifold& manifold : island.bodies[i]->manifolds) scale_impulses(manifold, parts);
   }
 }
 
@@ -348,12 +348,12 @@ void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const Rigid
     accelerate_awake();
     active.clear();
     for (RigidBody* body : bodies) {
-      const auto meets_awake = [](const ContactPatch& patch) { return patch.other && !patch.other->asleep; };
-      if (!body->asleep || std::any_of(body->patches.begin(), body->patches.end(), meets_awake)) active.push_back(body);
+      const auto meets_awake = [](const ContactManifold& manifold) { return manifold.other && !manifold.other->asleep; };
+      if (!body->asleep || std::any_of(body->manifolds.begin(), body->manifolds.end(), meets_awake)) active.push_back(body);
     }
   }
 
-  std::vector<RigidIsland> islands = rigid_islands(active, IslandLink::AnyPatch, gravity_m_s2);
+  std::vector<RigidIsland> islands = rigid_islands(active, IslandLink::AnyManifold, gravity_m_s2);
   parallel_for(islands.size(), 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const int parts = substep_parts(islands[i], duration_s);
@@ -372,11 +372,11 @@ void update_sleep(std::span<RigidBody* const> bodies, double tick_s, RigidBroadP
     if (body->asleep) continue;
     awake.push_back(body);
     bool touching = body->pushed_by_owner || body->touches_elastic || body->joints;
-    for (const ContactPatch& patch : body->patches) touching = touching || total_impulse(patch) > 0.0;
+    for (const ContactManifold& manifold : body->manifolds) touching = touching || total_impulse(manifold) > 0.0;
     const bool still = touching && three_point_speed_m_s(*body, body->velocity_m_s) < sleep_speed_m_s(body->shape);
     body->still_s = still ? body->still_s + tick_s : 0.0;
   }
-  for (RigidIsland& island : rigid_islands(awake, IslandLink::TouchingPatch, Eigen::Vector3d::Zero())) {
+  for (RigidIsland& island : rigid_islands(awake, IslandLink::TouchingManifold, Eigen::Vector3d::Zero())) {
     const bool still = std::all_of(island.bodies.begin(), island.bodies.end(),
                                    [](const RigidBody* body) { return body->still_s >= kSleepSeconds && !body->company_restless; });
     if (!still) continue;

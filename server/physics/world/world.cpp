@@ -182,8 +182,8 @@ void World::remove(uint32_t object_id) {
   // Contacts name bodies by pointer: none may outlive its body. What leaned on it must move.
   if (const RigidObject* rigid = found->second.rigid()) {
     for (size_t i = 0; i < rigid->body_count(); ++i) {
-      for (const ContactPatch& patch : rigid->body_at(i).patches) {
-        if (patch.other) patch.other->wake();
+      for (const ContactManifold& manifold : rigid->body_at(i).manifolds) {
+        if (manifold.other) manifold.other->wake();
       }
     }
   }
@@ -203,12 +203,12 @@ void World::remove(uint32_t object_id) {
     const auto was = [&](uint64_t id) { return object_of(id) == object_id; };
     if (std::erase_if(elastic->met, was) > 0) elastic->body->wake();
   }
-  const auto gone = [&](const ContactPatch& patch) {
-    return patch.other_id < kColliderBit && object_of(patch.other_id) == object_id;
+  const auto gone = [&](const ContactManifold& manifold) {
+    return manifold.other_id < kColliderBit && object_of(manifold.other_id) == object_id;
   };
   for (RigidBody* body : state_->rigid_bodies) {
-    if (std::erase_if(body->patches, gone) > 0) body->wake();
-    std::erase_if(body->previous_patches, gone);
+    if (std::erase_if(body->manifolds, gone) > 0) body->wake();
+    std::erase_if(body->previous_manifolds, gone);
   }
 }
 

@@ -20,15 +20,15 @@ constexpr double kMinDirectionality = 0.99;
 
 // Contacts of the body that was are void: their features are gone. What leaned on it wakes.
 void discard_contacts(std::span<RigidBody* const> bodies, RigidBody& broken) {
-  for (ContactPatch& patch : broken.patches) {
-    if (patch.other && patch.other->asleep) patch.other->wake();
+  for (ContactManifold& manifold : broken.manifolds) {
+    if (manifold.other && manifold.other->asleep) manifold.other->wake();
   }
-  broken.patches.clear();
-  broken.previous_patches.clear();
-  const auto gone = [&](const ContactPatch& patch) { return patch.other == &broken; };
+  broken.manifolds.clear();
+  broken.previous_manifolds.clear();
+  const auto gone = [&](const ContactManifold& manifold) { return manifold.other == &broken; };
   for (RigidBody* body : bodies) {
-    if (std::erase_if(body->patches, gone) > 0 && body->asleep) body->wake();
-    std::erase_if(body->previous_patches, gone);
+    if (std::erase_if(body->manifolds, gone) > 0 && body->asleep) body->wake();
+    std::erase_if(body->previous_manifolds, gone);
   }
 }
 

@@ -19,7 +19,7 @@ using Chosen = std::vector<const ContactCandidate*>;
 // Up to four of `group` (its deepest first) that span it. Ties go to the lowest feature id, so that rounding does not
 // decide them.
 Chosen spread_points(Chosen group, double equal_depth_m) {
-  if (group.size() <= kMaxPatchPoints) return group;
+  if (group.size() <= kMaxManifoldPoints) return group;
   const double deep_m = group[0]->separation_m + equal_depth_m;
   std::sort(group.begin(), group.end(), [](const ContactCandidate* a, const ContactCandidate* b) {
     return a->feature_id < b->feature_id;
@@ -68,13 +68,13 @@ Chosen spread_points(Chosen group, double equal_depth_m) {
   return chosen;
 }
 
-// The patch of the substep before that this one continues.
-const ContactPatch* earlier_patch(const RigidBody& body, const ContactPatch& patch) {
-  const ContactPatch* best = nullptr;
-  double best_cosine = kPatchNormalCosine;
-  for (const ContactPatch& earlier : body.previous_patches) {
-    if (earlier.other_id != patch.other_id) continue;
-    const double cosine = earlier.normal.dot(patch.normal);
+// The manifold of the substep before that this one continues.
+const ContactManifold* previous_manifold(const RigidBody& body, const ContactManifold& manifold) {
+  const ContactManifold* best = nullptr;
+  double best_cosine = kManifoldNormalCosine;
+  for (const ContactManifold& earlier : body.previous_manifolds) {
+    if (earlier.other_id != manifold.other_id) continue;
+    const double cosine = earlier.normal.dot(manifold.normal);
     if (cosine > best_cosine) {
       best = &earlier;
       best_cosine = cosine;
@@ -84,7 +84,7 @@ const ContactPatch* earlier_patch(const RigidBody& body, const ContactPatch& pat
 }
 
 double earlier_impulse(const RigidBody& body, uint64_t other_id, uint64_t feature_id) {
-  for (const ContactPatch& earlier : body.previous_patches) {
+  for (const ContactManifold& earlier : body.previous_manifolds) {
     if (earlier.other_id != other_id) continue;
     for (int i = 0; i < earlier.point_count; ++i) {
       if (earlier.points[i].feature_id == feature_id) return earlier.points[i].impulse_n_s;
@@ -115,23 +115,23 @@ void foresee_touch(const RigidBody& body, const RigidBody* other, const ContactC
 }
 
 // Friction acts where the pressure of the substep before had its centre.
-void find_centre(const RigidBody& body, ContactPatch& patch) {
+void find_centre(const RigidBody& body, ContactManifold& manifold) {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double weight = 0.0;
-  for (int i = 0; i < patch.point_count; ++i) {
-    centre += patch.points[i].impulse_n_s * patch.points[i].arm_a_m;
-    weight += patch.points[i].impulse_n_s;
+  for (int i = 0; i < manifold.point_count; ++i) {
+    centre += manifold.points[i].impulse_n_s * manifold.points[i].arm_a_m;
+    weight += manifold.points[i].impulse_n_s;
   }
   if (weight <= 0.0) {
     centre.setZero();
-    for (int i = 0; i < patch.point_count; ++i) centre += patch.points[i].arm_a_m;
-    weight = patch.point_count;
+    for (int i = 0; i < manifold.point_count; ++i) centre += manifold.points[i].arm_a_m;
+    weight = manifold.point_count;
   }
-  patch.arm_a_m = centre / weight;
-  patch.arm_body_m = body.world_from_body.orientation.conjugate() * patch.arm_a_m;
-  patch.twist_radius_m = 0.0;
-  for (int i = 0; i < patch.point_count; ++i) {
-    patch.twist_radius_m += (patch.points[i].arm_a_m - patch.arm_a_m).norm() / patch.point_count;
+  manifold.arm_a_m = centre / weight;
+  manifold.arm_body_m = body.world_from_body.orientation.conjugate() * manifold.arm_a_m;
+  manifold.twist_radius_m = 0.0;
+  for (int i = 0; i < manifold.point_count; ++i) {
+    manifold.twist_radius_m += (manifold.points[i].arm_a_m - manifold.arm_a_m).norm() / manifold.point_count;
   }
 }
 
@@ -139,17 +139,17 @@ Pose first_from_other(const RigidBody& body, const RigidBody& other) {
   return body.world_from_body.inverse() * other.world_from_body;
 }
 
-void remember(const RigidBody& body, ContactPatch& patch) {
-  const Pose& other = patch.other->world_from_body;
-  patch.lasts = true;
-  patch.normal_is_others = patch.turns;  // points of the first body lie on a face of the other
-  const Eigen::Quaterniond& axes = patch.normal_is_others ? other.orientation : body.world_from_body.orientation;
-  patch.found_normal = axes.conjugate() * patch.normal;
-  const Pose relative = first_from_other(body, *patch.other);
-  patch.found_turn = relative.orientation;
-  patch.found_shift_m = relative.position_m;
-  for (int i = 0; i < patch.point_count; ++i) {
-    ContactPoint& point = patch.points[i];
+void remember(const RigidBody& body, ContactManifold& manifold) {
+  const Pose& other = manifold.other->world_from_body;
+  manifold.lasts = true;
+  manifold.normal_is_others = manifold.turns;  // points of the first body lie on a face of the other
+  const Eigen::Quaterniond& axes = manifold.normal_is_others ? other.orientation : body.world_from_body.orientation;
+  manifold.found_normal = axes.conjugate() * manifold.normal;
+  const Pose relative = first_from_other(body, *manifold.other);
+  manifold.found_turn = relative.orientation;
+  manifold.found_shift_m = relative.position_m;
+  for (int i = 0; i < manifold.point_count; ++i) {
+    ContactPoint& point = manifold.points[i];
     point.anchor_b_m = other.orientation.conjugate() *
                        (body.world_from_body.position_m + point.arm_a_m - point.separation_m * point.normal -
                         other.position_m);
@@ -158,10 +158,10 @@ void remember(const RigidBody& body, ContactPatch& patch) {
 
 }  // namespace
 
-bool continue_patch(RigidBody& body, const ContactPair& pair, double duration_s) {
-  const ContactPatch* earlier = nullptr;
-  for (const ContactPatch& patch : body.previous_patches) {
-    if (patch.other_id == pair.other_id && patch.lasts) earlier = &patch;
+bool reuse_manifold(RigidBody& body, const ContactPair& pair, double duration_s) {
+  const ContactManifold* earlier = nullptr;
+  for (const ContactManifold& manifold : body.previous_manifolds) {
+    if (manifold.other_id == pair.other_id && manifold.lasts) earlier = &manifold;
   }
   if (!earlier) return false;
   const RigidBody& other = *earlier->other;
@@ -172,26 +172,26 @@ bool continue_patch(RigidBody& body, const ContactPair& pair, double duration_s)
       turn * pair.size_m > tolerance) {
     return false;
   }
-  ContactPatch patch = *earlier;
-  patch.friction = pair.friction;
-  patch.restitution = pair.restitution;
+  ContactManifold manifold = *earlier;
+  manifold.friction = pair.friction;
+  manifold.restitution = pair.restitution;
   const Pose& place = body.world_from_body;
-  patch.normal = (patch.normal_is_others ? other.world_from_body.orientation : place.orientation) * patch.found_normal;
-  for (int i = 0; i < patch.point_count; ++i) {
-    ContactPoint& point = patch.points[i];
-    point.normal = patch.normal;
+  manifold.normal = (manifold.normal_is_others ? other.world_from_body.orientation : place.orientation) * manifold.found_normal;
+  for (int i = 0; i < manifold.point_count; ++i) {
+    ContactPoint& point = manifold.points[i];
+    point.normal = manifold.normal;
     point.arm_a_m = place.orientation * point.arm_body_m;
     const Eigen::Vector3d on_first = place.position_m + point.arm_a_m;
-    point.separation_m = patch.normal.dot(on_first - other.world_from_body * point.anchor_b_m);
+    point.separation_m = manifold.normal.dot(on_first - other.world_from_body * point.anchor_b_m);
     point.largest_impulse_n_s = 0.0;
-    foresee_touch(body, pair.other, {point.feature_id, on_first, patch.normal, point.separation_m}, duration_s, point);
+    foresee_touch(body, pair.other, {point.feature_id, on_first, manifold.normal, point.separation_m}, duration_s, point);
   }
-  find_centre(body, patch);
-  body.patches.push_back(patch);
+  find_centre(body, manifold);
+  body.manifolds.push_back(manifold);
   return true;
 }
 
-void append_patches(RigidBody& body, const ContactPair& pair, double duration_s,
+void append_manifolds(RigidBody& body, const ContactPair& pair, double duration_s,
                     std::vector<ContactCandidate>& candidates) {
   // What is not finite has no order and touches nothing.
   std::erase_if(candidates, [](const ContactCandidate& candidate) {
@@ -206,7 +206,7 @@ void append_patches(RigidBody& body, const ContactPair& pair, double duration_s,
     if (taken[seed]) continue;
     Chosen group;
     for (size_t i = seed; i < candidates.size(); ++i) {
-      if (taken[i] || candidates[i].normal.dot(candidates[seed].normal) < kPatchNormalCosine) continue;
+      if (taken[i] || candidates[i].normal.dot(candidates[seed].normal) < kManifoldNormalCosine) continue;
       taken[i] = 1;
       group.push_back(&candidates[i]);
     }
@@ -215,17 +215,17 @@ void append_patches(RigidBody& body, const ContactPair& pair, double duration_s,
       return a->feature_id < b->feature_id;
     });
 
-    ContactPatch patch;
-    patch.other = pair.other;
-    patch.other_id = pair.other_id;
-    patch.friction = pair.friction;
-    patch.restitution = pair.restitution;
-    patch.restitution_speed_m_s = pair.restitution_speed_m_s;
-    patch.push_speed_m_s = pair.push_speed_m_s;
-    patch.turns = chosen.back()->feature_id < kForeignFeature;
-    patch.normal.setZero();
+    ContactManifold manifold;
+    manifold.other = pair.other;
+    manifold.other_id = pair.other_id;
+    manifold.friction = pair.friction;
+    manifold.restitution = pair.restitution;
+    manifold.restitution_speed_m_s = pair.restitution_speed_m_s;
+    manifold.push_speed_m_s = pair.push_speed_m_s;
+    manifold.turns = chosen.back()->feature_id < kForeignFeature;
+    manifold.normal.setZero();
     for (const ContactCandidate* candidate : chosen) {
-      ContactPoint& point = patch.points[patch.point_count++];
+      ContactPoint& point = manifold.points[manifold.point_count++];
       point.feature_id = candidate->feature_id;
       point.normal = candidate->normal;
       point.arm_a_m = candidate->point_m - body.world_from_body.position_m;
@@ -234,16 +234,16 @@ void append_patches(RigidBody& body, const ContactPair& pair, double duration_s,
       point.turns = candidate->feature_id < kForeignFeature;
       point.impulse_n_s = earlier_impulse(body, pair.other_id, candidate->feature_id);
       foresee_touch(body, pair.other, *candidate, duration_s, point);
-      patch.normal += candidate->normal;
+      manifold.normal += candidate->normal;
     }
-    patch.normal.normalize();
-    find_centre(body, patch);
-    if (pair.lasts) remember(body, patch);
-    if (const ContactPatch* earlier = earlier_patch(body, patch)) {
-      patch.friction_impulse_n_s = earlier->friction_impulse_n_s;
-      patch.twist_impulse = earlier->twist_impulse;
+    manifold.normal.normalize();
+    find_centre(body, manifold);
+    if (pair.lasts) remember(body, manifold);
+    if (const ContactManifold* earlier = previous_manifold(body, manifold)) {
+      manifold.friction_impulse_n_s = earlier->friction_impulse_n_s;
+      manifold.twist_impulse = earlier->twist_impulse;
     }
-    body.patches.push_back(patch);
+    body.manifolds.push_back(manifold);
   }
 }
 

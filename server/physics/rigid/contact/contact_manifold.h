@@ -22,17 +22,17 @@ struct ContactPair {
   bool lasts = false;  // two convex bodies: the contacts stay good while the two lie still on each other
 };
 
-// Takes over the patch of the substep before, at the bodies' present places, if it lasts and they have not moved against
+// Takes over the manifold of the substep before, at the bodies' present places, if it lasts and they have not moved against
 // each other since it was found by more than a thousandth of the size.
-bool continue_patch(RigidBody& body, const ContactPair& pair, double duration_s);
+bool reuse_manifold(RigidBody& body, const ContactPair& pair, double duration_s);
 
-// Normals within 30 degrees of the deepest point's belong to one patch.
-inline constexpr double kPatchNormalCosine = 0.866;
+// Normals within 30 degrees of the deepest point's belong to one manifold.
+inline constexpr double kManifoldNormalCosine = 0.866;
 
-// Groups candidates into patches of at most four points (the deepest region first, then spread as wide as possible)
-// and appends them to body.patches. Impulses of the same features in body.previous_patches are carried over.
+// Groups candidates into manifolds of at most four points (the deepest region first, then spread as wide as possible)
+// and appends them to body.manifolds. Impulses of the same features in body.previous_manifolds are carried over.
 // `candidates` is sorted in place.
-void append_patches(RigidBody& body, const ContactPair& pair, double duration_s,
+void append_manifolds(RigidBody& body, const ContactPair& pair, double duration_s,
                     std::vector<ContactCandidate>& candidates);
 
 }  // namespace livegs

@@ -6,13 +6,13 @@
 #include <array>
 #include <cstdint>
 
-// Contact between a rigid body and something else: up to four points that share one friction patch.
+// Contact between a rigid body and something else: up to four points that share one friction manifold.
 
 namespace livegs {
 
 struct RigidBody;
 
-inline constexpr int kMaxPatchPoints = 4;
+inline constexpr int kMaxManifoldPoints = 4;
 
 // How two bodies answer an impulse along one direction at one place.
 struct ContactRow {
@@ -41,10 +41,10 @@ struct ContactPoint {
   Eigen::Vector3d arm_b_m;
   ContactRow row;
 
-  Eigen::Vector3d anchor_b_m;  // where it was found on the other, in its axes: see continue_patch
+  Eigen::Vector3d anchor_b_m;  // where it was found on the other, in its axes: see reuse_manifold
 };
 
-struct ContactPatch {
+struct ContactManifold {
   RigidBody* other = nullptr;  // nullptr: a collider, which does not move
   uint64_t other_id = 0;       // RigidBody::contact_id, or kColliderBit + index
   double friction = 0;
@@ -52,7 +52,7 @@ struct ContactPatch {
   double restitution_speed_m_s = 0;  // impacts slower than this do not bounce
   double push_speed_m_s = 0;         // overlaps part no faster than this
 
-  std::array<ContactPoint, kMaxPatchPoints> points;
+  std::array<ContactPoint, kMaxManifoldPoints> points;
   int point_count = 0;
 
   bool turns = false;  // all of its points do
@@ -70,7 +70,7 @@ struct ContactPatch {
   Eigen::Vector3d twist_turn_a, twist_turn_b;
   double twist_mass = 0;
 
-  // As it was found, for as long as the two do not move against each other: see continue_patch.
+  // As it was found, for as long as the two do not move against each other: see reuse_manifold.
   bool lasts = false;
   bool normal_is_others = false;   // fixed in the other's axes, else in the first body's
   Eigen::Vector3d found_normal;    // in those axes

@@ -58,9 +58,9 @@ inline void twist(RigidBody& body, double impulse, const Vector3d& axis, const V
   body.angular_velocity_rad_s += impulse * turn;
 }
 
-inline void apply_twist(RigidBody& a, ContactPatch& patch, double impulse) {
-  twist(a, impulse, patch.normal, patch.twist_turn_a);
-  if (patch.other) twist(*patch.other, -impulse, patch.normal, patch.twist_turn_b);
+inline void apply_twist(RigidBody& a, ContactManifold& manifold, double impulse) {
+  twist(a, impulse, manifold.normal, manifold.twist_turn_a);
+  if (manifold.other) twist(*manifold.other, -impulse, manifold.normal, manifold.twist_turn_b);
 }
 
 // How far a turning point strays in `step_s`, along its normal, from the straight line its velocity points along. Without
@@ -80,115 +80,115 @@ ContactSoftness contact_softness(double step_s) {
   return {omega / a1, a2 / (1.0 + a2), 1.0 / (1.0 + a2)};
 }
 
-void prepare_patch(RigidBody& a, ContactPatch& patch) {
-  RigidBody* b = patch.other;
+void prepare_manifold(RigidBody& a, ContactManifold& manifold) {
+  RigidBody* b = manifold.other;
   // Both bodies are pushed at the same place, so that angular momentum is kept.
   const Vector3d between =
       b ? Vector3d(a.world_from_body.position_m - b->world_from_body.position_m) : Vector3d::Zero();
   const Eigen::Matrix3d rotation = a.world_from_body.orientation.toRotationMatrix();
-  for (int i = 0; i < patch.point_count; ++i) {
-    ContactPoint& point = patch.points[i];
+  for (int i = 0; i < manifold.point_count; ++i) {
+    ContactPoint& point = manifold.points[i];
     if (point.turns) point.arm_a_m = rotation * point.arm_body_m;
     point.arm_b_m = point.arm_a_m + between;
     point.row = row_of(a, b, point.normal, point.arm_a_m, point.arm_b_m);
   }
-  if (patch.turns) patch.arm_a_m = rotation * patch.arm_body_m;
-  patch.arm_b_m = patch.arm_a_m + between;
-  const Vector3d tangent = patch.normal.unitOrthogonal();
-  patch.tangent = row_of(a, b, tangent, patch.arm_a_m, patch.arm_b_m);
-  patch.bitangent = row_of(a, b, patch.normal.cross(tangent), patch.arm_a_m, patch.arm_b_m);
+  if (manifold.turns) manifold.arm_a_m = rotation * manifold.arm_body_m;
+  manifold.arm_b_m = manifold.arm_a_m + between;
+  const Vector3d tangent = manifold.normal.unitOrthogonal();
+  manifold.tangent = row_of(a, b, tangent, manifold.arm_a_m, manifold.arm_b_m);
+  manifold.bitangent = row_of(a, b, manifold.normal.cross(tangent), manifold.arm_a_m, manifold.arm_b_m);
   Eigen::Matrix2d k;
-  k(0, 0) = patch.tangent.mass_kg > 0.0 ? 1.0 / patch.tangent.mass_kg : 0.0;
-  k(1, 1) = patch.bitangent.mass_kg > 0.0 ? 1.0 / patch.bitangent.mass_kg : 0.0;
-  k(0, 1) = k(1, 0) = patch.tangent.lever_a.dot(patch.bitangent.turn_a) +
-                      (b ? patch.tangent.lever_b.dot(patch.bitangent.turn_b) : 0.0);
-  patch.tangent_mass = k.determinant() > 0.0 ? k.inverse().eval() : Eigen::Matrix2d::Zero().eval();
-  patch.twist_turn_a = a.inverse_inertia * patch.normal;
-  double response = patch.normal.dot(patch.twist_turn_a);
+  k(0, 0) = manifold.tangent.mass_kg > 0.0 ? 1.0 / manifold.tangent.mass_kg : 0.0;
+  k(1, 1) = manifold.bitangent.mass_kg > 0.0 ? 1.0 / manifold.bitangent.mass_kg : 0.0;
+  k(0, 1) = k(1, 0) = manifold.tangent.lever_a.dot(manifold.bitangent.turn_a) +
+                      (b ? manifold.tangent.lever_b.dot(manifold.bitangent.turn_b) : 0.0);
+  manifold.tangent_mass = k.determinant() > 0.0 ? k.inverse().eval() : Eigen::Matrix2d::Zero().eval();
+  manifold.twist_turn_a = a.inverse_inertia * manifold.normal;
+  double response = manifold.normal.dot(manifold.twist_turn_a);
   if (b) {
-    patch.twist_turn_b = b->inverse_inertia * patch.normal;
-    response += patch.normal.dot(patch.twist_turn_b);
+    manifold.twist_turn_b = b->inverse_inertia * manifold.normal;
+    response += manifold.normal.dot(manifold.twist_turn_b);
   }
-  patch.twist_mass = response > 0.0 ? 1.0 / response : 0.0;
+  manifold.twist_mass = response > 0.0 ? 1.0 / response : 0.0;
 }
 
-void warm_start_patch(RigidBody& a, ContactPatch& patch) {
-  for (int i = 0; i < patch.point_count; ++i) apply(a, patch.other, patch.points[i].row, patch.points[i].impulse_n_s);
-  const double along = patch.tangent.direction.dot(patch.friction_impulse_n_s);
-  const double across = patch.bitangent.direction.dot(patch.friction_impulse_n_s);
-  patch.friction_impulse_n_s = along * patch.tangent.direction + across * patch.bitangent.direction;
-  apply(a, patch.other, patch.tangent, along);
-  apply(a, patch.other, patch.bitangent, across);
-  apply_twist(a, patch, patch.twist_impulse);
+void warm_start_manifold(RigidBody& a, ContactManifold& manifold) {
+  for (int i = 0; i < manifold.point_count; ++i) apply(a, manifold.other, manifold.points[i].row, manifold.points[i].impulse_n_s);
+  const double along = manifold.tangent.direction.dot(manifold.friction_impulse_n_s);
+  const double across = manifold.bitangent.direction.dot(manifold.friction_impulse_n_s);
+  manifold.friction_impulse_n_s = along * manifold.tangent.direction + across * manifold.bitangent.direction;
+  apply(a, manifold.other, manifold.tangent, along);
+  apply(a, manifold.other, manifold.bitangent, across);
+  apply_twist(a, manifold, manifold.twist_impulse);
 }
 
-double total_impulse(const ContactPatch& patch) {
+double total_impulse(const ContactManifold& manifold) {
   double total = 0.0;
-  for (int i = 0; i < patch.point_count; ++i) total += patch.points[i].impulse_n_s;
+  for (int i = 0; i < manifold.point_count; ++i) total += manifold.points[i].impulse_n_s;
   return total;
 }
 
-void rub_patch(RigidBody& a, ContactPatch& patch) {
-  const double limit = patch.friction * total_impulse(patch);
+void rub_patch(RigidBody& a, ContactManifold& manifold) {
+  const double limit = manifold.friction * total_impulse(manifold);
 
-  double spin = patch.normal.dot(a.angular_velocity_rad_s);
-  if (patch.other) spin -= patch.normal.dot(patch.other->angular_velocity_rad_s);
-  const double twist_limit = limit * patch.twist_radius_m;
-  const double wanted_twist = std::clamp(patch.twist_impulse - patch.twist_mass * spin, -twist_limit, twist_limit);
-  apply_twist(a, patch, wanted_twist - patch.twist_impulse);
-  patch.twist_impulse = wanted_twist;
+  double spin = manifold.normal.dot(a.angular_velocity_rad_s);
+  if (manifold.other) spin -= manifold.normal.dot(manifold.other->angular_velocity_rad_s);
+  const double twist_limit = limit * manifold.twist_radius_m;
+  const double wanted_twist = std::clamp(manifold.twist_impulse - manifold.twist_mass * spin, -twist_limit, twist_limit);
+  apply_twist(a, manifold, wanted_twist - manifold.twist_impulse);
+  manifold.twist_impulse = wanted_twist;
 
-  const Eigen::Vector2d before(patch.tangent.direction.dot(patch.friction_impulse_n_s),
-                               patch.bitangent.direction.dot(patch.friction_impulse_n_s));
-  const Eigen::Vector2d slip(speed_along(a, patch.other, patch.tangent), speed_along(a, patch.other, patch.bitangent));
-  Eigen::Vector2d wanted = before - patch.tangent_mass * slip;
+  const Eigen::Vector2d before(manifold.tangent.direction.dot(manifold.friction_impulse_n_s),
+                               manifold.bitangent.direction.dot(manifold.friction_impulse_n_s));
+  const Eigen::Vector2d slip(speed_along(a, manifold.other, manifold.tangent), speed_along(a, manifold.other, manifold.bitangent));
+  Eigen::Vector2d wanted = before - manifold.tangent_mass * slip;
   const double length = wanted.norm();
   if (length > limit) wanted *= limit / length;
-  apply(a, patch.other, patch.tangent, wanted.x() - before.x());
-  apply(a, patch.other, patch.bitangent, wanted.y() - before.y());
-  patch.friction_impulse_n_s = wanted.x() * patch.tangent.direction + wanted.y() * patch.bitangent.direction;
+  apply(a, manifold.other, manifold.tangent, wanted.x() - before.x());
+  apply(a, manifold.other, manifold.bitangent, wanted.y() - before.y());
+  manifold.friction_impulse_n_s = wanted.x() * manifold.tangent.direction + wanted.y() * manifold.bitangent.direction;
 }
 
-void solve_patch(RigidBody& a, ContactPatch& patch, ContactPhase phase, double step_s) {
-  rub_patch(a, patch);
+void solve_manifold(RigidBody& a, ContactManifold& manifold, ContactPhase phase, double step_s) {
+  rub_patch(a, manifold);
   const ContactSoftness soft = contact_softness(step_s);
-  for (int i = 0; i < patch.point_count; ++i) {
-    ContactPoint& point = patch.points[i];
+  for (int i = 0; i < manifold.point_count; ++i) {
+    ContactPoint& point = manifold.points[i];
     double bias = 0.0, mass_scale = 1.0, impulse_scale = 0.0;
     const double separation = point.separation_m + way_off_line_m(a, point, step_s);
     if (separation > 0.0) {
       bias = separation / step_s;  // may close the gap, no more
     } else if (phase == ContactPhase::Push) {
-      bias = std::max(soft.bias_rate * separation, -patch.push_speed_m_s);
+      bias = std::max(soft.bias_rate * separation, -manifold.push_speed_m_s);
       mass_scale = soft.mass_scale;
       impulse_scale = soft.impulse_scale;
     }
-    const double change = -point.row.mass_kg * mass_scale * (speed_along(a, patch.other, point.row) + bias) -
+    const double change = -point.row.mass_kg * mass_scale * (speed_along(a, manifold.other, point.row) + bias) -
                           impulse_scale * point.impulse_n_s;
     const double impulse = std::max(0.0, point.impulse_n_s + change);
-    apply(a, patch.other, point.row, impulse - point.impulse_n_s);
+    apply(a, manifold.other, point.row, impulse - point.impulse_n_s);
     point.impulse_n_s = impulse;
     point.largest_impulse_n_s = std::max(point.largest_impulse_n_s, impulse);
   }
 }
 
-void follow_patch(RigidBody& a, ContactPatch& patch, double step_s) {
-  for (int i = 0; i < patch.point_count; ++i) {
-    ContactPoint& point = patch.points[i];
-    point.separation_m += way_off_line_m(a, point, step_s) + step_s * speed_along(a, patch.other, point.row);
+void follow_patch(RigidBody& a, ContactManifold& manifold, double step_s) {
+  for (int i = 0; i < manifold.point_count; ++i) {
+    ContactPoint& point = manifold.points[i];
+    point.separation_m += way_off_line_m(a, point, step_s) + step_s * speed_along(a, manifold.other, point.row);
   }
 }
 
-bool restitute_patch(RigidBody& a, ContactPatch& patch) {
-  if (patch.restitution <= 0.0) return false;
+bool restitute_patch(RigidBody& a, ContactManifold& manifold) {
+  if (manifold.restitution <= 0.0) return false;
   bool bounced = false;
-  for (int i = 0; i < patch.point_count; ++i) {
-    ContactPoint& point = patch.points[i];
-    if (point.impact_speed_m_s < patch.restitution_speed_m_s || point.largest_impulse_n_s <= 0.0) continue;
-    const double leaving = speed_along(a, patch.other, point.row);
-    const double change = -point.row.mass_kg * (leaving - patch.restitution * point.impact_speed_m_s);
+  for (int i = 0; i < manifold.point_count; ++i) {
+    ContactPoint& point = manifold.points[i];
+    if (point.impact_speed_m_s < manifold.restitution_speed_m_s || point.largest_impulse_n_s <= 0.0) continue;
+    const double leaving = speed_along(a, manifold.other, point.row);
+    const double change = -point.row.mass_kg * (leaving - manifold.restitution * point.impact_speed_m_s);
     const double impulse = std::max(0.0, point.impulse_n_s + change);
-    apply(a, patch.other, point.row, impulse - point.impulse_n_s);
+    apply(a, manifold.other, point.row, impulse - point.impulse_n_s);
     point.impulse_n_s = impulse;
     bounced = true;
   }

@@ -19,19 +19,19 @@ struct ContactSoftness {
 // sinks g / (2 pi f)^2 = 4 um.
 ContactSoftness contact_softness(double step_s);
 
-// The parts of one solver step, in the order of use. `a` owns the patch.
-void prepare_patch(RigidBody& a, ContactPatch& patch);       // masses, and the same places seen from `other`, now
-void warm_start_patch(RigidBody& a, ContactPatch& patch);
+// The parts of one solver step, in the order of use. `a` owns the manifold.
+void prepare_manifold(RigidBody& a, ContactManifold& manifold);       // masses, and the same places seen from `other`, now
+void warm_start_manifold(RigidBody& a, ContactManifold& manifold);
 enum class ContactPhase {
   Push,   // overlaps are driven apart softly
   Relax,  // velocities only: takes the energy of the push out again
 };
-void solve_patch(RigidBody& a, ContactPatch& patch, ContactPhase phase, double step_s);
+void solve_manifold(RigidBody& a, ContactManifold& manifold, ContactPhase phase, double step_s);
 // After the bodies moved: separations follow.
-void follow_patch(RigidBody& a, ContactPatch& patch, double step_s);
+void follow_patch(RigidBody& a, ContactManifold& manifold, double step_s);
 // Gives back what fell in. Returns whether anything bounced.
-bool restitute_patch(RigidBody& a, ContactPatch& patch);
-void rub_patch(RigidBody& a, ContactPatch& patch);  // friction alone
-double total_impulse(const ContactPatch& patch);
+bool restitute_patch(RigidBody& a, ContactManifold& manifold);
+void rub_patch(RigidBody& a, ContactManifold& manifold);  // friction alone
+double total_impulse(const ContactManifold& manifold);
 
 }  // namespace livegs

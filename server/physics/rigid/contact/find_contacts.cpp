@@ -154,8 +154,8 @@ void find_collider_contacts(RigidBody& body, std::span<const Collider> colliders
     if (candidates.empty() && cores.empty()) continue;
     ContactPair pair = pair_of(body, nullptr, collider.friction, collider.restitution, gravity_m_s2, duration_s);
     pair.other_id = kColliderBit + index;
-    append_patches(body, pair, duration_s, candidates);
-    append_patches(body, pair, duration_s, cores);  // of its own: among points nearer to the surface it would be passed over
+    append_manifolds(body, pair, duration_s, candidates);
+    append_manifolds(body, pair, duration_s, cores);  // of its own: among points nearer to the surface it would be passed over
   }
 }
 
@@ -225,7 +225,7 @@ void find_pair_contacts(RigidBody& body, RigidBody& other, double gravity_m_s2, 
   pair.other = &other;
   pair.other_id = other.contact_id();
   pair.lasts = body.shape.convex && other.shape.convex;
-  if (pair.lasts && motion < search.margin_m && continue_patch(body, pair, duration_s)) return;
+  if (pair.lasts && motion < search.margin_m && reuse_manifold(body, pair, duration_s)) return;
   candidates.clear();
   if (body.shape.is_ball()) {
     ball_body_candidates(body, other, search, candidates);
@@ -235,20 +235,20 @@ void find_pair_contacts(RigidBody& body, RigidBody& other, double gravity_m_s2, 
     mesh_candidates(body, other, search, candidates);
     part_one_way(between, smaller, candidates);
     std::vector<ContactCandidate> cores = core_candidates_of_pair(body, other, search);
-    if (!cores.empty()) append_patches(body, pair, duration_s, cores);
+    if (!cores.empty()) append_manifolds(body, pair, duration_s, cores);
   }
-  if (!candidates.empty()) append_patches(body, pair, duration_s, candidates);
+  if (!candidates.empty()) append_manifolds(body, pair, duration_s, candidates);
 }
 
 }  // namespace
 
 void find_contacts(RigidBody& body, std::span<const Collider> colliders, double gravity_m_s2, double duration_s) {
-  std::swap(body.patches, body.previous_patches);
-  body.patches.clear();
+  std::swap(body.manifolds, body.previous_manifolds);
+  body.manifolds.clear();
   std::vector<ContactCandidate> candidates;
   if (body.asleep) {
-    for (const ContactPatch& patch : body.previous_patches) {
-      if (!patch.other || patch.other->asleep) body.patches.push_back(patch);
+    for (const ContactManifold& manifold : body.previous_manifolds) {
+      if (!manifold.other || manifold.other->asleep) body.manifolds.push_back(manifold);
     }
   } else {
     find_collider_contacts(body, colliders, gravity_m_s2, duration_s, candidates);

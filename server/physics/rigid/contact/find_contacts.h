@@ -13,8 +13,8 @@
 
 namespace livegs {
 
-// Fills body.patches for everything it may touch in the next `duration_s` at its present velocity; the former patches
-// become previous_patches. Partners are those in body.near (rigid_broad_phase.h); what two sleepers lie on stays as it was.
+// Fills body.manifolds for everything it may touch in the next `duration_s` at its present velocity; the former manifolds
+// become previous_manifolds. Partners are those in body.near (rigid_broad_phase.h); what two sleepers lie on stays as it was.
 // Writes only `body`, reads everything: bodies can be done in parallel.
 void find_contacts(RigidBody& body, std::span<const Collider> colliders, double gravity_m_s2, double duration_s);
 
