@@ -67,7 +67,7 @@ void ImpactRecord::record_contact(const RigidBody& body, const ContactManifold& 
     impact_fraction_ = std::max(impact_fraction_, share);
     if (ended > fastest_approach_m_s_) {
       fastest_approach_m_s_ = ended;
-      impact_time_s_ = point.until_touch_s;
+      impact_time_s_ = point.time_of_impact_s;
     }
   }
   if (!body.can_break) return;

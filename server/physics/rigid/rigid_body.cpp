@@ -43,7 +43,7 @@ void RigidBody::apply_angular_impulse(const Eigen::Vector3d& impulse) {
 }
 
 Eigen::Vector3d RigidBody::mean_velocity(double duration_s) const {
-  Eigen::Vector3d late = met_body || joints ? Eigen::Vector3d(duration_s * substep_acceleration_m_s2)
+  Eigen::Vector3d late = has_body_contact || joints ? Eigen::Vector3d(duration_s * substep_acceleration_m_s2)
                                             : velocity_m_s - substep_velocity_m_s;
   for (const ContactManifold& manifold : manifolds) {
     for (int i = 0; i < manifold.point_count; ++i) {

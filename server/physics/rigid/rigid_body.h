@@ -52,7 +52,7 @@ struct RigidBody {
   Eigen::Vector3d substep_velocity_m_s = Eigen::Vector3d::Zero();  // at the start of the substep
   Eigen::Vector3d substep_acceleration_m_s2 = Eigen::Vector3d::Zero();
   bool pushed_by_owner = false;  // in this substep, by a manifold that another body owns
-  bool met_body = false;         // in this substep, as owner or not
+  bool has_body_contact = false;         // in this substep, as owner or not
   std::vector<RigidBody*> near;                // pairs this body owns: ascending id, see rigid_broad_phase.h
   std::vector<ContactManifold> manifolds;           // where this body is the first of the pair
   std::vector<ContactManifold> previous_manifolds;  // of the substep before, for warm starting

@@ -25,9 +25,9 @@ namespace {
 // simulation), since the contacts may be that much stiffer. The corners of a body that strikes share the impact only after
 // some sweeps of one step.
 constexpr int kSolverSteps = 4;
-constexpr int kPushSweeps = 1;
-constexpr int kRelaxSweeps = 2;  // with one, a pyramid never comes to rest
-constexpr int kImpactSweeps = 4;
+constexpr int kPushIterations = 1;
+constexpr int kRelaxIterations = 2;  // with one, a pyramid never comes to rest
+constexpr int kImpactIterations = 4;
 
 constexpr int kMostTold = 10;  // in a process
 
@@ -52,7 +52,7 @@ bool wake_groups(std::span<RigidBody* const> bodies) {
 }
 
 // Whether the manifold will press within the substep; the last relaxing sweep looks a step farther.
-bool will_press(const RigidBody& owner, const ContactManifold& manifold, double duration_s) {
+bool will_touch(const RigidBody& owner, const ContactManifold& manifold, double duration_s) {
   for (int i = 0; i < manifold.point_count; ++i) {
     const ContactPoint& point = manifold.points[i];
     Eigen::Vector3d velocity = owner.point_velocity(point.arm_a_m);
@@ -67,11 +67,11 @@ bool will_press(const RigidBody& owner, const ContactManifold& manifold, double 
 }
 
 // Sleepers that will be touched wake before the contact is solved.
-bool wake_touched(std::span<RigidBody* const> bodies, double duration_s) {
+bool wake_on_contact(std::span<RigidBody* const> bodies, double duration_s) {
   bool any = false;
   for (RigidBody* body : bodies) {
     for (const ContactManifold& manifold : body->manifolds) {
-      if (!manifold.other || body->asleep == manifold.other->asleep || !will_press(*body, manifold, duration_s)) continue;
+      if (!manifold.other || body->asleep == manifold.other->asleep || !will_touch(*body, manifold, duration_s)) continue;
       (body->asleep ? *body : *manifold.other).wake();
       any = true;
     }
@@ -88,7 +88,7 @@ void accelerate(RigidBody& body, const RigidLoad& load, const Eigen::Vector3d& g
   body.velocity_m_s += duration_s * body.substep_acceleration_m_s2;
 }
 
-void tally_point(RigidBody& body, const ContactManifold& manifold, const RigidBody* from, const ContactPoint& point,
+void report_contact_point(RigidBody& body, const ContactManifold& manifold, const RigidBody* from, const ContactPoint& point,
                  const Eigen::Vector3d& normal, const Eigen::Vector3d& where) {
   body.contact_impulse_n_s += point.impulse_n_s;
   if (!from || from->object_id != body.object_id) {
@@ -98,13 +98,13 @@ void tally_point(RigidBody& body, const ContactManifold& manifold, const RigidBo
   body.impacts.record_contact(body, manifold, point, normal, where - body.world_from_body.position_m);
 }
 
-void tally(RigidBody& body, ContactManifold& manifold) {
+void report_contacts(RigidBody& body, ContactManifold& manifold) {
   bool struck = false;
   for (int i = 0; i < manifold.point_count; ++i) {
     ContactPoint& point = manifold.points[i];
     const Eigen::Vector3d where = body.world_from_body.position_m + point.arm_a_m;
-    if (!body.asleep) tally_point(body, manifold, manifold.other, point, point.normal, where);
-    if (manifold.other && !manifold.other->asleep) tally_point(*manifold.other, manifold, &body, point, -point.normal, where);
+    if (!body.asleep) report_contact_point(body, manifold, manifold.other, point, point.normal, where);
+    if (manifold.other && !manifold.other->asleep) report_contact_point(*manifold.other, manifold, &body, point, -point.normal, where);
     // The impulse of an impact is no forecast of the next substep's.
     if (point.impact_speed_m_s >= manifold.restitution_speed_m_s) {
       point.impulse_n_s = 0.0;
@@ -157,10 +157,10 @@ bool is_impact(const ContactManifold& manifold) {
 }
 
 // Decides how the bodies will move, which their joints reckon with.
-void note_meeting(RigidBody& body, ContactManifold& manifold) {
+void mark_contacts(RigidBody& body, ContactManifold& manifold) {
   if (!manifold.other || total_impulse(manifold) <= 0.0) return;
-  if (!body.asleep) body.met_body = true;
-  if (!manifold.other->asleep) manifold.other->met_body = manifold.other->pushed_by_owner = true;
+  if (!body.asleep) body.has_body_contact = true;
+  if (!manifold.other->asleep) manifold.other->has_body_contact = manifold.other->pushed_by_owner = true;
 }
 
 bool moves_finitely(const RigidBody& body) {
@@ -214,14 +214,14 @@ void solve_island(RigidIsland& island, double duration_s, int times) {
   for (const RigidBody* body : island.bodies) poses.push_back(body->world_from_body);
   const bool struck = std::any_of(island.contacts.begin(), island.contacts.end(),
                                   [](const RigidIsland::Contact& contact) { return is_impact(*contact.manifold); });
-  const int push_sweeps = struck ? kImpactSweeps : kPushSweeps;
-  const int relax_sweeps = struck ? kImpactSweeps : kRelaxSweeps;
+  const int push_iterations = struck ? kImpactIterations : kPushIterations;
+  const int relax_iterations = struck ? kImpactIterations : kRelaxIterations;
   const std::vector<JointGroup*> joints = joint_groups(island.bodies);
   for (RigidBody* body : island.bodies) body->velocity_m_s = body->substep_velocity_m_s;
   BounceGuard guard(island.bodies);
   for (int step = 0; step < steps; ++step) {
     for (RigidBody* body : island.bodies) {
-      body->pushed_by_owner = body->met_body = false;
+      body->pushed_by_owner = body->has_body_contact = false;
       body->substep_velocity_m_s = body->velocity_m_s;
       body->velocity_m_s += step_s * body->substep_acceleration_m_s2;
     }
@@ -232,16 +232,16 @@ void solve_island(RigidIsland& island, double duration_s, int times) {
       for (RigidSpring* spring : body->springs) prepare_spring(*body, *spring, step_s);
     }
     for (JointGroup* group : joints) group->prepare(ContactPhase::Push);
-    for (int sweep = 0; sweep < push_sweeps; ++sweep) {
+    for (int sweep = 0; sweep < push_iterations; ++sweep) {
       each([&](RigidBody& body, ContactManifold& manifold) { solve_manifold(body, manifold, ContactPhase::Push, step_s); });
       for (RigidBody* body : island.bodies) {
         for (RigidSpring* spring : body->springs) solve_spring(*body, *spring, step_s);
       }
-      if (!joints.empty()) each(note_meeting);
+      if (!joints.empty()) each(mark_contacts);
       for (JointGroup* group : joints) group->solve(ContactPhase::Push, step_s);
     }
-    each([&](RigidBody& body, ContactManifold& manifold) { follow_patch(body, manifold, step_s); });
-    each(note_meeting);
+    each([&](RigidBody& body, ContactManifold& manifold) { update_separations(body, manifold, step_s); });
+    each(mark_contacts);
     for (RigidBody* body : island.bodies) {
       if (!body->joints) body->move(step_s);
     }
@@ -249,23 +249,23 @@ void solve_island(RigidIsland& island, double duration_s, int times) {
 
     each(prepare_manifold);
     for (JointGroup* group : joints) group->prepare(ContactPhase::Relax);
-    for (int sweep = 0; sweep < relax_sweeps; ++sweep) {
+    for (int sweep = 0; sweep < relax_iterations; ++sweep) {
       each([&](RigidBody& body, ContactManifold& manifold) { solve_manifold(body, manifold, ContactPhase::Relax, step_s); });
       for (JointGroup* group : joints) group->solve(ContactPhase::Relax, step_s);
     }
     if (step + 1 == steps && (struck || !joints.empty())) {
       guard.begin();
       each([](RigidBody&, ContactManifold& manifold) { remember_impulses(manifold); });
-      for (int sweep = 0; sweep < kImpactSweeps; ++sweep) {
+      for (int sweep = 0; sweep < kImpactIterations; ++sweep) {
         each([&](RigidBody& body, ContactManifold& manifold) {
-          if (restitute_patch(body, manifold)) rub_patch(body, manifold);
+          if (apply_restitution(body, manifold)) solve_friction(body, manifold);
         });
         for (JointGroup* group : joints) group->solve(ContactPhase::Relax, step_s);
       }
       if (const double part = guard.end(); part < 1.0) each([&](RigidBody&, ContactManifold& manifold) { cut_bounce(manifold, part); });
     }
     for (JointGroup* group : joints) group->end(step_s);
-    each(tally);
+    each(report_contacts);
     record_held_loads(island, joints, step_s);
   }
   if (times > 1) each([&](RigidBody&, ContactManifold& manifold) { scale_impulses(manifold, times); });
@@ -341,7 +341,7 @@ void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const Rigid
   parallel_for(active.size(), 8, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) find_contacts(*active[i], colliders, gravity_m_s2.norm(), duration_s);
   });
-  if (wake_touched(active, duration_s)) {
+  if (wake_on_contact(active, duration_s)) {
     // They start with the contacts that they fell asleep with.
     wake_groups(bodies);
     broad_phase.forget();

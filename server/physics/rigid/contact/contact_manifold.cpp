@@ -12,7 +12,7 @@ namespace {
 constexpr double kEqualDepth = 0.002;
 // Contacts of a pair that moved against each other by less than this part of the smaller bounding radius are not looked
 // for again. A tenth of the margin within which they are found.
-constexpr double kStillPart = 0.1 * kContactMargin;
+constexpr double kReuseTolerance = 0.1 * kContactMargin;
 
 using Chosen = std::vector<const ContactCandidate*>;
 
@@ -95,7 +95,7 @@ double earlier_impulse(const RigidBody& body, uint64_t other_id, uint64_t featur
 
 // The closing speed the point will have at the moment of touch, from the constant acceleration of the substep, and the one
 // that this would give from then on.
-void foresee_touch(const RigidBody& body, const RigidBody* other, const ContactCandidate& candidate,
+void predict_impact(const RigidBody& body, const RigidBody* other, const ContactCandidate& candidate,
                    double duration_s, ContactPoint& point) {
   Eigen::Vector3d velocity = body.point_velocity(candidate.point_m - body.world_from_body.position_m);
   Eigen::Vector3d acceleration = body.substep_acceleration_m_s2;
@@ -106,12 +106,12 @@ void foresee_touch(const RigidBody& body, const RigidBody* other, const ContactC
   const double normal_acceleration = candidate.normal.dot(acceleration);
   const double closing = -(candidate.normal.dot(velocity) - normal_acceleration * duration_s);
   const double gap = std::max(0.0, candidate.separation_m);
-  const double at_touch = std::sqrt(std::max(0.0, closing * closing - 2.0 * normal_acceleration * gap));
-  point.impact_speed_m_s = closing > 0.0 ? at_touch : 0.0;
+  const double impact_speed = std::sqrt(std::max(0.0, closing * closing - 2.0 * normal_acceleration * gap));
+  point.impact_speed_m_s = closing > 0.0 ? impact_speed : 0.0;
   point.approach_speed_m_s = std::max(0.0, closing);
-  const double until_touch = gap > 0.0 && closing + at_touch > 0.0 ? 2.0 * gap / (closing + at_touch) : 0.0;
-  point.until_touch_s = std::clamp(until_touch, 0.0, duration_s);
-  point.carried_speed_m_s = -std::min(0.0, normal_acceleration) * (duration_s - point.until_touch_s);
+  const double time_of_impact = gap > 0.0 && closing + impact_speed > 0.0 ? 2.0 * gap / (closing + impact_speed) : 0.0;
+  point.time_of_impact_s = std::clamp(time_of_impact, 0.0, duration_s);
+  point.carried_speed_m_s = -std::min(0.0, normal_acceleration) * (duration_s - point.time_of_impact_s);
 }
 
 // Friction acts where the pressure of the substep before had its centre.
@@ -166,7 +166,7 @@ bool reuse_manifold(RigidBody& body, const ContactPair& pair, double duration_s)
   if (!earlier) return false;
   const RigidBody& other = *earlier->other;
   const Pose relative = first_from_other(body, other);
-  const double tolerance = kStillPart * pair.size_m;
+  const double tolerance = kReuseTolerance * pair.size_m;
   const double turn = 2.0 * (relative.orientation.conjugate() * earlier->found_turn).vec().norm();
   if ((relative.position_m - earlier->found_shift_m).squaredNorm() > tolerance * tolerance ||
       turn * pair.size_m > tolerance) {
@@ -184,7 +184,7 @@ bool reuse_manifold(RigidBody& body, const ContactPair& pair, double duration_s)
     const Eigen::Vector3d on_first = place.position_m + point.arm_a_m;
     point.separation_m = manifold.normal.dot(on_first - other.world_from_body * point.anchor_b_m);
     point.largest_impulse_n_s = 0.0;
-    foresee_touch(body, pair.other, {point.feature_id, on_first, manifold.normal, point.separation_m}, duration_s, point);
+    predict_impact(body, pair.other, {point.feature_id, on_first, manifold.normal, point.separation_m}, duration_s, point);
   }
   find_centre(body, manifold);
   body.manifolds.push_back(manifold);
@@ -233,7 +233,7 @@ void append_manifolds(RigidBody& body, const ContactPair& pair, double duration_
       point.separation_m = candidate->separation_m;
       point.turns = candidate->feature_id < kForeignFeature;
       point.impulse_n_s = earlier_impulse(body, pair.other_id, candidate->feature_id);
-      foresee_touch(body, pair.other, *candidate, duration_s, point);
+      predict_impact(body, pair.other, *candidate, duration_s, point);
       manifold.normal += candidate->normal;
     }
     manifold.normal.normalize();

@@ -31,7 +31,7 @@ struct ContactPoint {
   bool turns = false;  // a point of the first body's mesh; where a ball or the other body touches stays in the substep
   double impact_speed_m_s = 0;  // closing speed at touch, > 0 when closing
   double approach_speed_m_s = 0;  // at the start of the substep, > 0 when closing
-  double until_touch_s = 0;      // from the start of the substep
+  double time_of_impact_s = 0;      // from the start of the substep
   double carried_speed_m_s = 0;  // what presses the two together would give them in the rest of the substep
   double impulse_n_s = 0;       // of this step, >= 0; the next one starts from it
   double resting_impulse_n_s = 0;  // before restitution

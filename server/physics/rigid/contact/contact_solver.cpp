@@ -128,7 +128,7 @@ double total_impulse(const ContactManifold& manifold) {
   return total;
 }
 
-void rub_patch(RigidBody& a, ContactManifold& manifold) {
+void solve_friction(RigidBody& a, ContactManifold& manifold) {
   const double limit = manifold.friction * total_impulse(manifold);
 
   double spin = manifold.normal.dot(a.angular_velocity_rad_s);
@@ -150,7 +150,7 @@ void rub_patch(RigidBody& a, ContactManifold& manifold) {
 }
 
 void solve_manifold(RigidBody& a, ContactManifold& manifold, ContactPhase phase, double step_s) {
-  rub_patch(a, manifold);
+  solve_friction(a, manifold);
   const ContactSoftness soft = contact_softness(step_s);
   for (int i = 0; i < manifold.point_count; ++i) {
     ContactPoint& point = manifold.points[i];
@@ -172,14 +172,14 @@ void solve_manifold(RigidBody& a, ContactManifold& manifold, ContactPhase phase,
   }
 }
 
-void follow_patch(RigidBody& a, ContactManifold& manifold, double step_s) {
+void update_separations(RigidBody& a, ContactManifold& manifold, double step_s) {
   for (int i = 0; i < manifold.point_count; ++i) {
     ContactPoint& point = manifold.points[i];
     point.separation_m += way_off_line_m(a, point, step_s) + step_s * speed_along(a, manifold.other, point.row);
   }
 }
 
-bool restitute_patch(RigidBody& a, ContactManifold& manifold) {
+bool apply_restitution(RigidBody& a, ContactManifold& manifold) {
   if (manifold.restitution <= 0.0) return false;
   bool bounced = false;
   for (int i = 0; i < manifold.point_count; ++i) {

@@ -28,10 +28,10 @@ enum class ContactPhase {
 };
 void solve_manifold(RigidBody& a, ContactManifold& manifold, ContactPhase phase, double step_s);
 // After the bodies moved: separations follow.
-void follow_patch(RigidBody& a, ContactManifold& manifold, double step_s);
+void update_separations(RigidBody& a, ContactManifold& manifold, double step_s);
 // Gives back what fell in. Returns whether anything bounced.
-bool restitute_patch(RigidBody& a, ContactManifold& manifold);
-void rub_patch(RigidBody& a, ContactManifold& manifold);  // friction alone
+bool apply_restitution(RigidBody& a, ContactManifold& manifold);
+void solve_friction(RigidBody& a, ContactManifold& manifold);  // friction alone
 double total_impulse(const ContactManifold& manifold);
 
 }  // namespace livegs

@@ -18,10 +18,10 @@ constexpr double kMaxPushSpeed_m_s = 1.0;  // several in a row add up: ten boxes
 constexpr double kPushSizesPerSecond = 5.0;       // bounding diameters a second
 // Two of one form are in one place when their centres are nearer to each other than this part of their thinnest side and of
 // how thick they are: bowls that stand in each other are not.
-constexpr double kOnePlace = 0.25, kOneWall = 0.75;
-constexpr double kDeepPart = 0.005;  // of the smaller bounding radius; what rests is a tenth of that deep
-constexpr double kOpposite = 0.5;    // less cosine of two normals than minus this
-constexpr double kOneWay = 0.3;      // depths whose sum is a smaller part of their sizes point nowhere
+constexpr double kCoincidentDistance = 0.25, kCoincidentWall = 0.75;
+constexpr double kDeepPenetration = 0.005;  // of the smaller bounding radius; what rests is a tenth of that deep
+constexpr double kOppositeCosine = 0.5;    // less cosine of two normals than minus this
+constexpr double kMinNetDepth = 0.3;      // depths whose sum is a smaller part of their sizes point nowhere
 constexpr double kRestitutionDrop = 0.01;         // a fall of this part of the smaller bounding radius does not bounce
 
 // The part of a sampled distance that is certainly free; the distances of other shapes are exact.
@@ -171,12 +171,12 @@ void ball_body_candidates(const RigidBody& ball, const RigidBody& other, const C
 
 // Two meshes of one form in one place have all points of each on the other's surface, and where they are less than half
 // their thickness apart the nearest way out is the one back. Along the thinnest side they are parted until points are inside.
-bool part_coincident(const RigidBody& body, const RigidBody& other, std::vector<ContactCandidate>& candidates) {
+bool separate_coincident(const RigidBody& body, const RigidBody& other, std::vector<ContactCandidate>& candidates) {
   const Eigen::Vector3d size = body.shape.max_m - body.shape.min_m;
   Eigen::Index thinnest;
   const double width = size.minCoeff(&thinnest);
   const Eigen::Vector3d between = body.world_from_body.position_m - other.world_from_body.position_m;
-  if (between.norm() > std::min(kOnePlace * width, kOneWall * body.shape.wall_m) ||
+  if (between.norm() > std::min(kCoincidentDistance * width, kCoincidentWall * body.shape.wall_m) ||
       (size - other.shape.max_m + other.shape.min_m).norm() > 0.01 * width ||
       body.world_from_body.orientation.angularDistance(other.world_from_body.orientation) > 0.25) {
     return false;
@@ -190,9 +190,9 @@ bool part_coincident(const RigidBody& body, const RigidBody& other, std::vector<
 // Bodies that are deep in each other, as sherds at the moment they come apart, have points on either side that push
 // opposite ways and hold them there for good. They part one way: where most of the depth points, or away from each other's
 // centre; contacts against that are left out as long as they are so deep.
-void part_one_way(const Eigen::Vector3d& between, double size_m, std::vector<ContactCandidate>& candidates) {
+void separate_deep_overlap(const Eigen::Vector3d& between, double size_m, std::vector<ContactCandidate>& candidates) {
   const auto depth_m = [](const ContactCandidate& candidate) { return std::max(0.0, -candidate.separation_m); };
-  const double deep_m = kDeepPart * size_m;
+  const double deep_m = kDeepPenetration * size_m;
   bool stuck = false;
   Eigen::Vector3d out = Eigen::Vector3d::Zero();
   double sum_m = 0.0;
@@ -201,11 +201,11 @@ void part_one_way(const Eigen::Vector3d& between, double size_m, std::vector<Con
     out += depth_m(candidates[i]) * candidates[i].normal;
     sum_m += depth_m(candidates[i]);
     for (size_t k = 0; k < i && !stuck; ++k) {
-      stuck = depth_m(candidates[k]) > deep_m && candidates[i].normal.dot(candidates[k].normal) < -kOpposite;
+      stuck = depth_m(candidates[k]) > deep_m && candidates[i].normal.dot(candidates[k].normal) < -kOppositeCosine;
     }
   }
   if (!stuck) return;
-  if (out.norm() < kOneWay * sum_m) out = between;
+  if (out.norm() < kMinNetDepth * sum_m) out = between;
   std::erase_if(candidates, [&](const ContactCandidate& one) { return depth_m(one) > 0.0 && one.normal.dot(out) < 0.0; });
 }
 
@@ -231,9 +231,9 @@ void find_pair_contacts(RigidBody& body, RigidBody& other, double gravity_m_s2, 
     ball_body_candidates(body, other, search, candidates);
   } else if (body.shape.convex && other.shape.convex) {
     polyhedron_candidates(moving_polyhedron(body), moving_polyhedron(other), search, candidates);
-  } else if (!part_coincident(body, other, candidates)) {
+  } else if (!separate_coincident(body, other, candidates)) {
     mesh_candidates(body, other, search, candidates);
-    part_one_way(between, smaller, candidates);
+    separate_deep_overlap(between, smaller, candidates);
     std::vector<ContactCandidate> cores = core_candidates_of_pair(body, other, search);
     if (!cores.empty()) append_manifolds(body, pair, duration_s, cores);
   }

@@ -88,7 +88,7 @@ PlacedPolyhedron advanced(const MovingPolyhedron& body, double time_s) {
 }
 
 // The first moment within the substep when the two are closer than the margin. Distances shrink no faster than `speed`.
-std::optional<double> time_of_touch(const MovingPolyhedron& a, const MovingPolyhedron& b, double speed_m_s,
+std::optional<double> time_of_impact(const MovingPolyhedron& a, const MovingPolyhedron& b, double speed_m_s,
                                     const ContactSearch& search) {
   double time = 0.0;
   for (int i = 0; i < kMaxAdvances; ++i) {
@@ -151,7 +151,7 @@ void polyhedron_candidates(const MovingPolyhedron& a, const MovingPolyhedron& b,
     polyhedron_contacts(a.placed, b.placed, search.margin_m + way, tolerance, candidates);
     return;
   }
-  const auto time = time_of_touch(a, b, speed, search);
+  const auto time = time_of_impact(a, b, speed, search);
   if (!time) return;
   const PlacedPolyhedron a_then = advanced(a, *time);
   // What else of the two may arrive in what is left of the substep is held back too: the far end of a turning rod.
