@@ -120,11 +120,11 @@ void report_contacts(RigidBody& body, ContactManifold& manifold) {
   }
 }
 
-void remember_impulses(ContactManifold& manifold) {
+void save_resting_impulses(ContactManifold& manifold) {
   for (int i = 0; i < manifold.point_count; ++i) manifold.points[i].resting_impulse_n_s = manifold.points[i].impulse_n_s;
 }
 
-void cut_bounce(ContactManifold& manifold, double part) {
+void scale_restitution(ContactManifold& manifold, double part) {
   for (int i = 0; i < manifold.point_count; ++i) {
     ContactPoint& point = manifold.points[i];
     point.impulse_n_s = point.resting_impulse_n_s + part * (point.impulse_n_s - point.resting_impulse_n_s);
@@ -218,7 +218,7 @@ void solve_island(RigidIsland& island, double duration_s, int times) {
   const int relax_iterations = struck ? kImpactIterations : kRelaxIterations;
   const std::vector<JointGroup*> joints = joint_groups(island.bodies);
   for (RigidBody* body : island.bodies) body->velocity_m_s = body->substep_velocity_m_s;
-  BounceGuard guard(island.bodies);
+  RestitutionEnergyLimiter limiter(island.bodies);
   for (int step = 0; step < steps; ++step) {
     for (RigidBody* body : island.bodies) {
       body->pushed_by_owner = body->has_body_contact = false;
@@ -254,15 +254,15 @@ void solve_island(RigidIsland& island, double duration_s, int times) {
       for (JointGroup* group : joints) group->solve(ContactPhase::Relax, step_s);
     }
     if (step + 1 == steps && (struck || !joints.empty())) {
-      guard.begin();
-      each([](RigidBody&, ContactManifold& manifold) { remember_impulses(manifold); });
+      limiter.begin();
+      each([](RigidBody&, ContactManifold& manifold) { save_resting_impulses(manifold); });
       for (int sweep = 0; sweep < kImpactIterations; ++sweep) {
         each([&](RigidBody& body, ContactManifold& manifold) {
           if (apply_restitution(body, manifold)) solve_friction(body, manifold);
         });
         for (JointGroup* group : joints) group->solve(ContactPhase::Relax, step_s);
       }
-      if (const double part = guard.end(); part < 1.0) each([&](RigidBody&, ContactManifold& manifold) { cut_bounce(manifold, part); });
+      if (const double part = limiter.end(); part < 1.0) each([&](RigidBody&, ContactManifold& manifold) { scale_restitution(manifold, part); });
     }
     for (JointGroup* group : joints) group->end(step_s);
     each(report_contacts);

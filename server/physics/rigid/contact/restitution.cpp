@@ -6,7 +6,7 @@
 
 namespace livegs {
 
-BounceGuard::BounceGuard(std::span<RigidBody* const> bodies) : bodies_(bodies) {
+RestitutionEnergyLimiter::RestitutionEnergyLimiter(std::span<RigidBody* const> bodies) : bodies_(bodies) {
   positions_m_.reserve(bodies.size());
   for (const RigidBody* body : bodies) {
     held_ = held_ || !body->springs.empty();
@@ -15,14 +15,14 @@ BounceGuard::BounceGuard(std::span<RigidBody* const> bodies) : bodies_(bodies) {
   }
 }
 
-void BounceGuard::begin() {
+void RestitutionEnergyLimiter::begin() {
   before_.clear();
   for (const RigidBody* body : bodies_) {
     before_.push_back({body->velocity_m_s, body->angular_momentum, body->angular_velocity_rad_s});
   }
 }
 
-double BounceGuard::end() {
+double RestitutionEnergyLimiter::end() {
   if (held_) return 1.0;
   // What it had, what its weight and the loads on it gave it since; what it has without restitution, and s of it:
   // before + s linear + s² square.

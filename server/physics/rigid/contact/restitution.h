@@ -14,10 +14,10 @@
 
 namespace livegs {
 
-class BounceGuard {
+class RestitutionEnergyLimiter {
  public:
   // At the start of the substep, before anything accelerates them.
-  explicit BounceGuard(std::span<RigidBody* const> bodies);
+  explicit RestitutionEnergyLimiter(std::span<RigidBody* const> bodies);
   // Right before restitution; needed where it may come at all.
   void begin();
   // After it. The part of its impulses that is left, 0 ... 1, by which velocities have been cut down already.
