@@ -7,34 +7,34 @@
 namespace livegs {
 namespace {
 
-constexpr double kHastyWays = 6.0;    // in a substep, of the two thicknesses together
-constexpr double kTurnOfPart = 0.25;  // rad, of the smaller one when a corner of it is stopped
-constexpr int kMostParts = 32;
-constexpr size_t kMostContacts = 1024;  // manifolds times parts
+constexpr double kFastPairThicknesses = 6.0;    // in a substep, of the two thicknesses together
+constexpr double kMaxTurn_rad = 0.25;  // rad, of the smaller one when a corner of it is stopped
+constexpr int kMaxCcdSubsteps = 32;
+constexpr size_t kMaxContactSubsteps = 1024;  // manifolds times parts
 
 double thickness_m(const RigidShape& shape) { return shape.convex ? 2.0 * shape.inner_radius_m : shape.wall_m; }
 
-int parts_of_pair(const RigidBody& a, const RigidBody& b, double duration_s) {
+int ccd_substeps_of_pair(const RigidBody& a, const RigidBody& b, double duration_s) {
   if (a.shape.is_ball() || b.shape.is_ball()) return 1;
   const double speed = (a.velocity_m_s - b.velocity_m_s).norm() + a.angular_velocity_rad_s.norm() * a.shape.bounding_radius_m +
                        b.angular_velocity_rad_s.norm() * b.shape.bounding_radius_m;
   const double way = duration_s * speed;
-  if (!(way > kHastyWays * (thickness_m(a.shape) + thickness_m(b.shape)))) return 1;
+  if (!(way > kFastPairThicknesses * (thickness_m(a.shape) + thickness_m(b.shape)))) return 1;
   const double turn = way / std::min(a.shape.bounding_radius_m, b.shape.bounding_radius_m);
-  return static_cast<int>(std::ceil(std::min<double>(kMostParts, turn / kTurnOfPart)));
+  return static_cast<int>(std::ceil(std::min<double>(kMaxCcdSubsteps, turn / kMaxTurn_rad)));
 }
 
 }  // namespace
 
-int substep_parts(const RigidIsland& island, double duration_s) {
-  int parts = 1;
+int ccd_substeps(const RigidIsland& island, double duration_s) {
+  int substeps = 1;
   for (const RigidIsland::Contact& contact : island.contacts) {
     const RigidBody* other = contact.manifold->other;
     if (contact.owner->joints || (other && other->joints)) return 1;
     if (!other || other->asleep || contact.owner->asleep) continue;
-    parts = std::max(parts, parts_of_pair(*contact.owner, *other, duration_s));
+    substeps = std::max(substeps, ccd_substeps_of_pair(*contact.owner, *other, duration_s));
   }
-  return std::max(1, std::min(parts, static_cast<int>(kMostContacts / std::max<size_t>(1, island.contacts.size()))));
+  return std::max(1, std::min(substeps, static_cast<int>(kMaxContactSubsteps / std::max<size_t>(1, island.contacts.size()))));
 }
 
 }  // namespace livegs

@@ -9,6 +9,6 @@ namespace livegs {
 // not balls come at each other by many times their thickness in a substep. A corner that is stopped there turns the body
 // over within the substep, and contacts that were found at its start say nothing of the face that comes then. What joints
 // hold, and islands of very many contacts, are not cut up.
-int substep_parts(const RigidIsland& island, double duration_s);
+int ccd_substeps(const RigidIsland& island, double duration_s);
 
 }  // namespace livegs

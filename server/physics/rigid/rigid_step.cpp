@@ -279,8 +279,8 @@ void solve_island(RigidIsland& island, double duration_s, int times) {
 
 // The substep in `parts`, each with contacts of its own. Its bodies meet nobody but each other, colliders and sleepers: other
 // islands may be on other threads.
-void solve_in_parts(RigidIsland& island, std::span<const Collider> colliders, double gravity_m_s2, double duration_s, int parts) {
-  const double part_s = duration_s / parts;
+void solve_ccd_substeps(RigidIsland& island, std::span<const Collider> colliders, double gravity_m_s2, double duration_s, int ccd_count) {
+  const double part_s = duration_s / ccd_count;
   std::vector<const RigidBody*> members(island.bodies.begin(), island.bodies.end());
   std::sort(members.begin(), members.end());
   const auto elsewhere = [&](const RigidBody* body) {
@@ -290,12 +290,12 @@ void solve_in_parts(RigidIsland& island, std::span<const Collider> colliders, do
   for (RigidBody* body : island.bodies) {
     near.push_back(body->near);
     std::erase_if(body->near, elsewhere);
-    for (ContactManifold& manifold : body->manifolds) scale_impulses(manifold, 1.0 / parts);
+    for (ContactManifold& manifold : body->manifolds) scale_impulses(manifold, 1.0 / ccd_count);
     body->velocity_m_s = body->substep_velocity_m_s;
   }
   std::erase_if(island.contacts, [](const RigidIsland::Contact& contact) { return !contact.owner->asleep; });
   const size_t of_sleepers = island.contacts.size();
-  for (int part = 0; part < parts; ++part) {
+  for (int part = 0; part < ccd_count; ++part) {
     for (RigidBody* body : island.bodies) {
       body->substep_velocity_m_s = body->velocity_m_s;
       body->velocity_m_s += part_s * body->substep_acceleration_m_s2;
@@ -309,7 +309,7 @@ void solve_in_parts(RigidIsland& island, std::span<const Collider> colliders, do
   }
   for (size_t i = 0; i < island.bodies.size(); ++i) {
     island.bodies[i]->near = std::move(near[i]);
-    for (ContactManifold& manifold : island.bodies[i]->manifolds) scale_impulses(manifold, parts);
+    for (ContactManifold& manifold : island.bodies[i]->manifolds) scale_impulses(manifold, ccd_count);
   }
 }
 
@@ -356,11 +356,11 @@ void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const Rigid
   std::vector<RigidIsland> islands = rigid_islands(active, IslandLink::AnyManifold, gravity_m_s2);
   parallel_for(islands.size(), 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      const int parts = substep_parts(islands[i], duration_s);
-      if (parts == 1) {
+      const int ccd_count = ccd_substeps(islands[i], duration_s);
+      if (ccd_count == 1) {
         solve_island(islands[i], duration_s, heavy_steps(islands[i], gravity_m_s2));
       } else {
-        solve_in_parts(islands[i], colliders, gravity_m_s2.norm(), duration_s, parts);
+        solve_ccd_substeps(islands[i], colliders, gravity_m_s2.norm(), duration_s, ccd_count);
       }
     }
   });
