@@ -358,7 +358,7 @@ void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const Rigid
     for (size_t i = begin; i < end; ++i) {
       const int ccd_count = ccd_substeps(islands[i], duration_s);
       if (ccd_count == 1) {
-        solve_island(islands[i], duration_s, heavy_steps(islands[i], gravity_m_s2));
+        solve_island(islands[i], duration_s, mass_ratio_substeps(islands[i], gravity_m_s2));
       } else {
         solve_ccd_substeps(islands[i], colliders, gravity_m_s2.norm(), duration_s, ccd_count);
       }
