@@ -103,7 +103,7 @@ struct ParticleState {
 };
 
 // What colliders gave a body since it was last asked: sizes of impulses, and where they acted on average.
-struct ContactTally {
+struct ContactTotal {
   double impulse_n_s = 0;
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // sum of size times point, world
 };
@@ -160,17 +160,17 @@ class ElasticBody {
   void substep(const SubstepContext& context);  // of a body without neighbours
   // The same in parts, for bodies that take it together (step_elastic_bodies.h): begin_substep tells how many steps the
   // body needs, 0 when there is no more to do (it sleeps, or has flown on as a rigid body). Each step of as many or more
-  // is begin_step (all but contact), list_contacts with what moves, take_rows, end_step (colliders, and what they all did).
+  // is begin_step (all but contact), list_contacts with what moves, read_contact_impulses, end_step (colliders, and what they all did).
   virtual int begin_substep(const SubstepContext& context) = 0;
   virtual void begin_step(const SubstepPart& part, const SubstepContext& context) = 0;
-  virtual void list_contacts(const SubstepPart& part, const SubstepContext& context, std::vector<TouchRow>& rows) = 0;
+  virtual void list_contacts(const SubstepPart& part, const SubstepContext& context, std::vector<ContactConstraint>& rows) = 0;
   // The rows it listed, solved. After list_contacts, before end_step.
-  virtual void take_rows(std::span<const TouchRow> rows) { (void)rows; }
+  virtual void read_contact_impulses(std::span<const ContactConstraint> rows) { (void)rows; }
   virtual void end_step(const SubstepPart& part, const SubstepContext& context) = 0;
   virtual void end_substep(const SubstepContext& context) = 0;
   virtual void end_frame(double frame_s) = 0;  // plasticity and the sleep test happen here
 
-  virtual ContactTally take_contacts() { return {}; }
+  virtual ContactTotal take_contact_total() { return {}; }
   virtual bool takes_springs() const { return false; }  // PointForce::spring; one that does not gets forces alone
 
   // For bodies that touch. Defaults: a solver that meets nothing that moves.

@@ -11,12 +11,12 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 // Sweeps end when a sweep changes the impulses by less than this part of them. More sweeps share the weight more evenly.
-constexpr int kMostSweeps = 8;
-constexpr double kSettled = 0.02;
+constexpr int kMaxIterations = 8;
+constexpr double kConvergence = 0.02;
 
-Vector3d relative_way(const TouchRow& row) { return row.a->way_m(row.spot_a) - row.b->way_m(row.spot_b); }
+Vector3d relative_way(const ContactConstraint& row) { return row.a->way_m(row.spot_a) - row.b->way_m(row.spot_b); }
 
-void prepare(TouchRow& row, double step_s) {
+void prepare(ContactConstraint& row, double step_s) {
   const Matrix3d response = row.a->response(row.spot_a) + row.b->response(row.spot_b);
   row.way_before_m = relative_way(row);
   row.normal_response = row.normal.dot(response * row.normal);
@@ -31,7 +31,7 @@ void prepare(TouchRow& row, double step_s) {
 }
 
 // How much the row's impulse changed.
-double solve(TouchRow& row) {
+double solve(ContactConstraint& row) {
   if (!(row.normal_response > 0.0)) return 0.0;
   const Vector3d way = relative_way(row);
   const double gap = row.gap_m + row.normal.dot(way - row.way_before_m) - row.least_gap_m;
@@ -51,18 +51,18 @@ double solve(TouchRow& row) {
 
 }  // namespace
 
-void solve_rows(std::vector<TouchRow>& rows, double step_s) {
-  for (TouchRow& row : rows) prepare(row, step_s);
-  for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
+void solve_contacts(std::vector<ContactConstraint>& rows, double step_s) {
+  for (ContactConstraint& row : rows) prepare(row, step_s);
+  for (int sweep = 0; sweep < kMaxIterations; ++sweep) {
     double changed = 0.0, total = 0.0;
     for (size_t n = 0; n < rows.size(); ++n) {
-      TouchRow& row = rows[sweep % 2 ? rows.size() - 1 - n : n];
+      ContactConstraint& row = rows[sweep % 2 ? rows.size() - 1 - n : n];
       changed += solve(row);
       total += row.normal_impulse_n_s;
     }
-    if (changed <= kSettled * total) break;
+    if (changed <= kConvergence * total) break;
   }
-  for (TouchRow& row : rows) {
+  for (ContactConstraint& row : rows) {
     if (row.normal_impulse_n_s <= 0.0) continue;
     const Vector3d impulse = row.normal_impulse_n_s * row.normal + row.friction_impulse_n_s;
     row.a->count(row.spot_a, row.point_m, impulse);

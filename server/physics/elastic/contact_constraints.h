@@ -39,7 +39,7 @@ class ContactSide {
 inline constexpr double kContactPushSpeed_m_s = 0.5;
 
 // `a` gets +impulse, `b` exactly the opposite at the same world point.
-struct TouchRow {
+struct ContactConstraint {
   ContactSide* a = nullptr;
   ContactSide* b = nullptr;
   ContactSpot spot_a, spot_b;
@@ -48,10 +48,10 @@ struct TouchRow {
   double gap_m = 0.0;          // at the end of the step if nothing acts; negative when overlapping
   double friction = 0.0;
   double push_m_s = kContactPushSpeed_m_s;  // overlaps at the start of the step part no faster than this
-  uint64_t met_id = 0;         // whom the body meets that listed it
+  uint64_t other_body_id = 0;         // whom the body meets that listed it
   MovingBody* rigid = nullptr; // b, where it is one
 
-  // Set by solve_rows.
+  // Set by solve_contacts.
   Eigen::Vector3d way_before_m;           // of a relative to b
   double normal_response = 0.0, tangent_response = 0.0;
   double normal_impulse_n_s = 0.0;        // >= 0
@@ -61,6 +61,6 @@ struct TouchRow {
 
 // Takes every row's gap to zero or more at the end of the step of `step_s`; friction keeps the points together since
 // the start of the step, within Coulomb's cone. There is no restitution: how a soft body bounces is up to its material.
-void solve_rows(std::vector<TouchRow>& rows, double step_s);
+void solve_contacts(std::vector<ContactConstraint>& rows, double step_s);
 
 }  // namespace livegs

@@ -24,7 +24,7 @@ void step_elastic_bodies(std::span<SteppedBody> bodies) {
   moving.erase(std::unique(moving.begin(), moving.end()), moving.end());
 
   const double substep_s = bodies.front().context.duration_s;
-  std::vector<TouchRow> rows;
+  std::vector<ContactConstraint> rows;
   std::vector<size_t> row_ends(bodies.size());
   for (int k = 0; k < count; ++k) {
     const SubstepPart part{k * (substep_s / count), substep_s / count};
@@ -41,13 +41,13 @@ void step_elastic_bodies(std::span<SteppedBody> bodies) {
       if (bodies[i].steps > 0) bodies[i].body->list_contacts(part, bodies[i].context, rows);
       row_ends[i] = rows.size();
     }
-    if (!rows.empty()) solve_rows(rows, part.duration_s);
+    if (!rows.empty()) solve_contacts(rows, part.duration_s);
     for (size_t i = 0, begin = 0; i < bodies.size(); begin = row_ends[i++]) {
       const std::span listed(rows.begin() + static_cast<std::ptrdiff_t>(begin), rows.begin() + static_cast<std::ptrdiff_t>(row_ends[i]));
-      if (bodies[i].steps > 0) bodies[i].body->take_rows(listed);
+      if (bodies[i].steps > 0) bodies[i].body->read_contact_impulses(listed);
       if (!bodies[i].context.met) continue;
-      for (const TouchRow& row : listed) {
-        if (row.normal_impulse_n_s > 0.0) bodies[i].context.met->push_back(row.met_id);
+      for (const ContactConstraint& row : listed) {
+        if (row.normal_impulse_n_s > 0.0) bodies[i].context.met->push_back(row.other_body_id);
       }
     }
     for (SteppedBody& stepped : bodies) {

@@ -102,9 +102,9 @@ void World::State::report_contacts() {
       }
       report(id, impulse, moment);
     } else if (ElasticObject* elastic = object.elastic()) {
-      const ContactTally tally = elastic->body->take_contacts();
-      elastic->contact_impulse_n_s += tally.impulse_n_s;
-      elastic->contact_moment += tally.moment;
+      const ContactTotal total = elastic->body->take_contact_total();
+      elastic->contact_impulse_n_s += total.impulse_n_s;
+      elastic->contact_moment += total.moment;
       elastic->felt_impulse_n_s = std::exchange(elastic->contact_impulse_n_s, 0.0);
       report(id, elastic->felt_impulse_n_s, std::exchange(elastic->contact_moment, Eigen::Vector3d::Zero()));
     }

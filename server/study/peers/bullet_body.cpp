@@ -55,7 +55,7 @@ class BulletBody final : public ElasticBody {
 
   int begin_substep(const SubstepContext&) override { return 1; }
   void begin_step(const SubstepPart&, const SubstepContext&) override {}
-  void list_contacts(const SubstepPart&, const SubstepContext&, std::vector<TouchRow>&) override {}
+  void list_contacts(const SubstepPart&, const SubstepContext&, std::vector<ContactConstraint>&) override {}
   void end_step(const SubstepPart& part, const SubstepContext& context) override;
   void end_substep(const SubstepContext&) override {}
   void end_frame(double) override {}

@@ -46,8 +46,8 @@ class CellsBody final : public ElasticBody {
 
   int begin_substep(const SubstepContext& context) override;
   void begin_step(const SubstepPart& part, const SubstepContext& context) override;
-  void list_contacts(const SubstepPart& part, const SubstepContext& context, std::vector<TouchRow>& rows) override;
-  void take_rows(std::span<const TouchRow> rows) override;
+  void list_contacts(const SubstepPart& part, const SubstepContext& context, std::vector<ContactConstraint>& rows) override;
+  void read_contact_impulses(std::span<const ContactConstraint> rows) override;
   void end_step(const SubstepPart& part, const SubstepContext& context) override;
   void end_substep(const SubstepContext& context) override;
   void end_frame(double frame_s) override;
@@ -67,7 +67,7 @@ class CellsBody final : public ElasticBody {
   Pose centre_pose() const override;
   Vector3d centre_m() const override { return origin_m_ + motion_.centre_m; }
   double mass_kg() const override { return mass_kg_; }
-  ContactTally take_contacts() override { return std::exchange(contact_tally_, {}); }
+  ContactTotal take_contact_total() override { return std::exchange(contact_total_, {}); }
   bool takes_springs() const override { return true; }
   double reach_m() const override { return reach_m_; }
   Eigen::AlignedBox3d bounds_m() const override;
@@ -129,11 +129,11 @@ class CellsBody final : public ElasticBody {
     uint32_t collider = UINT32_MAX;
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
   };
-  struct Touch {
+  struct ColliderContact {
     uint32_t sample;  // surface_
     Vector3d impulse_n_s;
   };
-  struct SpotTouch {
+  struct DynamicContact {
     NodeSample sample;
     Vector3d impulse_n_s;
   };
@@ -197,22 +197,22 @@ class CellsBody final : public ElasticBody {
   void settle_spot(const ContactSpot& spot, const Vector3d& point_m, const Vector3d& impulse_n_s);
   template <class Visit>
   void visit_cells_near(const MovingBody& body, double margin_m, const Visit& visit) const;
-  void count_contact(const Vector3d& point_m, double impulse_n_s);
+  void record_contact_impulse(const Vector3d& point_m, double impulse_n_s);
   bool meets_awake(const SubstepContext& context) const;
   double own_speed_m_s() const;  // no node is faster, but for few
   void find_touchable(const SubstepContext& context);
-  void touch_rigid(ContactSide& side, const SubstepContext& context, std::vector<TouchRow>& rows);
-  void be_touched(MovingBody& body, ContactSide& side, std::vector<TouchRow>& rows);
-  void touch_elastic(const ElasticNeighbour& other, ContactSide& side, double h, std::vector<TouchRow>& rows);
+  void touch_rigid(ContactSide& side, const SubstepContext& context, std::vector<ContactConstraint>& rows);
+  void be_touched(MovingBody& body, ContactSide& side, std::vector<ContactConstraint>& rows);
+  void touch_elastic(const ElasticNeighbour& other, ContactSide& side, double h, std::vector<ContactConstraint>& rows);
   // cells_impaled.cpp
   Impaler& impaler(uint64_t contact_id);
   bool comes_off() const;  // any
   void see_impalers(double frame_s);
-  void come_off(const SubstepPart& part, const SubstepContext& context, size_t begin, std::vector<TouchRow>& rows);
-  // By what it touches from this one of touches_ on, which does not move.
-  void resist_rolling(size_t first_touch, double step_s);
-  void resist_rolling(std::span<const TouchRow> rows);
-  void take_contact(uint32_t sample, const Vector3d& point_m, const Vector3d& pull_kg_m, double step_s);
+  void come_off(const SubstepPart& part, const SubstepContext& context, size_t begin, std::vector<ContactConstraint>& rows);
+  // By what it touches from this one of collider_contacts_ on, which does not move.
+  void resist_rolling(size_t first_contact, double step_s);
+  void resist_rolling(std::span<const ContactConstraint> rows);
+  void apply_collider_contact(uint32_t sample, const Vector3d& point_m, const Vector3d& pull_kg_m, double step_s);
 
   struct CellShape {
     Matrix3d f, rotation;
@@ -306,7 +306,7 @@ class CellsBody final : public ElasticBody {
   MassMotion motion_;
   Vector3d momentum_before_ = Vector3d::Zero(), angular_before_ = Vector3d::Zero();  // of the last velocities, here
   Vector3d owed_velocity_ = Vector3d::Zero(), owed_spin_ = Vector3d::Zero();         // to the nodes, by the ledger
-  ContactTally contact_tally_;
+  ContactTotal contact_total_;
   Vector3d contact_impulse_ = Vector3d::Zero(), contact_moment_ = Vector3d::Zero();
   Vector3d late_impulse_ = Vector3d::Zero();  // got between the last step and this one
   Vector3d contact_lag_m_ = Vector3d::Zero();  // how far the centre of mass is behind what contact impulses say
@@ -318,7 +318,7 @@ class CellsBody final : public ElasticBody {
   std::vector<Candidate> candidates_;
   double candidate_margin_m_ = 0.0;  // how far any node may still go before they are found anew
   size_t candidate_colliders_ = 0;
-  std::vector<Touch> touches_;  // of this step
+  std::vector<ColliderContact> collider_contacts_;  // of this step
   std::vector<Side> sides_;     // of surface_; empty before anything is near
   double step_contact_n_s_ = 0.0;  // sizes of impulses of this step
   double carried_n_ = 0.0;         // force that goes through the body from one contact to another, a mean
@@ -328,7 +328,7 @@ class CellsBody final : public ElasticBody {
   std::vector<Candidate> touchable_;  // with rigid bodies
   std::vector<uint64_t> touch_ids_;   // of those, as they were found
   double touch_margin_m_ = 0.0;
-  std::vector<SpotTouch> spot_touches_;  // of this step, with what moves
+  std::vector<DynamicContact> dynamic_contacts_;  // of this step, with what moves
 
   std::vector<Impaler> impalers_;  // ascending id
 

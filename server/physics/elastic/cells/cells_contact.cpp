@@ -64,7 +64,7 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
 
   if (candidates_.empty()) return;
   if (sides_.empty()) sides_.assign(surface_.size(), Side{});
-  const size_t first_touch = touches_.size();
+  const size_t first_contact = collider_contacts_.size();
   const std::vector<ColliderProbe> probes(context.colliders.begin(), context.colliders.end());
   const auto resolve = [&](const ColliderProbe& collider, uint32_t collider_index, double friction, uint32_t i) {
     const NodeSample& sample = surface_[i];
@@ -86,9 +86,9 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
     const double w = surface_mobility_[i];
     if (depth <= 0.0 || w <= 0.0) return;
     const Vector3d pull_kg_m = contact_correction(surface.normal, depth, moved, friction) / w;
-    take_contact(i, point, pull_kg_m, step_s);
+    apply_collider_contact(i, point, pull_kg_m, step_s);
     const double size = pull_kg_m.norm() / step_s;
-    count_contact(origin_m_ + point, size);
+    record_contact_impulse(origin_m_ + point, size);
   };
   for (size_t n = 0; n < candidates_.size(); ++n) {
     const Candidate& candidate = candidates_[backward_ ? candidates_.size() - 1 - n : n];
@@ -100,7 +100,7 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
       resolve(collider, candidate.collider, friction, backward_ ? cell.end - 1 - i : cell.begin + i);
     }
   }
-  resist_rolling(first_touch, step_s);
+  resist_rolling(first_contact, step_s);
 }
 
 double CellsBody::mobility(const NodeSample& sample) const {
@@ -111,12 +111,12 @@ double CellsBody::mobility(const NodeSample& sample) const {
   return sum > kLeastMobile * unheld ? sum : 0.0;
 }
 
-void CellsBody::take_contact(uint32_t sample, const Vector3d& point_m, const Vector3d& pull_kg_m, double step_s) {
+void CellsBody::apply_collider_contact(uint32_t sample, const Vector3d& point_m, const Vector3d& pull_kg_m, double step_s) {
   const Vector3d impulse = pull_kg_m / step_s;
   nodes_.pull(surface_[sample], pull_kg_m);
   contact_impulse_ += impulse;
   contact_moment_ += point_m.cross(impulse);
-  touches_.push_back({sample, impulse});
+  collider_contacts_.push_back({sample, impulse});
 }
 
 }  // namespace livegs

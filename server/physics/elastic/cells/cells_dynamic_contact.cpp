@@ -74,10 +74,10 @@ class CellsBody::Taker final : public ContactSide {
     body_.contact_moment_ += (point - body_.origin_m_).cross(impulse);
   }
   void count(const ContactSpot& spot, const Vector3d& point, const Vector3d& impulse) override {
-    body_.count_contact(point, impulse.norm());
+    body_.record_contact_impulse(point, impulse.norm());
     body_.work_j_ += impulse.dot(way_m(spot)) / step_s;
     if (!body_.in_step_) return body_.settle_spot(spot, point, impulse);
-    body_.spot_touches_.push_back({spot.sample, impulse});
+    body_.dynamic_contacts_.push_back({spot.sample, impulse});
     body_.touching_ = true;
   }
 
@@ -200,10 +200,10 @@ void CellsBody::settle_spot(const ContactSpot& spot, const Vector3d& point_m, co
   owed_spin_ += solve_inertia(motion_.inertia, beside.cross(impulse_n_s));
 }
 
-void CellsBody::count_contact(const Vector3d& point_m, double impulse_n_s) {
+void CellsBody::record_contact_impulse(const Vector3d& point_m, double impulse_n_s) {
   step_contact_n_s_ += impulse_n_s;
-  contact_tally_.impulse_n_s += impulse_n_s;
-  contact_tally_.moment += impulse_n_s * point_m;
+  contact_total_.impulse_n_s += impulse_n_s;
+  contact_total_.moment += impulse_n_s * point_m;
 }
 
 // Calls `visit(i)` for the surface cells that come within `margin_m` of a rigid body.
@@ -248,7 +248,7 @@ double CellsBody::own_speed_m_s() const {
 }
 
 // This body's points against rigid bodies.
-void CellsBody::touch_rigid(ContactSide& side, const SubstepContext& context, std::vector<TouchRow>& rows) {
+void CellsBody::touch_rigid(ContactSide& side, const SubstepContext& context, std::vector<ContactConstraint>& rows) {
   struct Frame {
     Matrix3d from_world_before, from_world;
     Vector3d before_m, at_m;
@@ -269,7 +269,7 @@ void CellsBody::touch_rigid(ContactSide& side, const SubstepContext& context, st
           gap_after_way(*body.shape, frame.from_world_before * (nodes_.position_m(surface_[i]) - frame.before_m),
                         frame.from_world * (point - frame.at_m));
       if (found.distance_m > kRowMargin * extent_.box_edge_m) continue;
-      TouchRow row;
+      ContactConstraint row;
       row.a = &side;
       row.b = row.rigid = &body;
       row.spot_a.sample = surface_[i];
@@ -278,14 +278,14 @@ void CellsBody::touch_rigid(ContactSide& side, const SubstepContext& context, st
       row.normal = frame.from_world.transpose() * found.gradient;
       row.gap_m = found.distance_m;
       row.friction = mixed_friction(material_.friction, body.friction);
-      row.met_id = body.contact_id;
+      row.other_body_id = body.contact_id;
       rows.push_back(row);
     }
   }
 }
 
 // A rigid body's points against this body's surface; of a ball the one that would be deepest.
-void CellsBody::be_touched(MovingBody& body, ContactSide& side, std::vector<TouchRow>& rows) {
+void CellsBody::be_touched(MovingBody& body, ContactSide& side, std::vector<ContactConstraint>& rows) {
   const Pose at = body.at_end();
   const double reach = element_reach_m(), radius = body.shape->sphere_radius_m;
   const Vector3d room = Vector3d::Constant(reach + radius);
@@ -327,7 +327,7 @@ void CellsBody::be_touched(MovingBody& body, ContactSide& side, std::vector<Touc
       if (!depth) continue;
     }
     const double gap = depth->distance_m - radius;
-    TouchRow row;
+    ContactConstraint row;
     if (folds) row.push_m_s *= std::clamp(1.0 + gap / (kPushedDepth * extent_.box_edge_m), 0.0, 1.0);
     row.a = &side;
     row.b = row.rigid = &body;
@@ -337,13 +337,13 @@ void CellsBody::be_touched(MovingBody& body, ContactSide& side, std::vector<Touc
     row.normal = -depth->normal;
     row.gap_m = gap;
     row.friction = mixed_friction(material_.friction, body.friction);
-    row.met_id = body.contact_id;
+    row.other_body_id = body.contact_id;
     rows.push_back(row);
   }
 }
 
 // This body's points against another elastic body.
-void CellsBody::touch_elastic(const ElasticNeighbour& other, ContactSide& side, double h, std::vector<TouchRow>& rows) {
+void CellsBody::touch_elastic(const ElasticNeighbour& other, ContactSide& side, double h, std::vector<ContactConstraint>& rows) {
   const double reach = other.body->element_reach_m();
   const Vector3d way = h * (motion_.velocity_m_s() - other.body->velocity_m_s());
   const Vector3d room = Vector3d::Constant(reach) + way.cwiseAbs();
@@ -363,7 +363,7 @@ void CellsBody::touch_elastic(const ElasticNeighbour& other, ContactSide& side, 
     const SurfaceElement& point = points[k];
     const auto depth = grid.depth_after_way(point.position_m, way, {&point, end - k});
     if (!depth || depth->distance_m > kRowMargin * extent_.box_edge_m) continue;
-    TouchRow row;
+    ContactConstraint row;
     row.a = &side;
     row.b = &other.body->contact_side(h);
     row.spot_a.sample = surface_[point.index];
@@ -372,12 +372,12 @@ void CellsBody::touch_elastic(const ElasticNeighbour& other, ContactSide& side, 
     row.normal = depth->normal;
     row.gap_m = depth->distance_m;
     row.friction = friction;
-    row.met_id = other.contact_id;
+    row.other_body_id = other.contact_id;
     rows.push_back(row);
   }
 }
 
-void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& context, std::vector<TouchRow>& rows) {
+void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& context, std::vector<ContactConstraint>& rows) {
   if (context.bodies.empty() && context.others.empty()) return;
   ContactSide& side = contact_side(part.duration_s);
   double fastest = 0.0;

@@ -47,15 +47,15 @@ double rolling_couple(const std::vector<Push>& pushes, const Vector3d& axis, dou
 
 }  // namespace
 
-// On colliders; the impulses of the touches from `first_touch` on.
-void CellsBody::resist_rolling(size_t first_touch, double step_s) {
-  if (!free() || !quiet_ || touches_.size() == first_touch) return;  // an impact is not rolled through
+// On colliders; the impulses of the touches from `first_contact` on.
+void CellsBody::resist_rolling(size_t first_contact, double step_s) {
+  if (!free() || !quiet_ || collider_contacts_.size() == first_contact) return;  // an impact is not rolled through
   const Vector3d spin = motion_.angular_velocity_rad_s();
   const double speed = spin.norm();
   if (!(speed > 0.0)) return;
   std::vector<Push> pushes;
-  for (size_t i = first_touch; i < touches_.size(); ++i) {
-    pushes.push_back({nodes_.corrected_m(surface_[touches_[i].sample]), touches_[i].impulse_n_s});
+  for (size_t i = first_contact; i < collider_contacts_.size(); ++i) {
+    pushes.push_back({nodes_.corrected_m(surface_[collider_contacts_[i].sample]), collider_contacts_[i].impulse_n_s});
   }
   const Vector3d axis = spin / speed;
   const double part = std::min(1.0, step_s / kGripTime_s), inertia = axis.dot(motion_.inertia * axis);
@@ -65,10 +65,10 @@ void CellsBody::resist_rolling(size_t first_touch, double step_s) {
 // Of balls against this one, by the rows that it listed: what has faces rests on them, and a box that leans on a block and a floor
 // would tremble between them. A body that is held takes its part. The spin ends as soon as the couple can end it: what was let to
 // go on for kGripTime_s crept off in seconds.
-void CellsBody::resist_rolling(std::span<const TouchRow> rows) {
+void CellsBody::resist_rolling(std::span<const ContactConstraint> rows) {
   if (!quiet_) return;
   std::vector<MovingBody*> met;
-  for (const TouchRow& row : rows) {
+  for (const ContactConstraint& row : rows) {
     const bool rolls = row.rigid && row.rigid->shape->is_ball() && row.normal_impulse_n_s > 0.0;
     if (rolls && std::find(met.begin(), met.end(), row.rigid) == met.end()) met.push_back(row.rigid);
   }
@@ -79,7 +79,7 @@ void CellsBody::resist_rolling(std::span<const TouchRow> rows) {
     const double speed = spin.norm();
     if (!(speed > 0.0)) continue;
     pushes.clear();
-    for (const TouchRow& row : rows) {
+    for (const ContactConstraint& row : rows) {
       if (row.rigid != rigid || !(row.normal_impulse_n_s > 0.0)) continue;
       pushes.push_back({row.point_m - origin_m_, row.normal_impulse_n_s * row.normal});
     }

@@ -129,7 +129,7 @@ void CellsBody::put_back() {
   carried_n_ = strain_squared_ = bent_squared_ = deviation_m_s_ = spin_rad_s_ = tangled_s_ = 0.0;
   strained_ = tangled_ = untangling_ = false;
   bound_j_.reset();
-  contact_tally_ = {};
+  contact_total_ = {};
   impalers_.clear();
   sides_.clear();
   boxes_known_ = false;

@@ -174,8 +174,8 @@ void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& contex
   if (held_) hold_particles(time_s);
   contact_impulse_.setZero();
   contact_moment_.setZero();
-  touches_.clear();
-  spot_touches_.clear();
+  collider_contacts_.clear();
+  dynamic_contacts_.clear();
   touching_ = false;
   step_contact_n_s_ = 0.0;
   in_step_ = true;
@@ -263,13 +263,13 @@ void CellsBody::advance(double h) {
   measure(sums, h);
   momentum_before_ = momentum_of_step;
   angular_before_ = vector_of(sums.angular_before) - motion_.centre_m.cross(momentum_before_);
-  for (const Touch& touch : touches_) {
+  for (const ColliderContact& touch : collider_contacts_) {
     const NodeSample& sample = surface_[touch.sample];
     nodes_.push_before(sample, touch.impulse_n_s);
     momentum_before_ += touch.impulse_n_s;
     angular_before_ += (nodes_.position_m(sample) - motion_.centre_m).cross(touch.impulse_n_s);
   }
-  for (const SpotTouch& touch : spot_touches_) {
+  for (const DynamicContact& touch : dynamic_contacts_) {
     nodes_.push_before(touch.sample, touch.impulse_n_s);
     momentum_before_ += touch.impulse_n_s;
     angular_before_ += (nodes_.position_m(touch.sample) - motion_.centre_m).cross(touch.impulse_n_s);

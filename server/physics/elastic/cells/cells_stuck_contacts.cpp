@@ -42,13 +42,13 @@ bool CellsBody::comes_off() const {
   return std::any_of(impalers_.begin(), impalers_.end(), [](const Impaler& one) { return one.parting; });
 }
 
-void CellsBody::take_rows(std::span<const TouchRow> rows) {
+void CellsBody::read_contact_impulses(std::span<const ContactConstraint> rows) {
   resist_rolling(rows);
   if (bent_squared_ <= kFarSquared) return;
   Impaler* last = nullptr;
-  for (const TouchRow& row : rows) {
+  for (const ContactConstraint& row : rows) {
     if (!(row.normal_impulse_n_s > 0.0)) continue;
-    if (!last || last->contact_id != row.met_id) last = &impaler(row.met_id);
+    if (!last || last->contact_id != row.other_body_id) last = &impaler(row.other_body_id);
     last->pushed_n_s += row.normal_impulse_n_s;
     const Vector3d push = row.normal_impulse_n_s * row.normal, point = row.point_m - origin_m_;
     last->net_n_s += push;
@@ -102,12 +102,12 @@ void CellsBody::push_whole(const Vector3d& impulse_n_s, double step_s) {
 }
 
 // Takes the rows out that it listed with those it comes off, from `begin` on, and draws it away from them.
-void CellsBody::come_off(const SubstepPart& part, const SubstepContext& context, size_t begin, std::vector<TouchRow>& rows) {
+void CellsBody::come_off(const SubstepPart& part, const SubstepContext& context, size_t begin, std::vector<ContactConstraint>& rows) {
   const auto listed = rows.begin() + static_cast<std::ptrdiff_t>(begin);
   for (auto row = listed; row != rows.end(); ++row) {
-    if (row->gap_m < 0.0 && comes_off(row->met_id)) impaler(row->met_id).overlaps = true;
+    if (row->gap_m < 0.0 && comes_off(row->other_body_id)) impaler(row->other_body_id).overlaps = true;
   }
-  rows.erase(std::remove_if(listed, rows.end(), [&](const TouchRow& row) { return comes_off(row.met_id); }), rows.end());
+  rows.erase(std::remove_if(listed, rows.end(), [&](const ContactConstraint& row) { return comes_off(row.other_body_id); }), rows.end());
 
   const Vector3d centre = centre_m();
   const double speed_m_s = reach_m_ / kComesOff_s, most_m_s = kMostDraw_m_s2 * part.duration_s;

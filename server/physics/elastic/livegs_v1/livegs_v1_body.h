@@ -31,11 +31,11 @@ class LivegsV1Body final : public ElasticBody {
 
   int begin_substep(const SubstepContext& context) override;
   void begin_step(const SubstepPart& part, const SubstepContext& context) override;
-  void list_contacts(const SubstepPart& part, const SubstepContext& context, std::vector<TouchRow>& rows) override;
+  void list_contacts(const SubstepPart& part, const SubstepContext& context, std::vector<ContactConstraint>& rows) override;
   void end_step(const SubstepPart& part, const SubstepContext& context) override;
   void end_substep(const SubstepContext& context) override;
   void end_frame(double frame_s) override;
-  ContactTally take_contacts() override { return std::exchange(contact_tally_, {}); }
+  ContactTotal take_contact_total() override { return std::exchange(contact_total_, {}); }
 
   double reach_m() const override { return reach_m_; }
   Eigen::AlignedBox3d bounds_m() const override;
@@ -106,7 +106,7 @@ class LivegsV1Body final : public ElasticBody {
   class Side;
   double mobility(uint32_t particle) const { return held(particle) ? 0.0 : 1.0 / masses_kg_[particle]; }
   void push_particle(uint32_t particle, const Vector3d& impulse_n_s);
-  void count_contact(const Vector3d& point_m, double impulse_n_s);
+  void record_contact_impulse(const Vector3d& point_m, double impulse_n_s);
   bool meets_awake(const SubstepContext& context) const;
 
   double blend(double h) const;
@@ -143,7 +143,7 @@ class LivegsV1Body final : public ElasticBody {
   MassMotion motion_;
   double reach_m_ = 0.0;
   std::vector<const Collider*> reachable_;
-  ContactTally contact_tally_;
+  ContactTotal contact_total_;
   std::unique_ptr<ContactSide> side_;
   bool in_step_ = false;
   bool touching_ = false, forced_ = false, supported_ = false;

@@ -47,7 +47,7 @@ class LivegsV1Body::Side final : public ContactSide {
     body_.predicted_m_[particle_of(spot)] += step_s * body_.mobility(particle_of(spot)) * impulse;
   }
   void count(const ContactSpot&, const Vector3d& point, const Vector3d& impulse) override {
-    body_.count_contact(point, impulse.norm());
+    body_.record_contact_impulse(point, impulse.norm());
     body_.touching_ = true;
   }
 
@@ -85,9 +85,9 @@ void LivegsV1Body::push_particle(uint32_t particle, const Vector3d& impulse_n_s)
   motion_.angular_momentum += (positions_m_[particle] - motion_.centre_m).cross(impulse_n_s);
 }
 
-void LivegsV1Body::count_contact(const Vector3d& point_m, double impulse_n_s) {
-  contact_tally_.impulse_n_s += impulse_n_s;
-  contact_tally_.moment += impulse_n_s * point_m;
+void LivegsV1Body::record_contact_impulse(const Vector3d& point_m, double impulse_n_s) {
+  contact_total_.impulse_n_s += impulse_n_s;
+  contact_total_.moment += impulse_n_s * point_m;
 }
 
 void LivegsV1Body::sleep() {
@@ -111,7 +111,7 @@ bool LivegsV1Body::meets_awake(const SubstepContext& context) const {
   return false;
 }
 
-void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& context, std::vector<TouchRow>& rows) {
+void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& context, std::vector<ContactConstraint>& rows) {
   if (context.bodies.empty() && context.others.empty()) return;
   const double h = part.duration_s;
   ContactSide& side = contact_side(h);
@@ -127,7 +127,7 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
     if (body->shape->sample(from_at * centre).distance_m > around + h * body->fastest_m_s()) continue;
     const double friction = mixed_friction(material_.friction, body->friction);
     const auto add = [&](uint32_t particle, const Vector3d& normal, double gap) {
-      TouchRow row;
+      ContactConstraint row;
       row.a = &side;
       row.b = body;
       row.spot_a = spot_of(particle);
@@ -137,7 +137,7 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
       row.normal = normal;
       row.gap_m = gap;
       row.friction = friction;
-      row.met_id = body->contact_id;
+      row.other_body_id = body->contact_id;
       rows.push_back(row);
     };
     for (const SurfacePoint& point : contact_points_) {
@@ -172,7 +172,7 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
       const Vector3d at = origin_m_ + predicted_m_[point.particle];
       const auto depth = grid.depth_after_way(at, way - h * other.body->velocity_m_s());
       if (!depth || depth->distance_m - point.radius_m > margin) continue;
-      TouchRow row;
+      ContactConstraint row;
       row.a = &side;
       row.b = &other.body->contact_side(h);
       row.spot_a = spot_of(point.particle);
@@ -181,7 +181,7 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
       row.normal = depth->normal;
       row.gap_m = depth->distance_m - point.radius_m;
       row.friction = friction;
-      row.met_id = other.contact_id;
+      row.other_body_id = other.contact_id;
       rows.push_back(row);
     }
   }

@@ -133,8 +133,8 @@ void LivegsV1Body::resolve_contacts(const SubstepContext& context, double h) {
         const Vector3d correction = contact_correction(normal, depth_m, predicted_m_[i] - positions_m_[i], friction);
         predicted_m_[i] += correction;
         const double impulse_n_s = masses_kg_[i] * correction.norm() / h;
-        contact_tally_.impulse_n_s += impulse_n_s;
-        contact_tally_.moment += impulse_n_s * (origin_m_ + predicted_m_[i]);
+        contact_total_.impulse_n_s += impulse_n_s;
+        contact_total_.moment += impulse_n_s * (origin_m_ + predicted_m_[i]);
       };
       const Vector3d way = predicted_m_[i] - positions_m_[i];
       if (way.norm() > kMaxUnsweptSpacings * spacing_m_) {
