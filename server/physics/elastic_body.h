@@ -185,7 +185,7 @@ class ElasticBody {
   virtual void surface_elements(const Eigen::AlignedBox3d& within, std::vector<SurfaceElement>& elements) const;
   virtual double element_reach_m() const { return 0.0; }  // see ElementGrid
   // The material point at `point_m`, near an element, at the same moment.
-  virtual ContactSpot spot_at(uint32_t element, const Eigen::Vector3d& point_m) const;
+  virtual ContactAnchor anchor_at(uint32_t element, const Eigen::Vector3d& point_m) const;
   // Takes impulses in a step of `step_s`: in the middle of its own, or as a sleeper, which wakes. Valid for that step.
   virtual ContactSide& contact_side(double step_s);  // is not asked of a body without elements
 

@@ -14,10 +14,10 @@ using Eigen::Vector3d;
 constexpr int kMaxIterations = 8;
 constexpr double kConvergence = 0.02;
 
-Vector3d relative_way(const ContactConstraint& row) { return row.a->way_m(row.spot_a) - row.b->way_m(row.spot_b); }
+Vector3d relative_way(const ContactConstraint& row) { return row.a->way_m(row.anchor_a) - row.b->way_m(row.anchor_b); }
 
 void prepare(ContactConstraint& row, double step_s) {
-  const Matrix3d response = row.a->response(row.spot_a) + row.b->response(row.spot_b);
+  const Matrix3d response = row.a->response(row.anchor_a) + row.b->response(row.anchor_b);
   row.way_before_m = relative_way(row);
   row.normal_response = row.normal.dot(response * row.normal);
   // No direction in the tangent plane gives way more than the sum of both.
@@ -44,8 +44,8 @@ double solve(ContactConstraint& row) {
   const Vector3d change = (normal - row.normal_impulse_n_s) * row.normal + friction - row.friction_impulse_n_s;
   row.normal_impulse_n_s = normal;
   row.friction_impulse_n_s = friction;
-  row.a->give(row.spot_a, row.point_m, change);
-  row.b->give(row.spot_b, row.point_m, -change);
+  row.a->give(row.anchor_a, row.point_m, change);
+  row.b->give(row.anchor_b, row.point_m, -change);
   return change.norm();
 }
 
@@ -65,8 +65,8 @@ void solve_contacts(std::vector<ContactConstraint>& rows, double step_s) {
   for (ContactConstraint& row : rows) {
     if (row.normal_impulse_n_s <= 0.0) continue;
     const Vector3d impulse = row.normal_impulse_n_s * row.normal + row.friction_impulse_n_s;
-    row.a->count(row.spot_a, row.point_m, impulse);
-    row.b->count(row.spot_b, row.point_m, -impulse);
+    row.a->count(row.anchor_a, row.point_m, impulse);
+    row.b->count(row.anchor_b, row.point_m, -impulse);
   }
 }
 

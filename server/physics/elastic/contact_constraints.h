@@ -16,7 +16,7 @@ namespace livegs {
 struct MovingBody;
 
 // A material point of one side: nodes with weights of an elastic body, an arm from the centre of mass of a rigid one.
-struct ContactSpot {
+struct ContactAnchor {
   NodeSample sample{};
   Eigen::Vector3d arm_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d base_m = Eigen::Vector3d::Zero();  // of its way, what does not follow from velocities linearly
@@ -25,14 +25,14 @@ struct ContactSpot {
 class ContactSide {
  public:
   virtual ~ContactSide() = default;
-  // How far the spot goes within the step for an impulse there, m per N s.
-  virtual Eigen::Matrix3d response(const ContactSpot& spot) const = 0;
+  // How far the anchor goes within the step for an impulse there, m per N s.
+  virtual Eigen::Matrix3d response(const ContactAnchor& anchor) const = 0;
   // How far it goes in the step as far as is known now, with the impulses given so far.
-  virtual Eigen::Vector3d way_m(const ContactSpot& spot) const = 0;
-  // An impulse at the world point `point_m`, where the spot is.
-  virtual void give(const ContactSpot& spot, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) = 0;
+  virtual Eigen::Vector3d way_m(const ContactAnchor& anchor) const = 0;
+  // An impulse at the world point `point_m`, where the anchor is.
+  virtual void give(const ContactAnchor& anchor, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) = 0;
   // Once a row and step: the sum of what was given.
-  virtual void count(const ContactSpot& spot, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) = 0;
+  virtual void count(const ContactAnchor& anchor, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) = 0;
 };
 
 // Overlaps at the start of the step part no faster than this, so that what starts inside something is not shot out.
@@ -42,7 +42,7 @@ inline constexpr double kContactPushSpeed_m_s = 0.5;
 struct ContactConstraint {
   ContactSide* a = nullptr;
   ContactSide* b = nullptr;
-  ContactSpot spot_a, spot_b;
+  ContactAnchor anchor_a, anchor_b;
   Eigen::Vector3d point_m;     // world
   Eigen::Vector3d normal;      // unit, world, from b towards a
   double gap_m = 0.0;          // at the end of the step if nothing acts; negative when overlapping

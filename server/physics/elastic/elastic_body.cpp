@@ -121,7 +121,7 @@ Result<void> check_elastic_body(const ElasticBodyDescription& description) {
 }
 
 void ElasticBody::surface_elements(const Eigen::AlignedBox3d&, std::vector<SurfaceElement>&) const {}
-ContactSpot ElasticBody::spot_at(uint32_t, const Vector3d&) const { return {}; }
+ContactAnchor ElasticBody::anchor_at(uint32_t, const Vector3d&) const { return {}; }
 ContactSide& ElasticBody::contact_side(double) {
   std::abort();
 }

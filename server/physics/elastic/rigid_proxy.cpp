@@ -31,25 +31,25 @@ double MovingBody::fastest_m_s() const {
   return (velocity_m_s + expected_m_s).norm() + (spin_rad_s + expected_rad_s).norm() * shape->bounding_radius_m;
 }
 
-ContactSpot MovingBody::spot_at(const Vector3d& point_m, const Vector3d& acts_m) const {
+ContactAnchor MovingBody::anchor_at(const Vector3d& point_m, const Vector3d& acts_m) const {
   const Vector3d point_before = before * Vector3d(at_end().inverse() * point_m);
-  ContactSpot spot;
-  spot.arm_m = acts_m - before.position_m;
-  spot.base_m = point_m - point_before - step_s * (velocity_m_s + spin_rad_s.cross(spot.arm_m));
-  return spot;
+  ContactAnchor anchor;
+  anchor.arm_m = acts_m - before.position_m;
+  anchor.base_m = point_m - point_before - step_s * (velocity_m_s + spin_rad_s.cross(anchor.arm_m));
+  return anchor;
 }
 
-Matrix3d MovingBody::response(const ContactSpot& spot) const {
-  const Matrix3d cross = cross_matrix(spot.arm_m);
+Matrix3d MovingBody::response(const ContactAnchor& anchor) const {
+  const Matrix3d cross = cross_matrix(anchor.arm_m);
   return step_s * (inverse_mass * Matrix3d::Identity() - cross * inverse_inertia * cross);
 }
 
-Vector3d MovingBody::way_m(const ContactSpot& spot) const {
-  return spot.base_m + step_s * (velocity_m_s + spin_rad_s.cross(spot.arm_m));
+Vector3d MovingBody::way_m(const ContactAnchor& anchor) const {
+  return anchor.base_m + step_s * (velocity_m_s + spin_rad_s.cross(anchor.arm_m));
 }
 
-void MovingBody::give(const ContactSpot& spot, const Vector3d&, const Vector3d& impulse) {
-  const Vector3d turn = spot.arm_m.cross(impulse);
+void MovingBody::give(const ContactAnchor& anchor, const Vector3d&, const Vector3d& impulse) {
+  const Vector3d turn = anchor.arm_m.cross(impulse);
   const Vector3d gained = inverse_mass * impulse, turned = inverse_inertia * turn;
   velocity_m_s += gained;
   spin_rad_s += turned;
@@ -66,7 +66,7 @@ void MovingBody::turn(const Vector3d& couple) {
   late_rad += began_s * turned;
 }
 
-void MovingBody::count(const ContactSpot&, const Vector3d& point_m, const Vector3d& impulse) {
+void MovingBody::count(const ContactAnchor&, const Vector3d& point_m, const Vector3d& impulse) {
   const double size = impulse.norm();
   contact_impulse_n_s += size;
   contact_moment += size * point_m;

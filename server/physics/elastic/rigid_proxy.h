@@ -43,15 +43,15 @@ struct MovingBody final : ContactSide {
   Pose at_end() const;         // of the step, with the impulses so far
   double fastest_m_s() const;  // of any of its points
   // The material point that is at `point_m` at the end of the step. Impulses act at `acts_m` in space.
-  ContactSpot spot_at(const Eigen::Vector3d& point_m, const Eigen::Vector3d& acts_m) const;
-  ContactSpot spot_at(const Eigen::Vector3d& point_m) const { return spot_at(point_m, point_m); }
+  ContactAnchor anchor_at(const Eigen::Vector3d& point_m, const Eigen::Vector3d& acts_m) const;
+  ContactAnchor anchor_at(const Eigen::Vector3d& point_m) const { return anchor_at(point_m, point_m); }
 
   void turn(const Eigen::Vector3d& couple_n_m_s);  // by a couple in the middle of a step
 
-  Eigen::Matrix3d response(const ContactSpot& spot) const override;
-  Eigen::Vector3d way_m(const ContactSpot& spot) const override;
-  void give(const ContactSpot& spot, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) override;
-  void count(const ContactSpot& spot, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) override;
+  Eigen::Matrix3d response(const ContactAnchor& anchor) const override;
+  Eigen::Vector3d way_m(const ContactAnchor& anchor) const override;
+  void give(const ContactAnchor& anchor, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) override;
+  void count(const ContactAnchor& anchor, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) override;
 };
 
 // Where the point is that goes from `from_m` to `to_m` (body frame of a moving body) at the end: its gap to the surface

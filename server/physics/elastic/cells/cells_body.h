@@ -75,7 +75,7 @@ class CellsBody final : public ElasticBody {
   void expect_contact() override { become_elastic(); }
   void surface_elements(const Eigen::AlignedBox3d& within, std::vector<SurfaceElement>& elements) const override;
   double element_reach_m() const override;
-  ContactSpot spot_at(uint32_t element, const Vector3d& point_m) const override;
+  ContactAnchor anchor_at(uint32_t element, const Vector3d& point_m) const override;
   ContactSide& contact_side(double step_s) override;
   bool comes_off(uint64_t contact_id) const override;
   void push_whole(const Vector3d& impulse_n_s, double step_s) override;
@@ -193,8 +193,8 @@ class CellsBody final : public ElasticBody {
   class Taker;
   Vector3d node_now(uint32_t node) const;  // world; in the middle of a step where it has come to
   void list_boxes() const;
-  void push_spot(const ContactSpot& spot, const Vector3d& point_m, const Vector3d& impulse_n_s);
-  void settle_spot(const ContactSpot& spot, const Vector3d& point_m, const Vector3d& impulse_n_s);
+  void push_anchor(const ContactAnchor& anchor, const Vector3d& point_m, const Vector3d& impulse_n_s);
+  void settle_anchor(const ContactAnchor& anchor, const Vector3d& point_m, const Vector3d& impulse_n_s);
   template <class Visit>
   void visit_cells_near(const MovingBody& body, double margin_m, const Visit& visit) const;
   void record_contact_impulse(const Vector3d& point_m, double impulse_n_s);

@@ -30,8 +30,8 @@ constexpr double kOutlookStep = 0.02;
 // such an overlap gets no deeper, but only one up to this part of a particle's edge is pushed apart. Pushed however deep, a sheet of
 // 10 mm that was laid over a free box got up to 27 times the energy it fell with.
 constexpr double kPushedDepth = 0.15;
-// Where a spot may lie beyond its cell, in half-widths from the middle.
-constexpr double kFurthestSpot = 1.25;
+// Where an anchor may lie beyond its cell, in half-widths from the middle.
+constexpr double kMaxAnchorLocal = 1.25;
 
 // Of rounding, in sizes of a box.
 constexpr float kBoxRoom = 1e-5f;
@@ -60,24 +60,24 @@ class CellsBody::Taker final : public ContactSide {
   explicit Taker(CellsBody& body) : body_(body) {}
   double step_s = 0.0;  // h_e in the middle of a step
 
-  Matrix3d response(const ContactSpot& spot) const override {
-    return step_s * body_.mobility(spot.sample) * Matrix3d::Identity();
+  Matrix3d response(const ContactAnchor& anchor) const override {
+    return step_s * body_.mobility(anchor.sample) * Matrix3d::Identity();
   }
-  Vector3d way_m(const ContactSpot& spot) const override {
-    if (!body_.in_step_) return step_s * body_.velocity_of(spot.sample);
-    return body_.nodes_.corrected_m(spot.sample) - body_.nodes_.position_m(spot.sample);
+  Vector3d way_m(const ContactAnchor& anchor) const override {
+    if (!body_.in_step_) return step_s * body_.velocity_of(anchor.sample);
+    return body_.nodes_.corrected_m(anchor.sample) - body_.nodes_.position_m(anchor.sample);
   }
-  void give(const ContactSpot& spot, const Vector3d& point, const Vector3d& impulse) override {
-    if (!body_.in_step_) return body_.push_spot(spot, point, impulse);
-    body_.nodes_.pull(spot.sample, step_s * impulse);
+  void give(const ContactAnchor& anchor, const Vector3d& point, const Vector3d& impulse) override {
+    if (!body_.in_step_) return body_.push_anchor(anchor, point, impulse);
+    body_.nodes_.pull(anchor.sample, step_s * impulse);
     body_.contact_impulse_ += impulse;
     body_.contact_moment_ += (point - body_.origin_m_).cross(impulse);
   }
-  void count(const ContactSpot& spot, const Vector3d& point, const Vector3d& impulse) override {
+  void count(const ContactAnchor& anchor, const Vector3d& point, const Vector3d& impulse) override {
     body_.record_contact_impulse(point, impulse.norm());
-    body_.work_j_ += impulse.dot(way_m(spot)) / step_s;
-    if (!body_.in_step_) return body_.settle_spot(spot, point, impulse);
-    body_.dynamic_contacts_.push_back({spot.sample, impulse});
+    body_.work_j_ += impulse.dot(way_m(anchor)) / step_s;
+    if (!body_.in_step_) return body_.settle_anchor(anchor, point, impulse);
+    body_.dynamic_contacts_.push_back({anchor.sample, impulse});
     body_.touching_ = true;
   }
 
@@ -158,31 +158,31 @@ void CellsBody::surface_elements(const AlignedBox3d& within, std::vector<Surface
 double CellsBody::element_reach_m() const { return kElementReach * extent_.box_edge_m; }
 
 // The element's place in its cell, and from there by the inverse of the cell's deformation.
-ContactSpot CellsBody::spot_at(uint32_t element, const Vector3d& point_m) const {
-  ContactSpot spot;
-  spot.sample = surface_[element];
+ContactAnchor CellsBody::anchor_at(uint32_t element, const Vector3d& point_m) const {
+  ContactAnchor anchor;
+  anchor.sample = surface_[element];
   Vector3d position = Vector3d::Zero();
   Matrix3d f = Matrix3d::Zero();  // by local coordinates
   for (int c = 0; c < 8; ++c) {
-    const Vector3d corner = node_now(spot.sample.nodes[c]);
-    position += spot.sample.weights[c] * corner;
+    const Vector3d corner = node_now(anchor.sample.nodes[c]);
+    position += anchor.sample.weights[c] * corner;
     f += 0.125 * corner * corner_sign(c).transpose();
   }
   const double half = 0.5 * lattice_.cell_width_m;
-  if (!(f.determinant() > 0.01 * half * half * half)) return spot;
+  if (!(f.determinant() > 0.01 * half * half * half)) return anchor;
   const Vector3d local = surface_local_[element].cast<double>();
-  const Vector3d furthest = local.cwiseAbs().cwiseMax(kFurthestSpot);
+  const Vector3d furthest = local.cwiseAbs().cwiseMax(kMaxAnchorLocal);
   const auto weights =
       trilinear_weights((local + f.inverse() * (point_m - position)).cwiseMin(furthest).cwiseMax(-furthest));
-  for (int c = 0; c < 8; ++c) spot.sample.weights[c] = static_cast<float>(weights[c]);
-  return spot;
+  for (int c = 0; c < 8; ++c) anchor.sample.weights[c] = static_cast<float>(weights[c]);
+  return anchor;
 }
 
-void CellsBody::push_spot(const ContactSpot& spot, const Vector3d& point_m, const Vector3d& impulse_n_s) {
+void CellsBody::push_anchor(const ContactAnchor& anchor, const Vector3d& point_m, const Vector3d& impulse_n_s) {
   if (asleep()) wake();
   for (int c = 0; c < 8; ++c) {
-    const uint32_t node = spot.sample.nodes[c];
-    nodes_.change_velocities(node, spot.sample.weights[c] * inverse_masses_[node] * impulse_n_s);
+    const uint32_t node = anchor.sample.nodes[c];
+    nodes_.change_velocities(node, anchor.sample.weights[c] * inverse_masses_[node] * impulse_n_s);
   }
   if (!free()) return;
   const Vector3d turn = (point_m - origin_m_ - motion_.centre_m).cross(impulse_n_s);
@@ -193,10 +193,10 @@ void CellsBody::push_spot(const ContactSpot& spot, const Vector3d& point_m, cons
   late_impulse_ += impulse_n_s;
 }
 
-// The ledger has the impulse where it acts, the nodes where the spot is.
-void CellsBody::settle_spot(const ContactSpot& spot, const Vector3d& point_m, const Vector3d& impulse_n_s) {
+// The ledger has the impulse where it acts, the nodes where the anchor is.
+void CellsBody::settle_anchor(const ContactAnchor& anchor, const Vector3d& point_m, const Vector3d& impulse_n_s) {
   if (!free()) return;
-  const Vector3d beside = point_m - origin_m_ - nodes_.position_m(spot.sample);
+  const Vector3d beside = point_m - origin_m_ - nodes_.position_m(anchor.sample);
   owed_spin_ += solve_inertia(motion_.inertia, beside.cross(impulse_n_s));
 }
 
@@ -272,9 +272,9 @@ void CellsBody::touch_rigid(ContactSide& side, const SubstepContext& context, st
       ContactConstraint row;
       row.a = &side;
       row.b = row.rigid = &body;
-      row.spot_a.sample = surface_[i];
+      row.anchor_a.sample = surface_[i];
       row.point_m = origin_m_ + point;
-      row.spot_b = body.spot_at(row.point_m);
+      row.anchor_b = body.anchor_at(row.point_m);
       row.normal = frame.from_world.transpose() * found.gradient;
       row.gap_m = found.distance_m;
       row.friction = mixed_friction(material_.friction, body.friction);
@@ -332,8 +332,8 @@ void CellsBody::be_touched(MovingBody& body, ContactSide& side, std::vector<Cont
     row.a = &side;
     row.b = row.rigid = &body;
     row.point_m = point - radius * depth->normal;
-    row.spot_a = spot_at(depth->element, point - depth->distance_m * depth->normal);
-    row.spot_b = body.spot_at(row.point_m);
+    row.anchor_a = anchor_at(depth->element, point - depth->distance_m * depth->normal);
+    row.anchor_b = body.anchor_at(row.point_m);
     row.normal = -depth->normal;
     row.gap_m = gap;
     row.friction = mixed_friction(material_.friction, body.friction);
@@ -366,9 +366,9 @@ void CellsBody::touch_elastic(const ElasticNeighbour& other, ContactSide& side, 
     ContactConstraint row;
     row.a = &side;
     row.b = &other.body->contact_side(h);
-    row.spot_a.sample = surface_[point.index];
+    row.anchor_a.sample = surface_[point.index];
     row.point_m = point.position_m;
-    row.spot_b = other.body->spot_at(depth->element, point.position_m - depth->distance_m * depth->normal);
+    row.anchor_b = other.body->anchor_at(depth->element, point.position_m - depth->distance_m * depth->normal);
     row.normal = depth->normal;
     row.gap_m = depth->distance_m;
     row.friction = friction;

@@ -129,9 +129,9 @@ void CellsBody::come_off(const SubstepPart& part, const SubstepContext& context,
     const Vector3d other_m_s = body->velocity_m_s + body->spin_rad_s.cross(centre - at.position_m);
     const Vector3d given = impulse(away, other_m_s, body->inverse_mass);
     push_whole(given, part.duration_s);
-    const ContactSpot spot = body->spot_at(centre);
-    body->give(spot, centre, -given);
-    body->count(spot, centre, -given);
+    const ContactAnchor anchor = body->anchor_at(centre);
+    body->give(anchor, centre, -given);
+    body->count(anchor, centre, -given);
   }
   for (const ElasticNeighbour& other : context.others) {
     if (!comes_off(other.contact_id) || !impaler(other.contact_id).overlaps) continue;

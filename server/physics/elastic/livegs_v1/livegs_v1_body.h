@@ -41,7 +41,7 @@ class LivegsV1Body final : public ElasticBody {
   Eigen::AlignedBox3d bounds_m() const override;
   void surface_elements(const Eigen::AlignedBox3d& within, std::vector<SurfaceElement>& elements) const override;
   double element_reach_m() const override;
-  ContactSpot spot_at(uint32_t element, const Eigen::Vector3d& point_m) const override;
+  ContactAnchor anchor_at(uint32_t element, const Eigen::Vector3d& point_m) const override;
   ContactSide& contact_side(double step_s) override;
   void wait_for_company(bool wait) override { rest_clock_.wait(wait); }
   bool rested() const override { return rest_clock_.rested(); }

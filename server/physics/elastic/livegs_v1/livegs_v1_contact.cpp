@@ -18,14 +18,14 @@ using Eigen::Vector3d;
 constexpr double kElementReach = 1.5;
 constexpr double kRowMargin = 0.02;
 
-ContactSpot spot_of(uint32_t particle) {
-  ContactSpot spot;
-  for (uint32_t& node : spot.sample.nodes) node = particle;
-  spot.sample.weights[0] = 1.0f;
-  return spot;
+ContactAnchor anchor_of(uint32_t particle) {
+  ContactAnchor anchor;
+  for (uint32_t& node : anchor.sample.nodes) node = particle;
+  anchor.sample.weights[0] = 1.0f;
+  return anchor;
 }
 
-uint32_t particle_of(const ContactSpot& spot) { return spot.sample.nodes[0]; }
+uint32_t particle_of(const ContactAnchor& anchor) { return anchor.sample.nodes[0]; }
 
 }  // namespace
 
@@ -35,18 +35,18 @@ class LivegsV1Body::Side final : public ContactSide {
   explicit Side(LivegsV1Body& body) : body_(body) {}
   double step_s = 0.0;
 
-  Matrix3d response(const ContactSpot& spot) const override {
-    return step_s * body_.mobility(particle_of(spot)) * Matrix3d::Identity();
+  Matrix3d response(const ContactAnchor& anchor) const override {
+    return step_s * body_.mobility(particle_of(anchor)) * Matrix3d::Identity();
   }
-  Vector3d way_m(const ContactSpot& spot) const override {
-    if (!body_.in_step_) return step_s * body_.velocities_m_s_[particle_of(spot)];
-    return body_.predicted_m_[particle_of(spot)] - body_.positions_m_[particle_of(spot)];
+  Vector3d way_m(const ContactAnchor& anchor) const override {
+    if (!body_.in_step_) return step_s * body_.velocities_m_s_[particle_of(anchor)];
+    return body_.predicted_m_[particle_of(anchor)] - body_.positions_m_[particle_of(anchor)];
   }
-  void give(const ContactSpot& spot, const Vector3d&, const Vector3d& impulse) override {
-    if (!body_.in_step_) return body_.push_particle(particle_of(spot), impulse);
-    body_.predicted_m_[particle_of(spot)] += step_s * body_.mobility(particle_of(spot)) * impulse;
+  void give(const ContactAnchor& anchor, const Vector3d&, const Vector3d& impulse) override {
+    if (!body_.in_step_) return body_.push_particle(particle_of(anchor), impulse);
+    body_.predicted_m_[particle_of(anchor)] += step_s * body_.mobility(particle_of(anchor)) * impulse;
   }
-  void count(const ContactSpot&, const Vector3d& point, const Vector3d& impulse) override {
+  void count(const ContactAnchor&, const Vector3d& point, const Vector3d& impulse) override {
     body_.record_contact_impulse(point, impulse.norm());
     body_.touching_ = true;
   }
@@ -75,7 +75,7 @@ Eigen::AlignedBox3d LivegsV1Body::bounds_m() const {
 }
 
 double LivegsV1Body::element_reach_m() const { return kElementReach * spacing_m_; }
-ContactSpot LivegsV1Body::spot_at(uint32_t element, const Vector3d&) const { return spot_of(element); }
+ContactAnchor LivegsV1Body::anchor_at(uint32_t element, const Vector3d&) const { return anchor_of(element); }
 
 void LivegsV1Body::push_particle(uint32_t particle, const Vector3d& impulse_n_s) {
   if (asleep()) wake();
@@ -130,10 +130,10 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
       ContactConstraint row;
       row.a = &side;
       row.b = body;
-      row.spot_a = spot_of(particle);
+      row.anchor_a = anchor_of(particle);
       row.point_m = origin_m_ + predicted_m_[particle];
       // A first-order step turns a particle's impulse about where it was before.
-      row.spot_b = body->spot_at(row.point_m, origin_m_ + positions_m_[particle]);
+      row.anchor_b = body->anchor_at(row.point_m, origin_m_ + positions_m_[particle]);
       row.normal = normal;
       row.gap_m = gap;
       row.friction = friction;
@@ -175,8 +175,8 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
       ContactConstraint row;
       row.a = &side;
       row.b = &other.body->contact_side(h);
-      row.spot_a = spot_of(point.particle);
-      row.spot_b = spot_of(depth->element);
+      row.anchor_a = anchor_of(point.particle);
+      row.anchor_b = anchor_of(depth->element);
       row.point_m = at;
       row.normal = depth->normal;
       row.gap_m = depth->distance_m - point.radius_m;
