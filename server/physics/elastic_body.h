@@ -180,14 +180,14 @@ class ElasticBody {
   virtual Eigen::AlignedBox3d surface_bounds_m(const Eigen::AlignedBox3d& within) const {
     return bounds_m().intersection(within);
   }
-  virtual void expect_contact() {}                // something is near: its surface must be where it is drawn
+  virtual void prepare_for_contact() {}                // something is near: its surface must be where it is drawn
   // Elements of the surface within a box: in the middle of a step where it has come to, between steps where it stands.
   virtual void surface_elements(const Eigen::AlignedBox3d& within, std::vector<SurfaceElement>& elements) const;
   virtual double element_reach_m() const { return 0.0; }  // see ElementGrid
   // The material point at `point_m`, near an element, at the same moment.
   virtual ContactAnchor anchor_at(uint32_t element, const Eigen::Vector3d& point_m) const;
   // Takes impulses in a step of `step_s`: in the middle of its own, or as a sleeper, which wakes. Valid for that step.
-  virtual ContactSide& contact_side(double step_s);  // is not asked of a body without elements
+  virtual ContactParticipant& contact_participant(double step_s);  // is not asked of a body without elements
 
   // Whether it is stuck on that body, by MovingBody::contact_id, and comes off without contact meanwhile.
   virtual bool comes_off(uint64_t contact_id) const {
@@ -195,7 +195,7 @@ class ElasticBody {
     return false;
   }
   // An impulse to all of it alike, which deforms nothing; in a step of `step_s` or between two.
-  virtual void push_whole(const Eigen::Vector3d& impulse_n_s, double step_s) { (void)impulse_n_s, (void)step_s; }
+  virtual void apply_uniform_impulse(const Eigen::Vector3d& impulse_n_s, double step_s) { (void)impulse_n_s, (void)step_s; }
 
   // Sleep in company: with `wait` the body does not fall asleep by itself when it has been still for long enough, but
   // says so, until it is told to.

@@ -44,8 +44,8 @@ double solve(ContactConstraint& row) {
   const Vector3d change = (normal - row.normal_impulse_n_s) * row.normal + friction - row.friction_impulse_n_s;
   row.normal_impulse_n_s = normal;
   row.friction_impulse_n_s = friction;
-  row.a->give(row.anchor_a, row.point_m, change);
-  row.b->give(row.anchor_b, row.point_m, -change);
+  row.a->apply_impulse(row.anchor_a, row.point_m, change);
+  row.b->apply_impulse(row.anchor_b, row.point_m, -change);
   return change.norm();
 }
 
@@ -65,8 +65,8 @@ void solve_contacts(std::vector<ContactConstraint>& rows, double step_s) {
   for (ContactConstraint& row : rows) {
     if (row.normal_impulse_n_s <= 0.0) continue;
     const Vector3d impulse = row.normal_impulse_n_s * row.normal + row.friction_impulse_n_s;
-    row.a->count(row.anchor_a, row.point_m, impulse);
-    row.b->count(row.anchor_b, row.point_m, -impulse);
+    row.a->record_impulse(row.anchor_a, row.point_m, impulse);
+    row.b->record_impulse(row.anchor_b, row.point_m, -impulse);
   }
 }
 

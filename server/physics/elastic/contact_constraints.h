@@ -22,17 +22,17 @@ struct ContactAnchor {
   Eigen::Vector3d base_m = Eigen::Vector3d::Zero();  // of its way, what does not follow from velocities linearly
 };
 
-class ContactSide {
+class ContactParticipant {
  public:
-  virtual ~ContactSide() = default;
+  virtual ~ContactParticipant() = default;
   // How far the anchor goes within the step for an impulse there, m per N s.
   virtual Eigen::Matrix3d response(const ContactAnchor& anchor) const = 0;
   // How far it goes in the step as far as is known now, with the impulses given so far.
   virtual Eigen::Vector3d way_m(const ContactAnchor& anchor) const = 0;
   // An impulse at the world point `point_m`, where the anchor is.
-  virtual void give(const ContactAnchor& anchor, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) = 0;
+  virtual void apply_impulse(const ContactAnchor& anchor, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) = 0;
   // Once a row and step: the sum of what was given.
-  virtual void count(const ContactAnchor& anchor, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) = 0;
+  virtual void record_impulse(const ContactAnchor& anchor, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) = 0;
 };
 
 // Overlaps at the start of the step part no faster than this, so that what starts inside something is not shot out.
@@ -40,8 +40,8 @@ inline constexpr double kContactPushSpeed_m_s = 0.5;
 
 // `a` gets +impulse, `b` exactly the opposite at the same world point.
 struct ContactConstraint {
-  ContactSide* a = nullptr;
-  ContactSide* b = nullptr;
+  ContactParticipant* a = nullptr;
+  ContactParticipant* b = nullptr;
   ContactAnchor anchor_a, anchor_b;
   Eigen::Vector3d point_m;     // world
   Eigen::Vector3d normal;      // unit, world, from b towards a

@@ -122,7 +122,7 @@ Result<void> check_elastic_body(const ElasticBodyDescription& description) {
 
 void ElasticBody::surface_elements(const Eigen::AlignedBox3d&, std::vector<SurfaceElement>&) const {}
 ContactAnchor ElasticBody::anchor_at(uint32_t, const Vector3d&) const { return {}; }
-ContactSide& ElasticBody::contact_side(double) {
+ContactParticipant& ElasticBody::contact_participant(double) {
   std::abort();
 }
 void ElasticBody::wait_for_company(bool) {}

@@ -48,7 +48,7 @@ Vector3d MovingBody::way_m(const ContactAnchor& anchor) const {
   return anchor.base_m + step_s * (velocity_m_s + spin_rad_s.cross(anchor.arm_m));
 }
 
-void MovingBody::give(const ContactAnchor& anchor, const Vector3d&, const Vector3d& impulse) {
+void MovingBody::apply_impulse(const ContactAnchor& anchor, const Vector3d&, const Vector3d& impulse) {
   const Vector3d turn = anchor.arm_m.cross(impulse);
   const Vector3d gained = inverse_mass * impulse, turned = inverse_inertia * turn;
   velocity_m_s += gained;
@@ -66,7 +66,7 @@ void MovingBody::turn(const Vector3d& couple) {
   late_rad += began_s * turned;
 }
 
-void MovingBody::count(const ContactAnchor&, const Vector3d& point_m, const Vector3d& impulse) {
+void MovingBody::record_impulse(const ContactAnchor&, const Vector3d& point_m, const Vector3d& impulse) {
   const double size = impulse.norm();
   contact_impulse_n_s += size;
   contact_moment += size * point_m;

@@ -13,7 +13,7 @@ namespace livegs {
 // A rigid body or ball as elastic bodies meet it during one substep of the world: a copy whose velocities change with
 // every impulse it gets, so that bodies stepped after each other share it. A sleeping one takes impulses as if awake;
 // who owns it wakes it when there were any. World frame; the centre is that of mass.
-struct MovingBody final : ContactSide {
+struct MovingBody final : ContactParticipant {
   uint64_t contact_id = 0;  // unique in the world
   const RigidShape* shape = nullptr;
   Pose start;                        // world from body, at the start of the substep
@@ -50,8 +50,8 @@ struct MovingBody final : ContactSide {
 
   Eigen::Matrix3d response(const ContactAnchor& anchor) const override;
   Eigen::Vector3d way_m(const ContactAnchor& anchor) const override;
-  void give(const ContactAnchor& anchor, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) override;
-  void count(const ContactAnchor& anchor, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) override;
+  void apply_impulse(const ContactAnchor& anchor, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) override;
+  void record_impulse(const ContactAnchor& anchor, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) override;
 };
 
 // Where the point is that goes from `from_m` to `to_m` (body frame of a moving body) at the end: its gap to the surface

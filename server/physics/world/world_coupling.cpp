@@ -113,8 +113,8 @@ std::vector<std::vector<World::State::SteppedTogether>> World::State::meet(doubl
       const double room = reach - body.reach_m() - other.body->reach_m();
       if (distance_m(elastic_boxes[i], elastic_boxes[k]) > room) continue;
       if (!may_meet(body, *other.body, elastic_boxes[k], room)) continue;
-      elastic.body->expect_contact();
-      other.body->expect_contact();
+      elastic.body->prepare_for_contact();
+      other.body->prepare_for_contact();
       elastic.near_elastic.push_back({other.body.get(), contact_id_of(other.object_id)});
       other.near_elastic.push_back({elastic.body.get(), contact_id_of(elastic.object_id)});
       together.join(static_cast<uint32_t>(i), static_cast<uint32_t>(k));

@@ -72,13 +72,13 @@ class CellsBody final : public ElasticBody {
   double reach_m() const override { return reach_m_; }
   Eigen::AlignedBox3d bounds_m() const override;
   Eigen::AlignedBox3d surface_bounds_m(const Eigen::AlignedBox3d& within) const override;
-  void expect_contact() override { become_elastic(); }
+  void prepare_for_contact() override { become_elastic(); }
   void surface_elements(const Eigen::AlignedBox3d& within, std::vector<SurfaceElement>& elements) const override;
   double element_reach_m() const override;
   ContactAnchor anchor_at(uint32_t element, const Vector3d& point_m) const override;
-  ContactSide& contact_side(double step_s) override;
+  ContactParticipant& contact_participant(double step_s) override;
   bool comes_off(uint64_t contact_id) const override;
-  void push_whole(const Vector3d& impulse_n_s, double step_s) override;
+  void apply_uniform_impulse(const Vector3d& impulse_n_s, double step_s) override;
   void wait_for_company(bool wait) override { rest_clock_.wait(wait); }
   bool rested() const override { return rest_clock_.rested(); }
   void sleep() override;
@@ -190,7 +190,7 @@ class CellsBody final : public ElasticBody {
   void resolve_colliders(double step_s, const SubstepContext& context);
 
   // cells_touch.cpp
-  class Taker;
+  class Participant;
   Vector3d node_now(uint32_t node) const;  // world; in the middle of a step where it has come to
   void list_boxes() const;
   void push_anchor(const ContactAnchor& anchor, const Vector3d& point_m, const Vector3d& impulse_n_s);
@@ -201,9 +201,9 @@ class CellsBody final : public ElasticBody {
   bool meets_awake(const SubstepContext& context) const;
   double own_speed_m_s() const;  // no node is faster, but for few
   void find_touchable(const SubstepContext& context);
-  void touch_rigid(ContactSide& side, const SubstepContext& context, std::vector<ContactConstraint>& rows);
-  void be_touched(MovingBody& body, ContactSide& side, std::vector<ContactConstraint>& rows);
-  void touch_elastic(const ElasticNeighbour& other, ContactSide& side, double h, std::vector<ContactConstraint>& rows);
+  void touch_rigid(ContactParticipant& participant, const SubstepContext& context, std::vector<ContactConstraint>& rows);
+  void be_touched(MovingBody& body, ContactParticipant& participant, std::vector<ContactConstraint>& rows);
+  void touch_elastic(const ElasticNeighbour& other, ContactParticipant& participant, double h, std::vector<ContactConstraint>& rows);
   // cells_impaled.cpp
   Impaler& impaler(uint64_t contact_id);
   bool comes_off() const;  // any
@@ -341,7 +341,7 @@ class CellsBody final : public ElasticBody {
   mutable std::vector<Eigen::AlignedBox3d> cell_boxes_;
   mutable Eigen::AlignedBox3d surface_box_;
   mutable bool boxes_known_ = false;
-  std::unique_ptr<ContactSide> side_;
+  std::unique_ptr<ContactParticipant> participant_;
   bool second_order_ = false, quiet_ = false, in_step_ = false;  // of the step that is being taken
   bool first_step_ = true, strained_ = false, tangled_ = false, untangling_ = false, touching_ = false, backward_ = false;
   double gravity_m_s2_ = 0.0;  // of the last substep

@@ -55,9 +55,9 @@ void list_outlooks(const RigidShape& shape, const Vector3d& point_m, double step
 }  // namespace
 
 // In the middle of a step, or as a sleeper that is pushed.
-class CellsBody::Taker final : public ContactSide {
+class CellsBody::Participant final : public ContactParticipant {
  public:
-  explicit Taker(CellsBody& body) : body_(body) {}
+  explicit Participant(CellsBody& body) : body_(body) {}
   double step_s = 0.0;  // h_e in the middle of a step
 
   Matrix3d response(const ContactAnchor& anchor) const override {
@@ -67,13 +67,13 @@ class CellsBody::Taker final : public ContactSide {
     if (!body_.in_step_) return step_s * body_.velocity_of(anchor.sample);
     return body_.nodes_.corrected_m(anchor.sample) - body_.nodes_.position_m(anchor.sample);
   }
-  void give(const ContactAnchor& anchor, const Vector3d& point, const Vector3d& impulse) override {
+  void apply_impulse(const ContactAnchor& anchor, const Vector3d& point, const Vector3d& impulse) override {
     if (!body_.in_step_) return body_.push_anchor(anchor, point, impulse);
     body_.nodes_.pull(anchor.sample, step_s * impulse);
     body_.contact_impulse_ += impulse;
     body_.contact_moment_ += (point - body_.origin_m_).cross(impulse);
   }
-  void count(const ContactAnchor& anchor, const Vector3d& point, const Vector3d& impulse) override {
+  void record_impulse(const ContactAnchor& anchor, const Vector3d& point, const Vector3d& impulse) override {
     body_.record_contact_impulse(point, impulse.norm());
     body_.work_j_ += impulse.dot(way_m(anchor)) / step_s;
     if (!body_.in_step_) return body_.settle_anchor(anchor, point, impulse);
@@ -85,10 +85,10 @@ class CellsBody::Taker final : public ContactSide {
   CellsBody& body_;
 };
 
-ContactSide& CellsBody::contact_side(double step_s) {
-  if (!side_) side_ = std::make_unique<Taker>(*this);
-  static_cast<Taker&>(*side_).step_s = in_step_ ? step_of(step_s) : step_s;
-  return *side_;
+ContactParticipant& CellsBody::contact_participant(double step_s) {
+  if (!participant_) participant_ = std::make_unique<Participant>(*this);
+  static_cast<Participant&>(*participant_).step_s = in_step_ ? step_of(step_s) : step_s;
+  return *participant_;
 }
 
 Vector3d CellsBody::node_now(uint32_t node) const {
@@ -248,7 +248,7 @@ double CellsBody::own_speed_m_s() const {
 }
 
 // This body's points against rigid bodies.
-void CellsBody::touch_rigid(ContactSide& side, const SubstepContext& context, std::vector<ContactConstraint>& rows) {
+void CellsBody::touch_rigid(ContactParticipant& participant, const SubstepContext& context, std::vector<ContactConstraint>& rows) {
   struct Frame {
     Matrix3d from_world_before, from_world;
     Vector3d before_m, at_m;
@@ -270,7 +270,7 @@ void CellsBody::touch_rigid(ContactSide& side, const SubstepContext& context, st
                         frame.from_world * (point - frame.at_m));
       if (found.distance_m > kRowMargin * extent_.box_edge_m) continue;
       ContactConstraint row;
-      row.a = &side;
+      row.a = &participant;
       row.b = row.rigid = &body;
       row.anchor_a.sample = surface_[i];
       row.point_m = origin_m_ + point;
@@ -285,7 +285,7 @@ void CellsBody::touch_rigid(ContactSide& side, const SubstepContext& context, st
 }
 
 // A rigid body's points against this body's surface; of a ball the one that would be deepest.
-void CellsBody::be_touched(MovingBody& body, ContactSide& side, std::vector<ContactConstraint>& rows) {
+void CellsBody::be_touched(MovingBody& body, ContactParticipant& participant, std::vector<ContactConstraint>& rows) {
   const Pose at = body.at_end();
   const double reach = element_reach_m(), radius = body.shape->sphere_radius_m;
   const Vector3d room = Vector3d::Constant(reach + radius);
@@ -329,7 +329,7 @@ void CellsBody::be_touched(MovingBody& body, ContactSide& side, std::vector<Cont
     const double gap = depth->distance_m - radius;
     ContactConstraint row;
     if (folds) row.push_m_s *= std::clamp(1.0 + gap / (kPushedDepth * extent_.box_edge_m), 0.0, 1.0);
-    row.a = &side;
+    row.a = &participant;
     row.b = row.rigid = &body;
     row.point_m = point - radius * depth->normal;
     row.anchor_a = anchor_at(depth->element, point - depth->distance_m * depth->normal);
@@ -343,7 +343,7 @@ void CellsBody::be_touched(MovingBody& body, ContactSide& side, std::vector<Cont
 }
 
 // This body's points against another elastic body.
-void CellsBody::touch_elastic(const ElasticNeighbour& other, ContactSide& side, double h, std::vector<ContactConstraint>& rows) {
+void CellsBody::touch_elastic(const ElasticNeighbour& other, ContactParticipant& participant, double h, std::vector<ContactConstraint>& rows) {
   const double reach = other.body->element_reach_m();
   const Vector3d way = h * (motion_.velocity_m_s() - other.body->velocity_m_s());
   const Vector3d room = Vector3d::Constant(reach) + way.cwiseAbs();
@@ -364,8 +364,8 @@ void CellsBody::touch_elastic(const ElasticNeighbour& other, ContactSide& side, 
     const auto depth = grid.depth_after_way(point.position_m, way, {&point, end - k});
     if (!depth || depth->distance_m > kRowMargin * extent_.box_edge_m) continue;
     ContactConstraint row;
-    row.a = &side;
-    row.b = &other.body->contact_side(h);
+    row.a = &participant;
+    row.b = &other.body->contact_participant(h);
     row.anchor_a.sample = surface_[point.index];
     row.point_m = point.position_m;
     row.anchor_b = other.body->anchor_at(depth->element, point.position_m - depth->distance_m * depth->normal);
@@ -379,7 +379,7 @@ void CellsBody::touch_elastic(const ElasticNeighbour& other, ContactSide& side, 
 
 void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& context, std::vector<ContactConstraint>& rows) {
   if (context.bodies.empty() && context.others.empty()) return;
-  ContactSide& side = contact_side(part.duration_s);
+  ContactParticipant& participant = contact_participant(part.duration_s);
   double fastest = 0.0;
   bool same = touch_ids_.size() == context.bodies.size();
   for (size_t k = 0; k < context.bodies.size(); ++k) {
@@ -389,10 +389,10 @@ void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& con
   touch_margin_m_ -= 1.5 * part.duration_s * (own_speed_m_s() + fastest);
   if (touch_margin_m_ <= 0.0 || !same) find_touchable(context);
   const size_t begin = rows.size();
-  touch_rigid(side, context, rows);
-  for (MovingBody* body : context.bodies) be_touched(*body, side, rows);
+  touch_rigid(participant, context, rows);
+  for (MovingBody* body : context.bodies) be_touched(*body, participant, rows);
   for (const ElasticNeighbour& other : context.others) {
-    if (!other.body->comes_off(contact_id_of(object_id_))) touch_elastic(other, side, part.duration_s, rows);
+    if (!other.body->comes_off(contact_id_of(object_id_))) touch_elastic(other, participant, part.duration_s, rows);
   }
   if (comes_off()) come_off(part, context, begin, rows);
 }

@@ -80,7 +80,7 @@ void CellsBody::see_impalers(double frame_s) {
   std::erase_if(impalers_, [](const Impaler& one) { return !one.parting && one.stuck_s <= 0.0; });
 }
 
-void CellsBody::push_whole(const Vector3d& impulse_n_s, double step_s) {
+void CellsBody::apply_uniform_impulse(const Vector3d& impulse_n_s, double step_s) {
   if (asleep()) wake();
   const Vector3d gained = impulse_n_s / mass_kg_;
   for (uint32_t i = 0; i < masses_kg_.size(); ++i) {
@@ -128,18 +128,18 @@ void CellsBody::come_off(const SubstepPart& part, const SubstepContext& context,
     const Vector3d away = at.orientation * body->shape->sample(body_from_world * centre).gradient;
     const Vector3d other_m_s = body->velocity_m_s + body->spin_rad_s.cross(centre - at.position_m);
     const Vector3d given = impulse(away, other_m_s, body->inverse_mass);
-    push_whole(given, part.duration_s);
+    apply_uniform_impulse(given, part.duration_s);
     const ContactAnchor anchor = body->anchor_at(centre);
-    body->give(anchor, centre, -given);
-    body->count(anchor, centre, -given);
+    body->apply_impulse(anchor, centre, -given);
+    body->record_impulse(anchor, centre, -given);
   }
   for (const ElasticNeighbour& other : context.others) {
     if (!comes_off(other.contact_id) || !impaler(other.contact_id).overlaps) continue;
     const Vector3d between = centre - other.body->centre_m();
     const Vector3d given = impulse(between.norm() > 0.0 ? Vector3d(between.normalized()) : Vector3d::UnitY(),
                                    other.body->velocity_m_s(), 1.0 / other.body->mass_kg());
-    push_whole(given, part.duration_s);
-    other.body->push_whole(-given, part.duration_s);
+    apply_uniform_impulse(given, part.duration_s);
+    other.body->apply_uniform_impulse(-given, part.duration_s);
   }
 }
 

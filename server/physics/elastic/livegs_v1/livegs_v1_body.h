@@ -42,7 +42,7 @@ class LivegsV1Body final : public ElasticBody {
   void surface_elements(const Eigen::AlignedBox3d& within, std::vector<SurfaceElement>& elements) const override;
   double element_reach_m() const override;
   ContactAnchor anchor_at(uint32_t element, const Eigen::Vector3d& point_m) const override;
-  ContactSide& contact_side(double step_s) override;
+  ContactParticipant& contact_participant(double step_s) override;
   void wait_for_company(bool wait) override { rest_clock_.wait(wait); }
   bool rested() const override { return rest_clock_.rested(); }
   void sleep() override;
@@ -103,7 +103,7 @@ class LivegsV1Body final : public ElasticBody {
   void resolve_contacts(const SubstepContext& context, double h);
 
   // livegs_v1_touch.cpp
-  class Side;
+  class Participant;
   double mobility(uint32_t particle) const { return held(particle) ? 0.0 : 1.0 / masses_kg_[particle]; }
   void push_particle(uint32_t particle, const Vector3d& impulse_n_s);
   void record_contact_impulse(const Vector3d& point_m, double impulse_n_s);
@@ -144,7 +144,7 @@ class LivegsV1Body final : public ElasticBody {
   double reach_m_ = 0.0;
   std::vector<const Collider*> reachable_;
   ContactTotal contact_total_;
-  std::unique_ptr<ContactSide> side_;
+  std::unique_ptr<ContactParticipant> participant_;
   bool in_step_ = false;
   bool touching_ = false, forced_ = false, supported_ = false;
   bool warned_of_step_ = false;

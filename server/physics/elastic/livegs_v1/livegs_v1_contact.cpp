@@ -30,9 +30,9 @@ uint32_t particle_of(const ContactAnchor& anchor) { return anchor.sample.nodes[0
 }  // namespace
 
 // In the middle of a step, or as a sleeper that is pushed.
-class LivegsV1Body::Side final : public ContactSide {
+class LivegsV1Body::Participant final : public ContactParticipant {
  public:
-  explicit Side(LivegsV1Body& body) : body_(body) {}
+  explicit Participant(LivegsV1Body& body) : body_(body) {}
   double step_s = 0.0;
 
   Matrix3d response(const ContactAnchor& anchor) const override {
@@ -42,11 +42,11 @@ class LivegsV1Body::Side final : public ContactSide {
     if (!body_.in_step_) return step_s * body_.velocities_m_s_[particle_of(anchor)];
     return body_.predicted_m_[particle_of(anchor)] - body_.positions_m_[particle_of(anchor)];
   }
-  void give(const ContactAnchor& anchor, const Vector3d&, const Vector3d& impulse) override {
+  void apply_impulse(const ContactAnchor& anchor, const Vector3d&, const Vector3d& impulse) override {
     if (!body_.in_step_) return body_.push_particle(particle_of(anchor), impulse);
     body_.predicted_m_[particle_of(anchor)] += step_s * body_.mobility(particle_of(anchor)) * impulse;
   }
-  void count(const ContactAnchor&, const Vector3d& point, const Vector3d& impulse) override {
+  void record_impulse(const ContactAnchor&, const Vector3d& point, const Vector3d& impulse) override {
     body_.record_contact_impulse(point, impulse.norm());
     body_.touching_ = true;
   }
@@ -55,10 +55,10 @@ class LivegsV1Body::Side final : public ContactSide {
   LivegsV1Body& body_;
 };
 
-ContactSide& LivegsV1Body::contact_side(double step_s) {
-  if (!side_) side_ = std::make_unique<Side>(*this);
-  static_cast<Side&>(*side_).step_s = step_s;
-  return *side_;
+ContactParticipant& LivegsV1Body::contact_participant(double step_s) {
+  if (!participant_) participant_ = std::make_unique<Participant>(*this);
+  static_cast<Participant&>(*participant_).step_s = step_s;
+  return *participant_;
 }
 
 void LivegsV1Body::surface_elements(const AlignedBox3d& within, std::vector<SurfaceElement>& elements) const {
@@ -114,7 +114,7 @@ bool LivegsV1Body::meets_awake(const SubstepContext& context) const {
 void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& context, std::vector<ContactConstraint>& rows) {
   if (context.bodies.empty() && context.others.empty()) return;
   const double h = part.duration_s;
-  ContactSide& side = contact_side(h);
+  ContactParticipant& participant = contact_participant(h);
   const double margin = kRowMargin * spacing_m_;
   const Vector3d centre = origin_m_ + motion_.centre_m, way = h * motion_.velocity_m_s();
   const double around = 1.1 * (reach_m_ + spacing_m_) + way.norm();
@@ -128,7 +128,7 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
     const double friction = mixed_friction(material_.friction, body->friction);
     const auto add = [&](uint32_t particle, const Vector3d& normal, double gap) {
       ContactConstraint row;
-      row.a = &side;
+      row.a = &participant;
       row.b = body;
       row.anchor_a = anchor_of(particle);
       row.point_m = origin_m_ + predicted_m_[particle];
@@ -173,8 +173,8 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
       const auto depth = grid.depth_after_way(at, way - h * other.body->velocity_m_s());
       if (!depth || depth->distance_m - point.radius_m > margin) continue;
       ContactConstraint row;
-      row.a = &side;
-      row.b = &other.body->contact_side(h);
+      row.a = &participant;
+      row.b = &other.body->contact_participant(h);
       row.anchor_a = anchor_of(point.particle);
       row.anchor_b = anchor_of(depth->element);
       row.point_m = at;
