@@ -348,8 +348,8 @@ void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const Rigid
     accelerate_awake();
     active.clear();
     for (RigidBody* body : bodies) {
-      const auto meets_awake = [](const ContactManifold& manifold) { return manifold.other && !manifold.other->asleep; };
-      if (!body->asleep || std::any_of(body->manifolds.begin(), body->manifolds.end(), meets_awake)) active.push_back(body);
+      const auto may_touch_awake = [](const ContactManifold& manifold) { return manifold.other && !manifold.other->asleep; };
+      if (!body->asleep || std::any_of(body->manifolds.begin(), body->manifolds.end(), may_touch_awake)) active.push_back(body);
     }
   }
 

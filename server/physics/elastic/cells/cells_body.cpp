@@ -346,7 +346,7 @@ void CellsBody::restart_motion() {
   owed_spin_.setZero();
   contact_lag_m_.setZero();
   late_impulse_.setZero();
-  candidate_margin_m_ = touch_margin_m_ = 0.0;
+  candidate_margin_m_ = rigid_candidate_margin_m_ = 0.0;
   first_step_ = true;
 }
 

@@ -198,12 +198,12 @@ class CellsBody final : public ElasticBody {
   template <class Visit>
   void visit_cells_near(const MovingBody& body, double margin_m, const Visit& visit) const;
   void record_contact_impulse(const Vector3d& point_m, double impulse_n_s);
-  bool meets_awake(const SubstepContext& context) const;
-  double own_speed_m_s() const;  // no node is faster, but for few
-  void find_touchable(const SubstepContext& context);
-  void touch_rigid(ContactParticipant& participant, const SubstepContext& context, std::vector<ContactConstraint>& rows);
-  void be_touched(MovingBody& body, ContactParticipant& participant, std::vector<ContactConstraint>& rows);
-  void touch_elastic(const ElasticNeighbour& other, ContactParticipant& participant, double h, std::vector<ContactConstraint>& rows);
+  bool may_touch_awake(const SubstepContext& context) const;
+  double max_node_speed_m_s() const;  // no node is faster, but for few
+  void find_rigid_candidates(const SubstepContext& context);
+  void collide_surface_with_rigid(ContactParticipant& participant, const SubstepContext& context, std::vector<ContactConstraint>& rows);
+  void collide_rigid_points(MovingBody& body, ContactParticipant& participant, std::vector<ContactConstraint>& rows);
+  void collide_surface_with_elastic(const ElasticNeighbour& other, ContactParticipant& participant, double h, std::vector<ContactConstraint>& rows);
   // cells_impaled.cpp
   Impaler& impaler(uint64_t contact_id);
   bool comes_off() const;  // any
@@ -325,9 +325,9 @@ class CellsBody final : public ElasticBody {
   std::vector<Eigen::Vector3f> surface_local_;  // of surface_: in its cell
   std::vector<uint32_t> face_begins_;           // of surface_, and the end: its faces
   std::vector<Eigen::Vector3f> face_normals_;   // outwards, lattice axes
-  std::vector<Candidate> touchable_;  // with rigid bodies
-  std::vector<uint64_t> touch_ids_;   // of those, as they were found
-  double touch_margin_m_ = 0.0;
+  std::vector<Candidate> rigid_candidates_;  // with rigid bodies
+  std::vector<uint64_t> rigid_candidate_ids_;   // of those, as they were found
+  double rigid_candidate_margin_m_ = 0.0;
   std::vector<DynamicContact> dynamic_contacts_;  // of this step, with what moves
 
   std::vector<Impaler> impalers_;  // ascending id

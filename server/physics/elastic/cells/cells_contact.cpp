@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 constexpr double kCandidateRoom = 0.5;
 // A point of a held body has this part of its mobility at least, or none: what is left of it on free nodes would send
 // those ten times as far as the point goes, or, where it is rounding, anywhere.
-constexpr double kLeastMobile = 1e-2;
+constexpr double kMinMobilityRatio = 1e-2;
 
 }  // namespace
 
@@ -108,7 +108,7 @@ double CellsBody::mobility(const NodeSample& sample) const {
   for (int c = 0; c < 8; ++c) sum += sample.weights[c] * sample.weights[c] * inverse_masses_[sample.nodes[c]];
   if (free()) return sum;
   for (int c = 0; c < 8; ++c) unheld += sample.weights[c] * sample.weights[c] / masses_kg_[sample.nodes[c]];
-  return sum > kLeastMobile * unheld ? sum : 0.0;
+  return sum > kMinMobilityRatio * unheld ? sum : 0.0;
 }
 
 void CellsBody::apply_collider_contact(uint32_t sample, const Vector3d& point_m, const Vector3d& pull_kg_m, double step_s) {

@@ -25,11 +25,11 @@ constexpr double kRowMargin = 0.02;
 // An element speaks for the surface this far, in edges of particles.
 constexpr double kElementReach = 1.5;
 // How far off a rigid body's surface is asked which way it looks, in spacings of its contact points.
-constexpr double kOutlookStep = 0.02;
+constexpr double kNormalConeStep = 0.02;
 // Where a surface is folded its elements are off by up to their spacing, and a corner that they say is deep may not even touch:
 // such an overlap gets no deeper, but only one up to this part of a particle's edge is pushed apart. Pushed however deep, a sheet of
 // 10 mm that was laid over a free box got up to 27 times the energy it fell with.
-constexpr double kPushedDepth = 0.15;
+constexpr double kMaxFoldedPenetration = 0.15;
 // Where an anchor may lie beyond its cell, in half-widths from the middle.
 constexpr double kMaxAnchorLocal = 1.25;
 
@@ -41,14 +41,14 @@ Vector3d corner_sign(int c) { return {c & 1 ? 1.0 : -1.0, c & 2 ? 1.0 : -1.0, c 
 
 // Which ways a rigid body's surface looks at a point of it: the directions away from it close by, `step_m` off along axes and
 // diagonals, so that an edge has those of its faces and what lies between them.
-void list_outlooks(const RigidShape& shape, const Vector3d& point_m, double step_m, const Matrix3d& turn,
-                   std::vector<SurfaceElement>& outlooks) {
-  outlooks.clear();
+void sample_normal_cone(const RigidShape& shape, const Vector3d& point_m, double step_m, const Matrix3d& turn,
+                   std::vector<SurfaceElement>& normal_cone) {
+  normal_cone.clear();
   for (int k = 0; k < 27; ++k) {
     const Vector3d way(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
     if (way.squaredNorm() == 0.0 || way.squaredNorm() == 2.0) continue;
     const DistanceField::Sample found = shape.sample(point_m + step_m * way.normalized());
-    if (found.distance_m > 0.25 * step_m) outlooks.push_back({Vector3d::Zero(), turn * found.gradient});
+    if (found.distance_m > 0.25 * step_m) normal_cone.push_back({Vector3d::Zero(), turn * found.gradient});
   }
 }
 
@@ -218,7 +218,7 @@ void CellsBody::visit_cells_near(const MovingBody& body, double margin_m, const 
   }
 }
 
-bool CellsBody::meets_awake(const SubstepContext& context) const {
+bool CellsBody::may_touch_awake(const SubstepContext& context) const {
   for (const MovingBody* body : context.bodies) {
     bool near = false;
     if (!body->asleep) {
@@ -231,24 +231,24 @@ bool CellsBody::meets_awake(const SubstepContext& context) const {
 }
 
 // As find_candidates: which cells may meet which rigid body before they have closed by the margin.
-void CellsBody::find_touchable(const SubstepContext& context) {
-  touch_ids_.clear();
-  touchable_.clear();
-  double speed = own_speed_m_s() + context.gravity_m_s2.norm() / rate_hz_;
-  for (const MovingBody* body : context.bodies) speed = std::max(speed, own_speed_m_s() + body->fastest_m_s());
-  touch_margin_m_ = std::max(kCandidateRoom * lattice_.cell_width_m, speed / rate_hz_);
+void CellsBody::find_rigid_candidates(const SubstepContext& context) {
+  rigid_candidate_ids_.clear();
+  rigid_candidates_.clear();
+  double speed = max_node_speed_m_s() + context.gravity_m_s2.norm() / rate_hz_;
+  for (const MovingBody* body : context.bodies) speed = std::max(speed, max_node_speed_m_s() + body->fastest_m_s());
+  rigid_candidate_margin_m_ = std::max(kCandidateRoom * lattice_.cell_width_m, speed / rate_hz_);
   for (uint32_t k = 0; k < context.bodies.size(); ++k) {
-    touch_ids_.push_back(context.bodies[k]->contact_id);
-    visit_cells_near(*context.bodies[k], touch_margin_m_, [&](uint32_t cell) { touchable_.push_back({cell, k}); });
+    rigid_candidate_ids_.push_back(context.bodies[k]->contact_id);
+    visit_cells_near(*context.bodies[k], rigid_candidate_margin_m_, [&](uint32_t cell) { rigid_candidates_.push_back({cell, k}); });
   }
 }
 
-double CellsBody::own_speed_m_s() const {
+double CellsBody::max_node_speed_m_s() const {
   return motion_.velocity_m_s().norm() + reach_m_ * spin_rad_s_ + 4.0 * deviation_m_s_;
 }
 
 // This body's points against rigid bodies.
-void CellsBody::touch_rigid(ContactParticipant& participant, const SubstepContext& context, std::vector<ContactConstraint>& rows) {
+void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, const SubstepContext& context, std::vector<ContactConstraint>& rows) {
   struct Frame {
     Matrix3d from_world_before, from_world;
     Vector3d before_m, at_m;
@@ -259,7 +259,7 @@ void CellsBody::touch_rigid(ContactParticipant& participant, const SubstepContex
     frames.push_back({before.orientation.toRotationMatrix().transpose(), at.orientation.toRotationMatrix().transpose(),
                       before.position_m - origin_m_, at.position_m - origin_m_});
   }
-  for (const Candidate& candidate : touchable_) {
+  for (const Candidate& candidate : rigid_candidates_) {
     MovingBody& body = *context.bodies[candidate.collider];
     const Frame& frame = frames[candidate.collider];
     const SurfaceCell& cell = surface_cells_[candidate.cell];
@@ -285,7 +285,7 @@ void CellsBody::touch_rigid(ContactParticipant& participant, const SubstepContex
 }
 
 // A rigid body's points against this body's surface; of a ball the one that would be deepest.
-void CellsBody::be_touched(MovingBody& body, ContactParticipant& participant, std::vector<ContactConstraint>& rows) {
+void CellsBody::collide_rigid_points(MovingBody& body, ContactParticipant& participant, std::vector<ContactConstraint>& rows) {
   const Pose at = body.at_end();
   const double reach = element_reach_m(), radius = body.shape->sphere_radius_m;
   const Vector3d room = Vector3d::Constant(reach + radius);
@@ -316,19 +316,19 @@ void CellsBody::be_touched(MovingBody& body, ContactParticipant& participant, st
   // Of a sheet both sides are within reach of a point, and it folds; in a pile on thick blocks the following of one side only, or
   // overlaps that are left, kept everything awake.
   const bool folds = !body.shape->is_ball() && (extent_.max_m - extent_.min_m).minCoeff() < 2.0 * reach;
-  std::vector<SurfaceElement> outlooks;
+  std::vector<SurfaceElement> normal_cone;
   for (const auto& [point, way, local] : points) {
     auto depth = grid.depth_after_way(point, way);
     if (!depth || depth->distance_m - radius > kRowMargin * extent_.box_edge_m) continue;
     // A corner that is nearer to the far side of a sheet would be pushed through it.
     if (folds) {
-      list_outlooks(*body.shape, local, kOutlookStep * body.shape->contact_spacing_m, turn, outlooks);
-      depth = grid.depth_after_way(point, way, outlooks);
+      sample_normal_cone(*body.shape, local, kNormalConeStep * body.shape->contact_spacing_m, turn, normal_cone);
+      depth = grid.depth_after_way(point, way, normal_cone);
       if (!depth) continue;
     }
     const double gap = depth->distance_m - radius;
     ContactConstraint row;
-    if (folds) row.push_m_s *= std::clamp(1.0 + gap / (kPushedDepth * extent_.box_edge_m), 0.0, 1.0);
+    if (folds) row.push_m_s *= std::clamp(1.0 + gap / (kMaxFoldedPenetration * extent_.box_edge_m), 0.0, 1.0);
     row.a = &participant;
     row.b = row.rigid = &body;
     row.point_m = point - radius * depth->normal;
@@ -343,7 +343,7 @@ void CellsBody::be_touched(MovingBody& body, ContactParticipant& participant, st
 }
 
 // This body's points against another elastic body.
-void CellsBody::touch_elastic(const ElasticNeighbour& other, ContactParticipant& participant, double h, std::vector<ContactConstraint>& rows) {
+void CellsBody::collide_surface_with_elastic(const ElasticNeighbour& other, ContactParticipant& participant, double h, std::vector<ContactConstraint>& rows) {
   const double reach = other.body->element_reach_m();
   const Vector3d way = h * (motion_.velocity_m_s() - other.body->velocity_m_s());
   const Vector3d room = Vector3d::Constant(reach) + way.cwiseAbs();
@@ -381,18 +381,18 @@ void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& con
   if (context.bodies.empty() && context.others.empty()) return;
   ContactParticipant& participant = contact_participant(part.duration_s);
   double fastest = 0.0;
-  bool same = touch_ids_.size() == context.bodies.size();
+  bool same = rigid_candidate_ids_.size() == context.bodies.size();
   for (size_t k = 0; k < context.bodies.size(); ++k) {
     fastest = std::max(fastest, context.bodies[k]->fastest_m_s());
-    same = same && touch_ids_[k] == context.bodies[k]->contact_id;
+    same = same && rigid_candidate_ids_[k] == context.bodies[k]->contact_id;
   }
-  touch_margin_m_ -= 1.5 * part.duration_s * (own_speed_m_s() + fastest);
-  if (touch_margin_m_ <= 0.0 || !same) find_touchable(context);
+  rigid_candidate_margin_m_ -= 1.5 * part.duration_s * (max_node_speed_m_s() + fastest);
+  if (rigid_candidate_margin_m_ <= 0.0 || !same) find_rigid_candidates(context);
   const size_t begin = rows.size();
-  touch_rigid(participant, context, rows);
-  for (MovingBody* body : context.bodies) be_touched(*body, participant, rows);
+  collide_surface_with_rigid(participant, context, rows);
+  for (MovingBody* body : context.bodies) collide_rigid_points(*body, participant, rows);
   for (const ElasticNeighbour& other : context.others) {
-    if (!other.body->comes_off(contact_id_of(object_id_))) touch_elastic(other, participant, part.duration_s, rows);
+    if (!other.body->comes_off(contact_id_of(object_id_))) collide_surface_with_elastic(other, participant, part.duration_s, rows);
   }
   if (comes_off()) come_off(part, context, begin, rows);
 }

@@ -44,7 +44,7 @@ void CellsBody::end_frame(double frame_s) {
   orientation_ = (rotation_exp(frame_s * motion_.angular_velocity_rad_s()) * orientation_).normalized();
   whole_ = {centre_m(), orientation_};
   candidate_margin_m_ -= 1e-6 * reach_m_;  // rounding of the shift
-  touch_margin_m_ -= 1e-6 * reach_m_;
+  rigid_candidate_margin_m_ -= 1e-6 * reach_m_;
 
   see_impalers(frame_s);
   flow();
@@ -232,7 +232,7 @@ void CellsBody::become_elastic() {
   contact_lag_m_.setZero();
   late_impulse_.setZero();
   unstrained_s_ = 0.0;
-  candidate_margin_m_ = touch_margin_m_ = 0.0;
+  candidate_margin_m_ = rigid_candidate_margin_m_ = 0.0;
   first_step_ = true;
 }
 

@@ -61,7 +61,7 @@ int CellsBody::begin_substep(const SubstepContext& context) {
   driven_ = driven(context.start_s, context.start_s + context.duration_s);
   for (const PointForce& force : context.forces) forced_ = forced_ || force.spring || force.force_n.squaredNorm() > 0.0;
   if (asleep()) {
-    const bool touched = forced_ || driven_ || meets_awake(context);
+    const bool touched = forced_ || driven_ || may_touch_awake(context);
     if (!touched) return 0;
     wake();
   }
@@ -79,7 +79,7 @@ int CellsBody::begin_substep(const SubstepContext& context) {
 // bodies, which would all take its steps (in a heap of five a tick of 8 ms took 20), and which give way.
 bool CellsBody::struck_hard(const SubstepContext& context) {
   if (!context.others.empty() || forced_) return false;
-  const bool comes = !touching_ && !(candidates_.empty() && touchable_.empty());
+  const bool comes = !touching_ && !(candidates_.empty() && rigid_candidates_.empty());
   const double speed_m_s = touching_ ? deviation_m_s_ : comes ? motion_.velocity_m_s().norm() + deviation_m_s_ : 0.0;
   if (speed_m_s > kHard * choice_.wave_speed_m_s(rate_hz_)) struck_until_s_ = context.start_s + kStruckFrames / rate_hz_;
   return context.start_s < struck_until_s_;

@@ -107,7 +107,7 @@ class LivegsV1Body final : public ElasticBody {
   double mobility(uint32_t particle) const { return held(particle) ? 0.0 : 1.0 / masses_kg_[particle]; }
   void push_particle(uint32_t particle, const Vector3d& impulse_n_s);
   void record_contact_impulse(const Vector3d& point_m, double impulse_n_s);
-  bool meets_awake(const SubstepContext& context) const;
+  bool may_touch_awake(const SubstepContext& context) const;
 
   double blend(double h) const;
   double apparent_modulus_pa(double h) const;

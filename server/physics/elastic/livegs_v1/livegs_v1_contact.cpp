@@ -97,7 +97,7 @@ void LivegsV1Body::sleep() {
   motion_.angular_momentum.setZero();
 }
 
-bool LivegsV1Body::meets_awake(const SubstepContext& context) const {
+bool LivegsV1Body::may_touch_awake(const SubstepContext& context) const {
   for (const MovingBody* body : context.bodies) {
     if (body->asleep) continue;
     const Pose body_from_world = body->start.inverse();

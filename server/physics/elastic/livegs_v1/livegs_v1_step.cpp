@@ -46,7 +46,7 @@ int LivegsV1Body::begin_substep(const SubstepContext& context) {
   forced_ = driven(context.start_s, end_s);
   for (const PointForce& force : context.forces) forced_ = forced_ || force.force_n.squaredNorm() > 0.0;
   if (asleep()) {
-    const bool touched = forced_ || meets_awake(context);
+    const bool touched = forced_ || may_touch_awake(context);
     if (!touched) return 0;
     wake();
   }
