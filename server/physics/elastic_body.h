@@ -190,7 +190,7 @@ class ElasticBody {
   virtual ContactParticipant& contact_participant(double step_s);  // is not asked of a body without elements
 
   // Whether it is stuck on that body, by MovingBody::contact_id, and comes off without contact meanwhile.
-  virtual bool comes_off(uint64_t contact_id) const {
+  virtual bool is_separating(uint64_t contact_id) const {
     (void)contact_id;
     return false;
   }

@@ -77,7 +77,7 @@ class CellsBody final : public ElasticBody {
   double element_reach_m() const override;
   ContactAnchor anchor_at(uint32_t element, const Vector3d& point_m) const override;
   ContactParticipant& contact_participant(double step_s) override;
-  bool comes_off(uint64_t contact_id) const override;
+  bool is_separating(uint64_t contact_id) const override;
   void apply_uniform_impulse(const Vector3d& impulse_n_s, double step_s) override;
   void wait_for_company(bool wait) override { rest_clock_.wait(wait); }
   bool rested() const override { return rest_clock_.rested(); }
@@ -138,13 +138,13 @@ class CellsBody final : public ElasticBody {
     Vector3d impulse_n_s;
   };
   // A body whose contact pushes this one from opposite sides while it is strained beyond all proportion.
-  struct Impaler {
+  struct StuckContact {
     uint64_t contact_id = 0;
     // In this frame: sizes of impulses and their sum, sizes and impulses times points.
     double pushed_n_s = 0.0, apart = 0.0;
     Vector3d net_n_s = Vector3d::Zero(), moment = Vector3d::Zero();
     double stuck_s = 0.0;
-    bool parting = false, overlaps = false;  // no contact with it until they no longer overlap
+    bool separating = false, overlaps = false;  // no contact with it until they no longer overlap
   };
   // A body that flies without deforming visibly moves as a rigid one.
   struct RigidMotion {
@@ -205,10 +205,10 @@ class CellsBody final : public ElasticBody {
   void collide_rigid_points(MovingBody& body, ContactParticipant& participant, std::vector<ContactConstraint>& rows);
   void collide_surface_with_elastic(const ElasticNeighbour& other, ContactParticipant& participant, double h, std::vector<ContactConstraint>& rows);
   // cells_impaled.cpp
-  Impaler& impaler(uint64_t contact_id);
-  bool comes_off() const;  // any
-  void see_impalers(double frame_s);
-  void come_off(const SubstepPart& part, const SubstepContext& context, size_t begin, std::vector<ContactConstraint>& rows);
+  StuckContact& stuck_contact(uint64_t contact_id);
+  bool is_separating() const;  // any
+  void update_stuck_contacts(double frame_s);
+  void separate(const SubstepPart& part, const SubstepContext& context, size_t begin, std::vector<ContactConstraint>& rows);
   // By what it touches from this one of collider_contacts_ on, which does not move.
   void resist_rolling(size_t first_contact, double step_s);
   void resist_rolling(std::span<const ContactConstraint> rows);
@@ -330,7 +330,7 @@ class CellsBody final : public ElasticBody {
   double rigid_candidate_margin_m_ = 0.0;
   std::vector<DynamicContact> dynamic_contacts_;  // of this step, with what moves
 
-  std::vector<Impaler> impalers_;  // ascending id
+  std::vector<StuckContact> stuck_contacts_;  // ascending id
 
   double reach_m_ = 0.0;        // radius about the centre that holds every node
   double kinetic_j_ = 0.0;      // of the last step

@@ -392,9 +392,9 @@ void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& con
   collide_surface_with_rigid(participant, context, rows);
   for (MovingBody* body : context.bodies) collide_rigid_points(*body, participant, rows);
   for (const ElasticNeighbour& other : context.others) {
-    if (!other.body->comes_off(contact_id_of(object_id_))) collide_surface_with_elastic(other, participant, part.duration_s, rows);
+    if (!other.body->is_separating(contact_id_of(object_id_))) collide_surface_with_elastic(other, participant, part.duration_s, rows);
   }
-  if (comes_off()) come_off(part, context, begin, rows);
+  if (is_separating()) separate(part, context, begin, rows);
 }
 
 }  // namespace livegs

@@ -24,7 +24,7 @@ constexpr double kPull_per_s = 12.0; // of the way to the rigid shape; twice tha
 constexpr double kMostDoublings = 10.0;
 constexpr double kMostGain = 1.5;    // of its energy, in a frame of pulling
 constexpr double kStrainedSquared = 0.01;  // |S - I|² of the worst cell
-constexpr double kWildSquared = 1.0;       // of one that touches something or has flowed
+constexpr double kOverstrainSquared = 1.0;       // of one that touches something or has flowed
 constexpr double kLeastWild = 0.02;        // of its volume: not a loose end of a leaf
 constexpr double kLargestSag = 0.05;       // strain by its own weight
 constexpr double kPressing = 0.01;         // of the force that its strain takes, E eps A: less does not hold it so
@@ -61,7 +61,7 @@ double CellsBody::wild_part() const {
       const Vector3d bent = flowed ? Vector3d(shape.modes[j] - plastic_modes_[i][j]) : shape.modes[j];
       squared += fold * bent.squaredNorm();
     }
-    if (squared > kWildSquared) wild_m3 += lattice_.cells[i].volume_m3;
+    if (squared > kOverstrainSquared) wild_m3 += lattice_.cells[i].volume_m3;
   }
   return wild_m3 / volume_m3_;
 }
@@ -86,7 +86,7 @@ void CellsBody::untangle(double frame_s) {
   const double area_m2 = volume_m3_ / (extent_.max_m - extent_.min_m).maxCoeff();
   const double holding_n = std::max(weight_n, kPressing * youngs_modulus_pa * std::sqrt(bent_squared_) * area_m2);
   const bool pressed = touching_ && (carried_n_ > holding_n || sag > kLargestSag), flowed = !plastic_parts_.empty();
-  const bool alone = free() && !pressed && !forced_ && !comes_off() && region_loads_.empty();
+  const bool alone = free() && !pressed && !forced_ && !is_separating() && region_loads_.empty();
   if (!alone) {
     tangled_s_ = 0.0;
     untangling_ = false;  // or nothing would flow while a hand holds it
@@ -109,7 +109,7 @@ void CellsBody::untangle(double frame_s) {
   // A mat that lies folded is as its weight has it: how upright it is says nothing.
   const bool limp = touching_ && sag * slender * slender > kLargestSag;
   const bool wild = touching_ || flowed;
-  const bool strained = bent_squared_ > (wild ? kWildSquared : kStrainedSquared) + 4.0 * spun * spun &&
+  const bool strained = bent_squared_ > (wild ? kOverstrainSquared : kStrainedSquared) + 4.0 * spun * spun &&
                         (!wild || wild_part() > kLeastWild);
   if (!untangling_) {
     if ((limp || upright > kUpright) && !strained) tangled_ = false;

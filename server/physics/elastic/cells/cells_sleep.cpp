@@ -46,14 +46,14 @@ void CellsBody::end_frame(double frame_s) {
   candidate_margin_m_ -= 1e-6 * reach_m_;  // rounding of the shift
   rigid_candidate_margin_m_ -= 1e-6 * reach_m_;
 
-  see_impalers(frame_s);
+  update_stuck_contacts(frame_s);
   flow();
   untangle(frame_s);
   rest(frame_s);
 }
 
 void CellsBody::rest(double frame_s) {
-  const bool unstrained = free() && may_rest_ && !touching_ && !forced_ && !comes_off() && region_loads_.empty() &&
+  const bool unstrained = free() && may_rest_ && !touching_ && !forced_ && !is_separating() && region_loads_.empty() &&
                           strain_squared_ < kVisibleStrain * kVisibleStrain;
   unstrained_s_ = unstrained ? unstrained_s_ + frame_s : 0.0;
   if (unstrained_s_ >= kUnstrainedTime_s) {
@@ -63,7 +63,7 @@ void CellsBody::rest(double frame_s) {
   // What is held or loaded is measured: it sleeps in equilibrium, not while it still creeps there. What lies on
   // something trembles more.
   const bool measured = held_ || !region_loads_.empty();
-  const bool moves = forced_ || driven_ || comes_off() || (measured && !stays(frame_s));
+  const bool moves = forced_ || driven_ || is_separating() || (measured && !stays(frame_s));
   const double calm = measured ? kMeasuredCalm : 1.0;
   double seen_m_s = moves || !supported_ ? 0.0 : fastest_m_s(RestClock::kStillSpeed_m_s / calm);
   if (!measured && !moves && supported_ && trembles(seen_m_s, frame_s)) seen_m_s = 0.0;
@@ -130,7 +130,7 @@ void CellsBody::put_back() {
   strained_ = tangled_ = untangling_ = false;
   bound_j_.reset();
   contact_total_ = {};
-  impalers_.clear();
+  stuck_contacts_.clear();
   sides_.clear();
   boxes_known_ = false;
 }

@@ -17,38 +17,38 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kFarSquared = 0.1, kWildSquared = 1.0;  // |S - I|² of the worst cell, with bending
-constexpr double kCancelled = 0.5;           // of the sizes of impulses, what their sum is less than
-constexpr double kPatience_s = 0.5;
+constexpr double kStuckStrainSquared = 0.1, kOverstrainSquared = 1.0;  // |S - I|² of the worst cell, with bending
+constexpr double kMaxNetImpulseRatio = 0.5;           // of the sizes of impulses, what their sum is less than
+constexpr double kStuckTime_s = 0.5;
 // It comes off at its own radius in this time, with no more than this.
-constexpr double kComesOff_s = 0.25;
-constexpr double kMostDraw_m_s2 = 20.0;
+constexpr double kSeparationTime_s = 0.25;
+constexpr double kMaxSeparation_m_s2 = 20.0;
 
 }  // namespace
 
-CellsBody::Impaler& CellsBody::impaler(uint64_t contact_id) {
-  const auto at = std::lower_bound(impalers_.begin(), impalers_.end(), contact_id,
-                                   [](const Impaler& one, uint64_t id) { return one.contact_id < id; });
-  if (at != impalers_.end() && at->contact_id == contact_id) return *at;
-  return *impalers_.insert(at, {.contact_id = contact_id});
+CellsBody::StuckContact& CellsBody::stuck_contact(uint64_t contact_id) {
+  const auto at = std::lower_bound(stuck_contacts_.begin(), stuck_contacts_.end(), contact_id,
+                                   [](const StuckContact& one, uint64_t id) { return one.contact_id < id; });
+  if (at != stuck_contacts_.end() && at->contact_id == contact_id) return *at;
+  return *stuck_contacts_.insert(at, {.contact_id = contact_id});
 }
 
-bool CellsBody::comes_off(uint64_t contact_id) const {
-  return std::any_of(impalers_.begin(), impalers_.end(),
-                     [&](const Impaler& one) { return one.parting && one.contact_id == contact_id; });
+bool CellsBody::is_separating(uint64_t contact_id) const {
+  return std::any_of(stuck_contacts_.begin(), stuck_contacts_.end(),
+                     [&](const StuckContact& one) { return one.separating && one.contact_id == contact_id; });
 }
 
-bool CellsBody::comes_off() const {
-  return std::any_of(impalers_.begin(), impalers_.end(), [](const Impaler& one) { return one.parting; });
+bool CellsBody::is_separating() const {
+  return std::any_of(stuck_contacts_.begin(), stuck_contacts_.end(), [](const StuckContact& one) { return one.separating; });
 }
 
 void CellsBody::read_contact_impulses(std::span<const ContactConstraint> rows) {
   resist_rolling(rows);
-  if (bent_squared_ <= kFarSquared) return;
-  Impaler* last = nullptr;
+  if (bent_squared_ <= kStuckStrainSquared) return;
+  StuckContact* last = nullptr;
   for (const ContactConstraint& row : rows) {
     if (!(row.normal_impulse_n_s > 0.0)) continue;
-    if (!last || last->contact_id != row.other_body_id) last = &impaler(row.other_body_id);
+    if (!last || last->contact_id != row.other_body_id) last = &stuck_contact(row.other_body_id);
     last->pushed_n_s += row.normal_impulse_n_s;
     const Vector3d push = row.normal_impulse_n_s * row.normal, point = row.point_m - origin_m_;
     last->net_n_s += push;
@@ -58,17 +58,17 @@ void CellsBody::read_contact_impulses(std::span<const ContactConstraint> rows) {
 }
 
 // Once a frame.
-void CellsBody::see_impalers(double frame_s) {
-  for (Impaler& one : impalers_) {
-    if (!one.parting) {
+void CellsBody::update_stuck_contacts(double frame_s) {
+  for (StuckContact& one : stuck_contacts_) {
+    if (!one.separating) {
       // Of the pushes, about the middle of the points they act at.
       const double apart = one.pushed_n_s > 0.0 ? one.apart - one.net_n_s.dot(one.moment) / one.pushed_n_s : 0.0;
-      const bool stuck = (apart > 0.0 || bent_squared_ > kWildSquared) && one.net_n_s.norm() < kCancelled * one.pushed_n_s;
+      const bool stuck = (apart > 0.0 || bent_squared_ > kOverstrainSquared) && one.net_n_s.norm() < kMaxNetImpulseRatio * one.pushed_n_s;
       one.stuck_s += stuck ? frame_s : -frame_s;
-      one.parting = one.overlaps = one.stuck_s > kPatience_s;
-    if (one.parting) log_debug("object %u is stuck on object %u and comes off", object_id_, object_of(one.contact_id));
+      one.separating = one.overlaps = one.stuck_s > kStuckTime_s;
+    if (one.separating) log_debug("object %u is stuck on object %u and comes off", object_id_, object_of(one.contact_id));
     } else if (!one.overlaps) {
-      one.parting = false;
+      one.separating = false;
       one.stuck_s = 0.0;
     } else {
       one.overlaps = false;  // until a step finds that it still does
@@ -77,7 +77,7 @@ void CellsBody::see_impalers(double frame_s) {
     one.net_n_s.setZero();
     one.moment.setZero();
   }
-  std::erase_if(impalers_, [](const Impaler& one) { return !one.parting && one.stuck_s <= 0.0; });
+  std::erase_if(stuck_contacts_, [](const StuckContact& one) { return !one.separating && one.stuck_s <= 0.0; });
 }
 
 void CellsBody::apply_uniform_impulse(const Vector3d& impulse_n_s, double step_s) {
@@ -102,22 +102,22 @@ void CellsBody::apply_uniform_impulse(const Vector3d& impulse_n_s, double step_s
 }
 
 // Takes the rows out that it listed with those it comes off, from `begin` on, and draws it away from them.
-void CellsBody::come_off(const SubstepPart& part, const SubstepContext& context, size_t begin, std::vector<ContactConstraint>& rows) {
+void CellsBody::separate(const SubstepPart& part, const SubstepContext& context, size_t begin, std::vector<ContactConstraint>& rows) {
   const auto listed = rows.begin() + static_cast<std::ptrdiff_t>(begin);
   for (auto row = listed; row != rows.end(); ++row) {
-    if (row->gap_m < 0.0 && comes_off(row->other_body_id)) impaler(row->other_body_id).overlaps = true;
+    if (row->gap_m < 0.0 && is_separating(row->other_body_id)) stuck_contact(row->other_body_id).overlaps = true;
   }
-  rows.erase(std::remove_if(listed, rows.end(), [&](const ContactConstraint& row) { return comes_off(row.other_body_id); }), rows.end());
+  rows.erase(std::remove_if(listed, rows.end(), [&](const ContactConstraint& row) { return is_separating(row.other_body_id); }), rows.end());
 
   const Vector3d centre = centre_m();
-  const double speed_m_s = reach_m_ / kComesOff_s, most_m_s = kMostDraw_m_s2 * part.duration_s;
+  const double speed_m_s = reach_m_ / kSeparationTime_s, most_m_s = kMaxSeparation_m_s2 * part.duration_s;
   const auto impulse = [&](const Vector3d& away, const Vector3d& other_m_s, double other_inverse_mass) -> Vector3d {
     const double lacking = speed_m_s - away.dot(velocity_m_s() - other_m_s);
     return std::clamp(lacking, 0.0, most_m_s) / (1.0 / mass_kg_ + other_inverse_mass) * away;
   };
   for (MovingBody* body : context.bodies) {
-    if (!comes_off(body->contact_id)) continue;
-    Impaler& one = impaler(body->contact_id);
+    if (!is_separating(body->contact_id)) continue;
+    StuckContact& one = stuck_contact(body->contact_id);
     const Pose at = body->at_end(), body_from_world = at.inverse();
     // A bar right through it may be near no point of its surface.
     for (uint32_t i = 0; i < lattice_.cells.size() && !one.overlaps; ++i) {
@@ -134,7 +134,7 @@ void CellsBody::come_off(const SubstepPart& part, const SubstepContext& context,
     body->record_impulse(anchor, centre, -given);
   }
   for (const ElasticNeighbour& other : context.others) {
-    if (!comes_off(other.contact_id) || !impaler(other.contact_id).overlaps) continue;
+    if (!is_separating(other.contact_id) || !stuck_contact(other.contact_id).overlaps) continue;
     const Vector3d between = centre - other.body->centre_m();
     const Vector3d given = impulse(between.norm() > 0.0 ? Vector3d(between.normalized()) : Vector3d::UnitY(),
                                    other.body->velocity_m_s(), 1.0 / other.body->mass_kg());
