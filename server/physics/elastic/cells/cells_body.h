@@ -224,13 +224,13 @@ class CellsBody final : public ElasticBody {
   double energy_of(size_t index, const CellShape& shape) const;
   void flow();
   void begin_plastic();
-  void forget_flow();
+  void discard_plastic_flow();
   void set_all_plastic();
   void set_plastic_lanes(size_t index);
-  void untangle(double frame_s);
+  void recover_shape(double frame_s);
   double elastic_j() const;
   double rough_elastic_j() const;  // in single precision where most cells are
-  double wild_part() const;
+  double overstrained_volume_fraction() const;
   double thickness_m() const;
   void restart_motion();  // after nodes were set: the motion of the whole anew, a first-order step next
   bool rigid_substep(const SubstepContext& context);
@@ -343,7 +343,7 @@ class CellsBody final : public ElasticBody {
   mutable bool boxes_known_ = false;
   std::unique_ptr<ContactParticipant> participant_;
   bool second_order_ = false, quiet_ = false, in_step_ = false;  // of the step that is being taken
-  bool first_step_ = true, strained_ = false, tangled_ = false, untangling_ = false, touching_ = false, backward_ = false;
+  bool first_step_ = true, strained_ = false, degenerate_ = false, recovering_ = false, touching_ = false, backward_ = false;
   double gravity_m_s2_ = 0.0;  // of the last substep
   Vector3d gravity_ = Vector3d::Zero();
   // For its energy: the least since it was badly strained, what hands and bodies that move gave it in this frame, and whether
@@ -357,8 +357,8 @@ class CellsBody final : public ElasticBody {
   Pose whole_;               // of it, after the last frame that it moved finitely in
   int put_back_ = 0;         // times
   std::optional<RigidMotion> rigid_;
-  double unstrained_s_ = 0.0, tangled_s_ = 0.0;
-  int untangled_ = 0;  // times
+  double unstrained_s_ = 0.0, degenerate_s_ = 0.0;
+  int recovered_count_ = 0;  // times
   Vector3d stayed_at_m_ = Vector3d::Constant(INFINITY);  // its centre of mass has been, for so long
   double stayed_s_ = 0.0;
   std::vector<Vector3d> trembled_at_m_;  // surface_, where they have been near for trembling_s_; empty: all are still, or it moves

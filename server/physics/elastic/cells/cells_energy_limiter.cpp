@@ -77,7 +77,7 @@ double CellsBody::rough_elastic_j() const {
 bool CellsBody::bound_energy() {
   const bool touched = std::exchange(touched_, touching_) || touching_;
   const double work_j = std::exchange(work_j_, 0.0);
-  const bool unknown = driven_ || moved_ || untangling_ || is_separating() || !region_loads_.empty();
+  const bool unknown = driven_ || moved_ || recovering_ || is_separating() || !region_loads_.empty();
   if (choice_.courant > kMostCourant || std::max(strain_squared_, bent_squared_) < kStrainedSquared) {
     bound_j_.reset();
     return true;

@@ -47,7 +47,7 @@ void CellsBody::turn(size_t index, CellShape& shape) const {
 }
 
 void CellsBody::flow() {
-  if (untangling_) return;
+  if (recovering_) return;
   if (*std::max_element(plasticities_.begin(), plasticities_.end()) <= 0.0) return;
   YieldSurface surface;  // of the last cell: most bodies are of one material
   double surface_plasticity = NAN, surface_poisson_ratio = NAN;
@@ -126,7 +126,7 @@ void CellsBody::begin_plastic() {
 }
 
 // A tangle made it flow, which says nothing about its shape.
-void CellsBody::forget_flow() {
+void CellsBody::discard_plastic_flow() {
   plastic_parts_.clear();
   plastic_modes_.clear();
   plastic_.clear();

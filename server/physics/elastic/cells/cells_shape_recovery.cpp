@@ -18,19 +18,19 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 // det A / (|A| / sqrt 3)^3 is 1 for a rotation, 0 for what is flat or wound, negative for what is mirrored.
-constexpr double kTangled = 0.1, kUpright = 0.8;
-constexpr double kPatience_s = 0.5;  // most tangles come apart by themselves
-constexpr double kPull_per_s = 12.0; // of the way to the rigid shape; twice that after each kPatience_s of pulling
-constexpr double kMostDoublings = 10.0;
-constexpr double kMostGain = 1.5;    // of its energy, in a frame of pulling
-constexpr double kStrainedSquared = 0.01;  // |S - I|² of the worst cell
+constexpr double kMinDeterminant = 0.1, kRecoveredDeterminant = 0.8;
+constexpr double kRecoveryDelay_s = 0.5;  // most tangles come apart by themselves
+constexpr double kBlendRate_per_s = 12.0; // of the way to the rigid shape; twice that after each kRecoveryDelay_s of pulling
+constexpr double kMaxDoublings = 10.0;
+constexpr double kMaxEnergyGain = 1.5;    // of its energy, in a frame of pulling
+constexpr double kMinStrainSquared = 0.01;  // |S - I|² of the worst cell
 constexpr double kOverstrainSquared = 1.0;       // of one that touches something or has flowed
-constexpr double kLeastWild = 0.02;        // of its volume: not a loose end of a leaf
-constexpr double kLargestSag = 0.05;       // strain by its own weight
-constexpr double kPressing = 0.01;         // of the force that its strain takes, E eps A: less does not hold it so
-constexpr double kSettled = 0.02;          // kinetic energy of the deviation over elastic energy
+constexpr double kMinOverstrainedFraction = 0.02;        // of its volume: not a loose end of a leaf
+constexpr double kMaxSag = 0.05;       // strain by its own weight
+constexpr double kMinHoldingForce = 0.01;         // of the force that its strain takes, E eps A: less does not hold it so
+constexpr double kSettledEnergyRatio = 0.02;          // kinetic energy of the deviation over elastic energy
 
-double uprightness(const Matrix3d& a) {
+double normalised_determinant(const Matrix3d& a) {
   const double size = a.norm() / std::sqrt(3.0);
   return size > 0.0 ? a.determinant() / (size * size * size) : 0.0;
 }
@@ -45,8 +45,8 @@ Matrix3d nearest_rotation(const Matrix3d& a) {
 }  // namespace
 
 // The part of its volume in cells that are strained by their whole size.
-double CellsBody::wild_part() const {
-  double wild_m3 = 0.0;
+double CellsBody::overstrained_volume_fraction() const {
+  double overstrained_m3 = 0.0;
   for (size_t i = 0; i < lattice_.cells.size(); ++i) {
     if (batches_.places[i].kind == CellPlace::Kind::Held) continue;
     const CellShape shape = shape_of(i);
@@ -61,9 +61,9 @@ double CellsBody::wild_part() const {
       const Vector3d bent = flowed ? Vector3d(shape.modes[j] - plastic_modes_[i][j]) : shape.modes[j];
       squared += fold * bent.squaredNorm();
     }
-    if (squared > kOverstrainSquared) wild_m3 += lattice_.cells[i].volume_m3;
+    if (squared > kOverstrainSquared) overstrained_m3 += lattice_.cells[i].volume_m3;
   }
-  return wild_m3 / volume_m3_;
+  return overstrained_m3 / volume_m3_;
 }
 
 // Of its sheets and cords, if it has any.
@@ -77,19 +77,19 @@ double CellsBody::thickness_m() const {
   return thin_m3 > 0.0 ? sum / thin_m3 : (extent_.max_m - extent_.min_m).minCoeff();
 }
 
-void CellsBody::untangle(double frame_s) {
-  if (!tangled_) return;
+void CellsBody::recover_shape(double frame_s) {
+  if (!degenerate_) return;
   // Not while something presses it, or it sags under its own weight: then being strained is right.
   const double youngs_modulus_pa = cell_materials_.materials[0].youngs_modulus_pa, weight_n = mass_kg_ * gravity_m_s2_;
   const double length_m = (extent_.max_m - extent_.min_m).norm();
   const double sag = densities_kg_m3_[0] * gravity_m_s2_ * length_m / youngs_modulus_pa;
   const double area_m2 = volume_m3_ / (extent_.max_m - extent_.min_m).maxCoeff();
-  const double holding_n = std::max(weight_n, kPressing * youngs_modulus_pa * std::sqrt(bent_squared_) * area_m2);
-  const bool pressed = touching_ && (carried_n_ > holding_n || sag > kLargestSag), flowed = !plastic_parts_.empty();
+  const double holding_n = std::max(weight_n, kMinHoldingForce * youngs_modulus_pa * std::sqrt(bent_squared_) * area_m2);
+  const bool pressed = touching_ && (carried_n_ > holding_n || sag > kMaxSag), flowed = !plastic_parts_.empty();
   const bool alone = free() && !pressed && !forced_ && !is_separating() && region_loads_.empty();
   if (!alone) {
-    tangled_s_ = 0.0;
-    untangling_ = false;  // or nothing would flow while a hand holds it
+    degenerate_s_ = 0.0;
+    recovering_ = false;  // or nothing would flow while a hand holds it
     return;
   }
   Vector3d rest_centre = Vector3d::Zero();
@@ -102,38 +102,38 @@ void CellsBody::untangle(double frame_s) {
   }
   const Matrix3d fit = match * rest.inverse();
   if (!fit.allFinite()) return;
-  const double upright = uprightness(fit);
+  const double upright = normalised_determinant(fit);
   // A spinning body is strained by that alone, by rho (omega L)² / E, and by L / t more where it bends.
   const double wave_squared = youngs_modulus_pa / densities_kg_m3_[0], slender = length_m / thickness_m();
   const double spun = std::pow(motion_.angular_velocity_rad_s().norm() * reach_m_, 2) / wave_squared * slender;
   // A mat that lies folded is as its weight has it: how upright it is says nothing.
-  const bool limp = touching_ && sag * slender * slender > kLargestSag;
+  const bool limp = touching_ && sag * slender * slender > kMaxSag;
   const bool wild = touching_ || flowed;
-  const bool strained = bent_squared_ > (wild ? kOverstrainSquared : kStrainedSquared) + 4.0 * spun * spun &&
-                        (!wild || wild_part() > kLeastWild);
-  if (!untangling_) {
-    if ((limp || upright > kUpright) && !strained) tangled_ = false;
-    const bool settled = strained && 0.5 * mass_kg_ * deviation_m_s_ * deviation_m_s_ < kSettled * rough_elastic_j();
+  const bool strained = bent_squared_ > (wild ? kOverstrainSquared : kMinStrainSquared) + 4.0 * spun * spun &&
+                        (!wild || overstrained_volume_fraction() > kMinOverstrainedFraction);
+  if (!recovering_) {
+    if ((limp || upright > kRecoveredDeterminant) && !strained) degenerate_ = false;
+    const bool settled = strained && 0.5 * mass_kg_ * deviation_m_s_ * deviation_m_s_ < kSettledEnergyRatio * rough_elastic_j();
     // A tangle that does not come to rest either counts half: first-order steps should have calmed it long since.
-    const double weight = (!limp && upright < kTangled) || settled ? 1.0 : strained && (wild || strained_) ? 0.5 : -1.0;
-    tangled_s_ = std::max(0.0, tangled_s_ + weight * frame_s);
-    untangling_ = tangled_s_ > kPatience_s;
-    if (untangling_) {
-      ++untangled_;
-      if (flowed) forget_flow();
+    const double weight = (!limp && upright < kMinDeterminant) || settled ? 1.0 : strained && (wild || strained_) ? 0.5 : -1.0;
+    degenerate_s_ = std::max(0.0, degenerate_s_ + weight * frame_s);
+    recovering_ = degenerate_s_ > kRecoveryDelay_s;
+    if (recovering_) {
+      ++recovered_count_;
+      if (flowed) discard_plastic_flow();
     }
   }
-  if (!untangling_) return;
-  if ((limp || upright > kUpright) && !strained) {
-    untangling_ = false;
-    tangled_s_ = 0.0;
+  if (!recovering_) return;
+  if ((limp || upright > kRecoveredDeterminant) && !strained) {
+    recovering_ = false;
+    degenerate_s_ = 0.0;
     return;
   }
   // Pulled together about the centre, to rest but for the motion of a rigid body with its momentum and angular momentum.
   // What snaps back between frames, as folds of a thin sheet do, is pulled harder and harder.
-  tangled_s_ += frame_s;
-  const double doublings = std::min(tangled_s_ / kPatience_s - 1.0, kMostDoublings);
-  const double part = 1.0 - std::exp(-kPull_per_s * std::exp2(doublings) * frame_s);
+  degenerate_s_ += frame_s;
+  const double doublings = std::min(degenerate_s_ / kRecoveryDelay_s - 1.0, kMaxDoublings);
+  const double part = 1.0 - std::exp(-kBlendRate_per_s * std::exp2(doublings) * frame_s);
   const Matrix3d rotation = nearest_rotation(fit);
   const Vector3d velocity = motion_.velocity_m_s(), l = motion_.angular_momentum, centre = motion_.centre_m;
   std::vector<Vector3d> was(masses_kg_.size()), now(was.size());
@@ -149,7 +149,7 @@ void CellsBody::untangle(double frame_s) {
   const double before_j = elastic_j();
   pull(part);
   // A sheet is squashed on the straight way to its shape, and would keep that if something came between: it is there at once.
-  if (elastic_j() > kMostGain * before_j) pull(1.0);
+  if (elastic_j() > kMaxEnergyGain * before_j) pull(1.0);
   restart_motion();
 }
 

@@ -48,7 +48,7 @@ void CellsBody::end_frame(double frame_s) {
 
   update_stuck_contacts(frame_s);
   flow();
-  untangle(frame_s);
+  recover_shape(frame_s);
   rest(frame_s);
 }
 
@@ -123,11 +123,11 @@ void CellsBody::put_back() {
     nodes_.set_motion(i, orientation_ * (lattice_.node_position_m(i) - rest_centre), still);
   }
   for (Follower& follower : followers_) follower.leader_m_s = still;
-  if (!plastic_parts_.empty()) forget_flow();
+  if (!plastic_parts_.empty()) discard_plastic_flow();
   batches_.set_rotations(orientation_ * extent_.object_from_lattice);
   restart_motion();
-  carried_n_ = strain_squared_ = bent_squared_ = deviation_m_s_ = spin_rad_s_ = tangled_s_ = 0.0;
-  strained_ = tangled_ = untangling_ = false;
+  carried_n_ = strain_squared_ = bent_squared_ = deviation_m_s_ = spin_rad_s_ = degenerate_s_ = 0.0;
+  strained_ = degenerate_ = recovering_ = false;
   bound_j_.reset();
   contact_total_ = {};
   stuck_contacts_.clear();

@@ -169,7 +169,7 @@ void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& contex
   strain_squared_ = report.strain_squared;
   bent_squared_ = report.bent_squared;
   strained_ = report.strain_squared > kLargeStrainSquared || report.volume_ratio < kSmallVolume;
-  tangled_ = tangled_ || strained_;
+  degenerate_ = degenerate_ || strained_;
 
   if (held_) hold_particles(time_s);
   contact_impulse_.setZero();
