@@ -229,7 +229,7 @@ class CellsBody final : public ElasticBody {
   void set_plastic_lanes(size_t index);
   void recover_shape(double frame_s);
   double elastic_j() const;
-  double rough_elastic_j() const;  // in single precision where most cells are
+  double elastic_f32_j() const;  // in single precision where most cells are
   double overstrained_volume_fraction() const;
   double thickness_m() const;
   void restart_motion();  // after nodes were set: the motion of the whole anew, a first-order step next
@@ -241,7 +241,7 @@ class CellsBody final : public ElasticBody {
   bool stays(double frame_s);
   bool trembles(double seen_m_s, double frame_s);
   bool moves_finitely() const;
-  bool bound_energy();
+  bool limit_energy();
   void put_back();
   double fastest_m_s(double still_m_s) const;  // or as much as tells that it is faster, or slower, than still_m_s
 
@@ -348,9 +348,9 @@ class CellsBody final : public ElasticBody {
   Vector3d gravity_ = Vector3d::Zero();
   // For its energy: the least since it was badly strained, what hands and bodies that move gave it in this frame, and whether
   // it touched something in the last.
-  std::optional<double> bound_j_;
+  std::optional<double> energy_limit_j_;
   double work_j_ = 0.0;
-  bool touched_ = false;
+  bool touched_last_frame_ = false;
   double struck_until_s_ = -1.0;
   bool supported_ = false, forced_ = false, driven_ = false;  // for the sleep test: held up or in no gravity; pushed; moved
   Quaterniond orientation_;  // world from object, of the body as a whole

@@ -14,25 +14,25 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kStrainedSquared = 0.25;  // |S - I|² of the worst cell, with bending
+constexpr double kMinStrainSquared = 0.25;  // |S - I|² of the worst cell, with bending
 // Of the energy that is not of its flight. What is pressed or held reads more for a while than it has.
-constexpr double kMostGainFree = 0.003, kMostGainTouching = 0.3;
+constexpr double kMaxGainFree = 0.003, kMaxGainTouching = 0.3;
 // Beyond it (steps that a study gives, none that a body chooses) it shows next to nothing of its modulus, and its energy, which
 // is reckoned with all of it, says nothing.
-constexpr double kMostCourant = 1.0;
+constexpr double kMaxCourant = 1.0;
 // Of E V, strain of the order of a hundred everywhere, and of what it gets by falling through its own length or by stopping.
-constexpr double kLost = 1e5, kLostOfFall = 1e3;
+constexpr double kMaxStrainEnergyRatio = 1e5, kMaxFallEnergyRatio = 1e3;
 
 // What a cell stores by (cell_energy), as put(shear, lambda, modes).
 template <class Put>
-void tell_moduli(const LatticeCell& cell, double width_m, const IsotropicMaterial& material, const Put& put) {
+void put_moduli(const LatticeCell& cell, double width_m, const IsotropicMaterial& material, const Put& put) {
   put(static_cast<float>(cell.volume_m3 * material.shear_modulus_pa()),
       static_cast<float>(cell.volume_m3 * material.lame_lambda_pa()), mode_stiffness(cell, width_m, material));
 }
 
 }  // namespace
 
-double CellsBody::rough_elastic_j() const {
+double CellsBody::elastic_f32_j() const {
   // None is full where something flows, and cut ones then have strains of their own.
   std::vector<CutModuli> cut(plastic_parts_.empty() ? batches_.cut.size() : 0, CutModuli{});
   double sum = 0.0;
@@ -43,7 +43,7 @@ double CellsBody::rough_elastic_j() const {
     if (at.kind == CellPlace::Kind::Full) {
       a_full_one = i;
     } else if (at.kind == CellPlace::Kind::Cut && !cut.empty()) {
-      tell_moduli(cell, lattice_.cell_width_m, cell_materials_.of(cell), [&](float shear_j, float lambda_j, const auto& modes) {
+      put_moduli(cell, lattice_.cell_width_m, cell_materials_.of(cell), [&](float shear_j, float lambda_j, const auto& modes) {
         CutModuli& eight = cut[at.index];
         eight.shear_j[at.lane] = shear_j;
         eight.lambda_j[at.lane] = lambda_j;
@@ -62,7 +62,7 @@ double CellsBody::rough_elastic_j() const {
   if (a_full_one == lattice_.cells.size()) return sum;
   FullModuli full;
   const LatticeCell& cell = lattice_.cells[a_full_one];
-  tell_moduli(cell, lattice_.cell_width_m, cell_materials_.of(cell), [&](float shear_j, float lambda_j, const auto& modes) {
+  put_moduli(cell, lattice_.cell_width_m, cell_materials_.of(cell), [&](float shear_j, float lambda_j, const auto& modes) {
     full.shear_j = shear_j;
     full.lambda_j = lambda_j;
     for (int j = 0; j < kModeCount; ++j) {
@@ -74,23 +74,23 @@ double CellsBody::rough_elastic_j() const {
 }
 
 // Once a frame, before what else changes it between frames. False: it is lost.
-bool CellsBody::bound_energy() {
-  const bool touched = std::exchange(touched_, touching_) || touching_;
+bool CellsBody::limit_energy() {
+  const bool touched = std::exchange(touched_last_frame_, touching_) || touching_;
   const double work_j = std::exchange(work_j_, 0.0);
   const bool unknown = driven_ || moved_ || recovering_ || is_separating() || !region_loads_.empty();
-  if (choice_.courant > kMostCourant || std::max(strain_squared_, bent_squared_) < kStrainedSquared) {
-    bound_j_.reset();
+  if (choice_.courant > kMaxCourant || std::max(strain_squared_, bent_squared_) < kMinStrainSquared) {
+    energy_limit_j_.reset();
     return true;
   }
-  const double stored_j = rough_elastic_j(), flight_j = free() ? 0.5 * motion_.momentum.squaredNorm() / mass_kg_ : 0.0;
+  const double stored_j = elastic_f32_j(), flight_j = free() ? 0.5 * motion_.momentum.squaredNorm() / mass_kg_ : 0.0;
   const double inner_j = std::max(0.0, kinetic_j_ - flight_j) + stored_j;
   const double fall_j = mass_kg_ * gravity_m_s2_ * reach_m_ + flight_j;
-  if (inner_j > kLost * cell_materials_.materials[0].youngs_modulus_pa * volume_m3_ + kLostOfFall * fall_j) return false;
+  if (inner_j > kMaxStrainEnergyRatio * cell_materials_.materials[0].youngs_modulus_pa * volume_m3_ + kMaxFallEnergyRatio * fall_j) return false;
   const double energy_j = kinetic_j_ + stored_j - mass_kg_ * gravity_.dot(centre_m());
-  const double bound_j = bound_j_ && !unknown ? std::min(*bound_j_ + work_j, energy_j) : energy_j;
-  bound_j_ = bound_j;
-  const double gained_j = energy_j - bound_j;
-  if (gained_j <= (touched || forced_ ? kMostGainTouching : kMostGainFree) * inner_j) return true;
+  const double energy_limit_j = energy_limit_j_ && !unknown ? std::min(*energy_limit_j_ + work_j, energy_j) : energy_j;
+  energy_limit_j_ = energy_limit_j;
+  const double gained_j = energy_j - energy_limit_j;
+  if (gained_j <= (touched || forced_ ? kMaxGainTouching : kMaxGainFree) * inner_j) return true;
 
   const Vector3d velocity = free() ? motion_.velocity_m_s() : Vector3d::Zero();
   const Vector3d spin = free() ? motion_.angular_velocity_rad_s() : Vector3d::Zero();

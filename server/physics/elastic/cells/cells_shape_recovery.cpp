@@ -113,7 +113,7 @@ void CellsBody::recover_shape(double frame_s) {
                         (!wild || overstrained_volume_fraction() > kMinOverstrainedFraction);
   if (!recovering_) {
     if ((limp || upright > kRecoveredDeterminant) && !strained) degenerate_ = false;
-    const bool settled = strained && 0.5 * mass_kg_ * deviation_m_s_ * deviation_m_s_ < kSettledEnergyRatio * rough_elastic_j();
+    const bool settled = strained && 0.5 * mass_kg_ * deviation_m_s_ * deviation_m_s_ < kSettledEnergyRatio * elastic_f32_j();
     // A tangle that does not come to rest either counts half: first-order steps should have calmed it long since.
     const double weight = (!limp && upright < kMinDeterminant) || settled ? 1.0 : strained && (wild || strained_) ? 0.5 : -1.0;
     degenerate_s_ = std::max(0.0, degenerate_s_ + weight * frame_s);

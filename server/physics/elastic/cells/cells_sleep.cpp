@@ -34,7 +34,7 @@ void CellsBody::end_frame(double frame_s) {
     whole_ = {centre_m(), orientation_};
     return;
   }
-  if (!moves_finitely() || !bound_energy()) put_back();
+  if (!moves_finitely() || !limit_energy()) put_back();
   // A held body's origin stays where it is, so that rounding does not move what is held.
   Vector3d shift = Vector3d::Zero();
   if (!held_ || motion_.centre_m.norm() > 4.0 * reach_m_) shift = motion_.centre_m.cast<float>().cast<double>();
@@ -128,7 +128,7 @@ void CellsBody::put_back() {
   restart_motion();
   carried_n_ = strain_squared_ = bent_squared_ = deviation_m_s_ = spin_rad_s_ = degenerate_s_ = 0.0;
   strained_ = degenerate_ = recovering_ = false;
-  bound_j_.reset();
+  energy_limit_j_.reset();
   contact_total_ = {};
   stuck_contacts_.clear();
   sides_.clear();
