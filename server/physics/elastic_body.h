@@ -147,7 +147,7 @@ struct ElasticAccuracy : MaterialAccuracy {  // of the body's own material
   bool over_budget = false;         // its cells are wider than its detail asks, or a frame would not do (cell_choice.h)
   double sag = 0;                   // rho g L / E, L its shortest side, g 9.81: what its own weight strains it by on a table
   double thin_part = 0;             // of its volume: of sheets and cords whose bending is not known (cell_choice.h)
-  int put_back = 0;                 // times that its motion ran out of bounds, and it was put back at rest
+  int recovery_count = 0;                 // times that its motion ran out of bounds, and it was put back at rest
 };
 const char* name_of(ElasticBand band);
 
@@ -211,7 +211,7 @@ class ElasticBody {
   virtual double node_substeps() const { return 0.0; }  // that it takes
   virtual const Material& material() const = 0;
   virtual bool asleep() const = 0;
-  virtual int times_put_back() const { return 0; }  // ElasticAccuracy::put_back
+  virtual int recovery_count() const { return 0; }  // ElasticAccuracy::recovery_count
   virtual void wake() = 0;
   virtual bool frozen() const { return false; }  // flies as a rigid body, because its deformation cannot be seen
 

@@ -29,7 +29,7 @@ constexpr int kPushIterations = 1;
 constexpr int kRelaxIterations = 2;  // with one, a pyramid never comes to rest
 constexpr int kImpactIterations = 4;
 
-constexpr int kMostTold = 10;  // in a process
+constexpr int kMaxWarnings = 10;  // in a process
 
 // What fell asleep together wakes together, and so does what is joined. Returns whether anything woke.
 bool wake_groups(std::span<RigidBody* const> bodies) {
@@ -163,18 +163,18 @@ void mark_contacts(RigidBody& body, ContactManifold& manifold) {
   if (!manifold.other->asleep) manifold.other->has_body_contact = manifold.other->pushed_by_owner = true;
 }
 
-bool moves_finitely(const RigidBody& body) {
+bool has_finite_motion(const RigidBody& body) {
   const Pose& pose = body.world_from_body;
   return body.velocity_m_s.squaredNorm() < kMaxValidSpeed_m_s * kMaxValidSpeed_m_s && is_valid_position(pose.position_m) &&
          pose.orientation.coeffs().allFinite() && body.angular_momentum.allFinite() && body.angular_velocity_rad_s.allFinite();
 }
 
 // What no longer moves finitely would take all that it touches along: the island stands still where it was.
-void put_back(RigidIsland& island, std::span<const Pose> poses, std::span<JointGroup* const> joints) {
-  static std::atomic<int> told{0};
+void restore_last_valid_state(RigidIsland& island, std::span<const Pose> poses, std::span<JointGroup* const> joints) {
+  static std::atomic<int> warnings{0};
   const auto lost = std::find_if(island.bodies.begin(), island.bodies.end(),
-                                 [](const RigidBody* body) { return !moves_finitely(*body); });
-  if (told.fetch_add(1) < kMostTold) {
+                                 [](const RigidBody* body) { return !has_finite_motion(*body); });
+  if (warnings.fetch_add(1) < kMaxWarnings) {
     log_warn("object %u: its motion ran out of bounds; it and what it touches are stopped where they were. Look for parts "
              "that overlap, or of very different mass, or raise substeps", (*lost)->object_id);
   }
@@ -269,8 +269,8 @@ void solve_island(RigidIsland& island, double duration_s, int times) {
     record_held_loads(island, joints, step_s);
   }
   if (times > 1) each([&](RigidBody&, ContactManifold& manifold) { scale_impulses(manifold, times); });
-  if (!std::all_of(island.bodies.begin(), island.bodies.end(), [](const RigidBody* body) { return moves_finitely(*body); })) {
-    put_back(island, poses, joints);
+  if (!std::all_of(island.bodies.begin(), island.bodies.end(), [](const RigidBody* body) { return has_finite_motion(*body); })) {
+    restore_last_valid_state(island, poses, joints);
   }
   double impact_fraction = 0.0;
   for (const RigidBody* body : island.bodies) impact_fraction = std::max(impact_fraction, body->impacts.impact_fraction());

@@ -106,9 +106,9 @@ std::vector<std::string> accuracy_warnings(const ElasticAccuracy& accuracy) {
                                    "what it lies on; %.2g Pa would strain it by a tenth",
                                    accuracy.sag, 10.0 * accuracy.sag * accuracy.youngs_modulus_pa));
   }
-  if (accuracy.put_back > 0) {
+  if (accuracy.recovery_count > 0) {
     warnings.push_back(format_text("its motion ran out of bounds: it was put back at rest, in its rest shape, %d time%s",
-                                   accuracy.put_back, accuracy.put_back == 1 ? "" : "s"));
+                                   accuracy.recovery_count, accuracy.recovery_count == 1 ? "" : "s"));
   }
   for (const RegionAccuracy& region : accuracy.regions) warn(region, region.name + ": ");
   return warnings;

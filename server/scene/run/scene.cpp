@@ -35,7 +35,7 @@ const Eigen::Vector3f kBallRgb(0.85f, 0.25f, 0.2f);
 constexpr uint64_t kEventForceBit = uint64_t{1} << 63;
 constexpr uint64_t kPersonForceBit = uint64_t{1} << 62;  // of apply_force
 
-constexpr int kMostPutBacksTold = 3;  // of one object
+constexpr int kMaxRecoveryWarnings = 3;  // of one object
 constexpr double kMostForce_n = 1e5, kLongestForce_s = 60;
 
 // Of three numbers that were checked.
@@ -286,8 +286,8 @@ void Scene::follow_put_backs() {
   for (SceneObject& object : objects_) {
     if (!object.elastic) continue;
     const ElasticBody* body = world_->elastic_body(object.id);
-    const int times = body ? body->times_put_back() : 0;
-    if (times == std::exchange(object.elastic->put_back, times) || times > kMostPutBacksTold) continue;
+    const int times = body ? body->recovery_count() : 0;
+    if (times == std::exchange(object.elastic->recovery_count, times) || times > kMaxRecoveryWarnings) continue;
     changes_.changed.push_back(object.id);
     log_warn("%s: its motion ran out of bounds; it is put back at rest, in its rest shape. Look for what presses or moves it by "
              "more than its size in a frame, or raise substeps",

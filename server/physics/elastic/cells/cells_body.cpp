@@ -480,7 +480,7 @@ ElasticAccuracy CellsBody::accuracy() const {
     accuracy.regions.push_back({{}, region_names_[k - 1]});
     tell(k, accuracy.regions.back());
   }
-  accuracy.put_back = put_back_;
+  accuracy.recovery_count = recovery_count_;
   accuracy.node_substeps = choice_.node_substeps;
   if (alone_) {
     accuracy.alone_cell_width_m = alone_->cell_width_m;

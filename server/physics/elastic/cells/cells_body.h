@@ -58,7 +58,7 @@ class CellsBody final : public ElasticBody {
   double node_substeps() const override { return choice_.node_substeps; }
   const Material& material() const override { return material_; }
   bool asleep() const override { return rest_clock_.asleep(); }
-  int times_put_back() const override { return put_back_; }
+  int recovery_count() const override { return recovery_count_; }
   void wake() override;
   bool frozen() const override { return rigid_.has_value(); }
 
@@ -240,9 +240,9 @@ class CellsBody final : public ElasticBody {
   void rest(double frame_s);
   bool stays(double frame_s);
   bool trembles(double seen_m_s, double frame_s);
-  bool moves_finitely() const;
+  bool has_finite_motion() const;
   bool limit_energy();
-  void put_back();
+  void restore_last_valid_state();
   double fastest_m_s(double still_m_s) const;  // or as much as tells that it is faster, or slower, than still_m_s
 
   NodeSample sample_at(const EmbeddedPoint& point) const;
@@ -355,7 +355,7 @@ class CellsBody final : public ElasticBody {
   bool supported_ = false, forced_ = false, driven_ = false;  // for the sleep test: held up or in no gravity; pushed; moved
   Quaterniond orientation_;  // world from object, of the body as a whole
   Pose whole_;               // of it, after the last frame that it moved finitely in
-  int put_back_ = 0;         // times
+  int recovery_count_ = 0;         // times
   std::optional<RigidMotion> rigid_;
   double unstrained_s_ = 0.0, degenerate_s_ = 0.0;
   int recovered_count_ = 0;  // times

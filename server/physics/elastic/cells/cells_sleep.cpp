@@ -34,7 +34,7 @@ void CellsBody::end_frame(double frame_s) {
     whole_ = {centre_m(), orientation_};
     return;
   }
-  if (!moves_finitely() || !limit_energy()) put_back();
+  if (!has_finite_motion() || !limit_energy()) restore_last_valid_state();
   // A held body's origin stays where it is, so that rounding does not move what is held.
   Vector3d shift = Vector3d::Zero();
   if (!held_ || motion_.centre_m.norm() > 4.0 * reach_m_) shift = motion_.centre_m.cast<float>().cast<double>();
@@ -105,15 +105,15 @@ bool CellsBody::trembles(double seen_m_s, double frame_s) {
 }
 
 // By the sums of the last step, which are of all nodes: one that is not finite makes its centre so.
-bool CellsBody::moves_finitely() const {
+bool CellsBody::has_finite_motion() const {
   return is_valid_position(centre_m()) && std::isfinite(reach_m_) && std::isfinite(kinetic_j_) &&
          kinetic_j_ < 0.5 * mass_kg_ * kMaxValidSpeed_m_s * kMaxValidSpeed_m_s &&
          motion_.momentum.allFinite() && motion_.angular_momentum.allFinite();
 }
 
 // At rest and in its rest shape where the last frame left it whole; a held one where it is held.
-void CellsBody::put_back() {
-  ++put_back_;
+void CellsBody::restore_last_valid_state() {
+  ++recovery_count_;
   Vector3d rest_centre = Vector3d::Zero();
   for (size_t i = 0; i < masses_kg_.size(); ++i) rest_centre += masses_kg_[i] / mass_kg_ * lattice_.node_position_m(i);
   orientation_ = held_ ? world_from_object_.orientation : whole_.orientation;

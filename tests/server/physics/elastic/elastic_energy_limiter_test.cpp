@@ -44,7 +44,7 @@ TEST_P(ElasticBounded, LimpSheetsSpinOn) {
           } else {
             EXPECT_LT(gain, kGain);
           }
-          EXPECT_EQ(stage.body->accuracy().put_back, 0);
+          EXPECT_EQ(stage.body->accuracy().recovery_count, 0);
         }
       }
     }
@@ -80,7 +80,7 @@ TEST_P(ElasticBounded, SoftRubberLandsWithWhatItFell) {
       }
       report_gap("bounded.rubber_landing_energy", most_j / start_j);
       EXPECT_LT(stage.total_energy_j(), start_j);
-      EXPECT_EQ(stage.body->accuracy().put_back, 0);
+      EXPECT_EQ(stage.body->accuracy().recovery_count, 0);
     }
   }
 }
@@ -114,7 +114,7 @@ TEST_P(ElasticBounded, AHandSlipsOffWhatItDrawsOut) {
   stage.run(5.0);
   EXPECT_LT((stage.body->world_point({0.2, 0, 0}) - Vector3d(-0.15, 0, 0)).norm(), 0.36);
   EXPECT_LT(stage.total_energy_j(), 0.05 * most_j);
-  EXPECT_EQ(stage.body->accuracy().put_back, 0);
+  EXPECT_EQ(stage.body->accuracy().recovery_count, 0);
 }
 
 }  // namespace

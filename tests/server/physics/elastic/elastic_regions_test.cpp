@@ -188,12 +188,12 @@ TEST(ElasticRegions, ABodyThatIsLostIsPutBackAndTold) {
     stage.frame();
     stage.forces.clear();
     EXPECT_TRUE(test::all_finite(*stage.body));
-    EXPECT_EQ(stage.body->accuracy().put_back, 1);
+    EXPECT_EQ(stage.body->accuracy().recovery_count, 1);
     EXPECT_LT((stage.body->centre_m() - before).norm(), held ? 0.2 : 1e-6);
     EXPECT_TRUE(stage.body->velocity_m_s().isZero());
     stage.run(1.0);
     EXPECT_TRUE(test::all_finite(*stage.body));
-    EXPECT_EQ(stage.body->accuracy().put_back, 1);
+    EXPECT_EQ(stage.body->accuracy().recovery_count, 1);
   }
 }
 

@@ -71,7 +71,7 @@ TEST(ElasticReport, WhatWasLostAndWhatIsThinIsAWarning) {
   ElasticAccuracy accuracy;
   accuracy.cell_width_m = 0.1;
   EXPECT_TRUE(accuracy_warnings(accuracy).empty());
-  accuracy.put_back = 2;
+  accuracy.recovery_count = 2;
   accuracy.thin_part = 0.5;
   accuracy.over_budget = true;
   accuracy.sag = 1.0;
