@@ -20,7 +20,7 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr double kGravity_m_s2 = 9.81;
-constexpr double kLeastShare = 1e-3;  // of the heaviest node near, in the mass of a node
+constexpr double kMinNodeMassRatio = 1e-3;  // of the heaviest node near, in the mass of a node
 
 }  // namespace
 
@@ -109,27 +109,27 @@ void CellsBody::choose(double cell_width_m) {
 }
 
 // A node at the far corner of a nearly empty cell may have a millionth of its neighbours' mass. What they pass to it is
-// then rounding, and it whips about. It gets kLeastShare of the heaviest node it shares a cell with; all are scaled so
+// then rounding, and it whips about. It gets kMinNodeMassRatio of the heaviest node it shares a cell with; all are scaled so
 // that the body weighs the same (the sample plant would weigh 0.2 % more).
-void CellsBody::keep_from_nothing() {
-  std::vector<uint32_t> leaders(masses_kg_.size());
-  for (uint32_t i = 0; i < leaders.size(); ++i) leaders[i] = i;
+void CellsBody::regularise_node_masses() {
+  std::vector<uint32_t> parents(masses_kg_.size());
+  for (uint32_t i = 0; i < parents.size(); ++i) parents[i] = i;
   for (const LatticeCell& cell : lattice_.cells) {
     const uint32_t heaviest = *std::max_element(cell.nodes.begin(), cell.nodes.end(), [&](uint32_t a, uint32_t b) {
       return masses_kg_[a] < masses_kg_[b] || (masses_kg_[a] == masses_kg_[b] && a > b);
     });
     for (const uint32_t node : cell.nodes) {
-      if (masses_kg_[heaviest] > masses_kg_[leaders[node]]) leaders[node] = heaviest;
+      if (masses_kg_[heaviest] > masses_kg_[parents[node]]) parents[node] = heaviest;
     }
   }
-  followers_.clear();
+  light_nodes_.clear();
   double before = 0.0, after = 0.0;
   const std::vector<double> own_kg = masses_kg_;
   for (uint32_t i = 0; i < masses_kg_.size(); ++i) {
     before += own_kg[i];
-    if (own_kg[i] < kLeastShare * own_kg[leaders[i]]) {
-      masses_kg_[i] = kLeastShare * own_kg[leaders[i]];
-      followers_.push_back({i, leaders[i], 1.0 - own_kg[i] / masses_kg_[i], nodes_.velocity_m_s(leaders[i])});
+    if (own_kg[i] < kMinNodeMassRatio * own_kg[parents[i]]) {
+      masses_kg_[i] = kMinNodeMassRatio * own_kg[parents[i]];
+      light_nodes_.push_back({i, parents[i], 1.0 - own_kg[i] / masses_kg_[i], nodes_.velocity_m_s(parents[i])});
     }
     after += masses_kg_[i];
   }
@@ -143,7 +143,7 @@ void CellsBody::set_masses() {
       masses_kg_[i] += densities_kg_m3_[k] * lattice_.material_node_volumes_m3[k][i];
     }
   }
-  keep_from_nothing();
+  regularise_node_masses();
   mass_kg_ = 0.0;
   for (size_t i = 0; i < masses_kg_.size(); ++i) {
     mass_kg_ += masses_kg_[i];

@@ -92,11 +92,11 @@ class CellsBody final : public ElasticBody {
   std::optional<RayHit> ray_cast(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction) const override;
 
  private:
-  // A node with more mass than its own (keep_from_nothing), and the heaviest near.
-  struct Follower {
-    uint32_t node, leader;
-    double borrowed;  // part of its mass
-    Eigen::Vector3d leader_m_s = Eigen::Vector3d::Zero();  // after the last step
+  // A node with more mass than its own (regularise_node_masses), and the heaviest near.
+  struct LightNode {
+    uint32_t node, parent;
+    double added_mass_fraction;  // part of its mass
+    Eigen::Vector3d parent_m_s = Eigen::Vector3d::Zero();  // after the last step
   };
   // A region that holds or moves some of the body.
   struct HeldRegion {
@@ -157,8 +157,8 @@ class CellsBody final : public ElasticBody {
   void set_up_materials();
   void choose(double cell_width_m);
   void set_masses();
-  void keep_from_nothing();
-  void lead_followers(double step_s, const Eigen::Vector3d& gravity_m_s2);
+  void regularise_node_masses();
+  void damp_light_nodes(double step_s, const Eigen::Vector3d& gravity_m_s2);
   void rebuild_cells();
   void predict_accuracy();
   double asked_modulus_pa(size_t material) const;
@@ -279,7 +279,7 @@ class CellsBody final : public ElasticBody {
 
   CellNodes nodes_;
   std::vector<double> masses_kg_, inverse_masses_;  // inverse 0: held
-  std::vector<Follower> followers_;
+  std::vector<LightNode> light_nodes_;
   Vector3d origin_m_ = Vector3d::Zero();            // of the nodes' positions
   CellBatches batches_;
   // What steps of one length multiply by, first-order and second-order ones; each made when it is first asked for.

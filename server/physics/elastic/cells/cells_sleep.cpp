@@ -122,7 +122,7 @@ void CellsBody::restore_last_valid_state() {
   for (size_t i = 0; i < nodes_.count(); ++i) {
     nodes_.set_motion(i, orientation_ * (lattice_.node_position_m(i) - rest_centre), still);
   }
-  for (Follower& follower : followers_) follower.leader_m_s = still;
+  for (LightNode& light_node : light_nodes_) light_node.parent_m_s = still;
   if (!plastic_parts_.empty()) discard_plastic_flow();
   batches_.set_rotations(orientation_ * extent_.object_from_lattice);
   restart_motion();

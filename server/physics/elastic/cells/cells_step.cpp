@@ -42,7 +42,7 @@ constexpr double kStruckFrames = 2.0;
 // Loads are felt over this time: some bounces.
 constexpr double kLoadMemory_s = 0.25;
 
-constexpr double kCalmed = 0.25;  // of a follower's motion beside its leader, a step
+constexpr double kLightNodeDamping = 0.25;  // of a light node's motion beside its parent, a step
 
 // Of the scene's substeps in one: a second at 90 Hz and 64 substeps.
 constexpr double kLongest = 6000.0;
@@ -187,7 +187,7 @@ void CellsBody::end_step(const SubstepPart& part, const SubstepContext& context)
   feel_load(part);
   advance(part.duration_s);
   for (const Load& load : point_loads_) work_j_ += load.force_n.dot(nodes_.position_m(load.sample) - load.from_m);
-  lead_followers(part.duration_s, context.gravity_m_s2);
+  damp_light_nodes(part.duration_s, context.gravity_m_s2);
   first_step_ = false;
   in_step_ = false;
   boxes_known_ = false;  // it is looked at between steps too
@@ -276,25 +276,25 @@ void CellsBody::advance(double h) {
   }
 }
 
-// The mass that followers were given is not the material's, and next to nothing holds them: what they move by beside the
+// The mass that light nodes were given is not the material's, and next to nothing holds them: what they move by beside the
 // node they follow, the motion of the body as a whole left out, is calmed, and borrowed mass is borne with that node: it
 // gains the velocity that the node gained, not gravity's, which the next step adds.
-void CellsBody::lead_followers(double step_s, const Vector3d& gravity_m_s2) {
+void CellsBody::damp_light_nodes(double step_s, const Vector3d& gravity_m_s2) {
   const Vector3d spin = motion_.angular_velocity_rad_s();
   Vector3d momentum = Vector3d::Zero(), angular = Vector3d::Zero();
-  for (Follower& follower : followers_) {
-    const Vector3d leader_m_s = nodes_.velocity_m_s(follower.leader), gained = leader_m_s - follower.leader_m_s;
-    follower.leader_m_s = leader_m_s;
-    if (inverse_masses_[follower.node] == 0.0) continue;
-    const Vector3d position = nodes_.position_m(follower.node);
-    const Vector3d beside = leader_m_s - nodes_.velocity_m_s(follower.node) -
-                            spin.cross(nodes_.position_m(follower.leader) - position);
-    const Vector3d change = kCalmed * beside + (first_step_ ? 0.0 : follower.borrowed) * (gained - step_s * gravity_m_s2);
-    nodes_.change_velocities(follower.node, change);
-    momentum += masses_kg_[follower.node] * change;
-    angular += masses_kg_[follower.node] * (position - motion_.centre_m).cross(change);
+  for (LightNode& light_node : light_nodes_) {
+    const Vector3d parent_m_s = nodes_.velocity_m_s(light_node.parent), gained = parent_m_s - light_node.parent_m_s;
+    light_node.parent_m_s = parent_m_s;
+    if (inverse_masses_[light_node.node] == 0.0) continue;
+    const Vector3d position = nodes_.position_m(light_node.node);
+    const Vector3d beside = parent_m_s - nodes_.velocity_m_s(light_node.node) -
+                            spin.cross(nodes_.position_m(light_node.parent) - position);
+    const Vector3d change = kLightNodeDamping * beside + (first_step_ ? 0.0 : light_node.added_mass_fraction) * (gained - step_s * gravity_m_s2);
+    nodes_.change_velocities(light_node.node, change);
+    momentum += masses_kg_[light_node.node] * change;
+    angular += masses_kg_[light_node.node] * (position - motion_.centre_m).cross(change);
   }
-  if (followers_.empty() || !free()) return;
+  if (light_nodes_.empty() || !free()) return;
   owed_velocity_ -= momentum / mass_kg_;
   owed_spin_ -= solve_inertia(motion_.inertia, angular);
 }
