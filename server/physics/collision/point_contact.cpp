@@ -154,18 +154,18 @@ std::vector<SurfacePoint> surface_points(const ParticleSet& particles) {
 
 Vector3d contact_correction(const Vector3d& normal, double depth_m, const Vector3d& moved_m, double friction) {
   const Vector3d slid = moved_m - normal * normal.dot(moved_m);
-  const double way = slid.norm(), hold = friction * depth_m;
-  const double part = way > hold ? hold / way : 1.0;
+  const double displacement = slid.norm(), hold = friction * depth_m;
+  const double part = displacement > hold ? hold / displacement : 1.0;
   return depth_m * normal - part * slid;
 }
 
-SurfaceSample surface_after_way(const ColliderProbe& collider, const Vector3d& from_m, const Vector3d& to_m,
+SurfaceSample swept_surface(const ColliderProbe& collider, const Vector3d& from_m, const Vector3d& to_m,
                                 const Vector3d& side) {
   const SurfaceSample at = collider.sample(to_m);
   const double thickness = thickness_m(collider.collider());
   if (!(thickness < INFINITY)) return at;
-  const Vector3d way = to_m - from_m;
-  const bool sided = side.squaredNorm() > 0.0, fast = way.squaredNorm() > kMaxUnsweptPart * kMaxUnsweptPart * thickness * thickness;
+  const Vector3d displacement = to_m - from_m;
+  const bool sided = side.squaredNorm() > 0.0, fast = displacement.squaredNorm() > kMaxUnsweptPart * kMaxUnsweptPart * thickness * thickness;
   if (!fast && (!sided || at.distance_m > 0.0 || at.normal.dot(side) > 0.0)) return at;
   const double start_m = collider.sample(from_m).distance_m;
   const double tolerance = 0.01 * thickness;
@@ -177,13 +177,13 @@ SurfaceSample surface_after_way(const ColliderProbe& collider, const Vector3d& f
       if (inside <= 0.0) break;
       out += std::max(inside, tolerance);
     }
-    return {side.dot(way) - out, side};
+    return {side.dot(displacement) - out, side};
   }
   if (!fast) return at;
   const auto sample = [&](const Vector3d& point) { return collider.sample(point); };
-  const auto hit = sweep_sphere(sample, from_m, way, 0.0, tolerance);
+  const auto hit = sweep_sphere(sample, from_m, displacement, 0.0, tolerance);
   if (!hit) return at;
-  return {hit->separation_m + hit->normal.dot(way), hit->normal};
+  return {hit->separation_m + hit->normal.dot(displacement), hit->normal};
 }
 
 bool reaches(const Collider& collider, const Vector3d& centre_m, double radius_m) {

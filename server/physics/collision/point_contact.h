@@ -34,7 +34,7 @@ Eigen::Vector3d contact_correction(const Eigen::Vector3d& normal, double depth_m
 // Of a collider where a point ends that goes from `from_m` to `to_m`: the gap and the normal to take it out by. A thin
 // collider is met on the side that the point comes from: a fast one is followed along its way, and one that starts
 // inside goes out on `side`, the normal it was met by before (zero: none).
-SurfaceSample surface_after_way(const ColliderProbe& collider, const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
+SurfaceSample swept_surface(const ColliderProbe& collider, const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
                                 const Eigen::Vector3d& side);
 
 // Whether a ball may touch the collider; distance fields are trusted to two cells.

@@ -128,15 +128,15 @@ std::optional<SurfaceDepth> ElementGrid::depth(const Vector3d& point_m, std::spa
   return facing;
 }
 
-std::optional<SurfaceDepth> ElementGrid::depth_after_way(const Vector3d& end_m, const Vector3d& way_m,
+std::optional<SurfaceDepth> ElementGrid::swept_depth(const Vector3d& end_m, const Vector3d& displacement_m,
                                                          std::span<const SurfaceElement> own) const {
-  const double length = way_m.norm();
+  const double length = displacement_m.norm();
   if (length > 0.5 * reach_m_) {
     const int probes = static_cast<int>(std::min<double>(kMostProbes, std::ceil(length / (0.5 * reach_m_))));
     for (int k = 0; k < probes; ++k) {
-      const Vector3d rest = (1.0 - static_cast<double>(k) / probes) * way_m;
+      const Vector3d rest = (1.0 - static_cast<double>(k) / probes) * displacement_m;
       auto found = depth(end_m - rest, own);
-      if (!found || found->distance_m > 0.0 || found->normal.dot(way_m) >= 0.0) continue;
+      if (!found || found->distance_m > 0.0 || found->normal.dot(displacement_m) >= 0.0) continue;
       found->distance_m += found->normal.dot(rest);
       return found;
     }

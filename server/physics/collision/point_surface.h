@@ -39,9 +39,9 @@ class ElementGrid {
   // Nothing where no element is within reach. `own` are the faces of the asking point, if it lies on a surface: inside
   // an edge the face it is measured from is one that they look at, and there is nothing where they look at none.
   std::optional<SurfaceDepth> depth(const Eigen::Vector3d& point_m, std::span<const SurfaceElement> own = {}) const;
-  // The same for a point that comes along `way_m`: followed in steps of half the reach, so that it meets the side it
+  // The same for a point that comes along `displacement_m`: followed in steps of half the reach, so that it meets the side it
   // came from; the distance is that of its end.
-  std::optional<SurfaceDepth> depth_after_way(const Eigen::Vector3d& end_m, const Eigen::Vector3d& way_m,
+  std::optional<SurfaceDepth> swept_depth(const Eigen::Vector3d& end_m, const Eigen::Vector3d& displacement_m,
                                               std::span<const SurfaceElement> own = {}) const;
 
  private:

@@ -14,11 +14,11 @@ using Eigen::Vector3d;
 constexpr int kMaxIterations = 8;
 constexpr double kConvergence = 0.02;
 
-Vector3d relative_way(const ContactConstraint& row) { return row.a->way_m(row.anchor_a) - row.b->way_m(row.anchor_b); }
+Vector3d relative_displacement(const ContactConstraint& row) { return row.a->displacement_m(row.anchor_a) - row.b->displacement_m(row.anchor_b); }
 
 void prepare(ContactConstraint& row, double step_s) {
   const Matrix3d response = row.a->response(row.anchor_a) + row.b->response(row.anchor_b);
-  row.way_before_m = relative_way(row);
+  row.displacement_before_m = relative_displacement(row);
   row.normal_response = row.normal.dot(response * row.normal);
   // No direction in the tangent plane gives way more than the sum of both.
   const Vector3d tangent = row.normal.unitOrthogonal(), bitangent = row.normal.cross(tangent);
@@ -26,18 +26,18 @@ void prepare(ContactConstraint& row, double step_s) {
   row.tangent_response = std::max(k1, k2) + std::abs(tangent.dot(response * bitangent));
   row.normal_impulse_n_s = 0.0;
   row.friction_impulse_n_s.setZero();
-  const double gap_before = row.gap_m - row.normal.dot(row.way_before_m);
+  const double gap_before = row.gap_m - row.normal.dot(row.displacement_before_m);
   row.least_gap_m = std::min(0.0, gap_before + row.push_m_s * step_s);
 }
 
 // How much the row's impulse changed.
 double solve(ContactConstraint& row) {
   if (!(row.normal_response > 0.0)) return 0.0;
-  const Vector3d way = relative_way(row);
-  const double gap = row.gap_m + row.normal.dot(way - row.way_before_m) - row.least_gap_m;
+  const Vector3d displacement = relative_displacement(row);
+  const double gap = row.gap_m + row.normal.dot(displacement - row.displacement_before_m) - row.least_gap_m;
   const double normal = std::max(0.0, row.normal_impulse_n_s - gap / row.normal_response);
   if (normal == 0.0 && row.normal_impulse_n_s == 0.0) return 0.0;
-  const Vector3d slid = way - row.normal * row.normal.dot(way);
+  const Vector3d slid = displacement - row.normal * row.normal.dot(displacement);
   Vector3d friction = row.friction_impulse_n_s - slid / row.tangent_response;
   const double size = friction.norm(), limit = row.friction * normal;
   if (size > limit) friction *= limit / size;

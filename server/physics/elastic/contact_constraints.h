@@ -28,7 +28,7 @@ class ContactParticipant {
   // How far the anchor goes within the step for an impulse there, m per N s.
   virtual Eigen::Matrix3d response(const ContactAnchor& anchor) const = 0;
   // How far it goes in the step as far as is known now, with the impulses given so far.
-  virtual Eigen::Vector3d way_m(const ContactAnchor& anchor) const = 0;
+  virtual Eigen::Vector3d displacement_m(const ContactAnchor& anchor) const = 0;
   // An impulse at the world point `point_m`, where the anchor is.
   virtual void apply_impulse(const ContactAnchor& anchor, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) = 0;
   // Once a row and step: the sum of what was given.
@@ -52,7 +52,7 @@ struct ContactConstraint {
   MovingBody* rigid = nullptr; // b, where it is one
 
   // Set by solve_contacts.
-  Eigen::Vector3d way_before_m;           // of a relative to b
+  Eigen::Vector3d displacement_before_m;           // of a relative to b
   double normal_response = 0.0, tangent_response = 0.0;
   double normal_impulse_n_s = 0.0;        // >= 0
   Eigen::Vector3d friction_impulse_n_s = Eigen::Vector3d::Zero();

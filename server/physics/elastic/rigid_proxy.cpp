@@ -44,7 +44,7 @@ Matrix3d MovingBody::response(const ContactAnchor& anchor) const {
   return step_s * (inverse_mass * Matrix3d::Identity() - cross * inverse_inertia * cross);
 }
 
-Vector3d MovingBody::way_m(const ContactAnchor& anchor) const {
+Vector3d MovingBody::displacement_m(const ContactAnchor& anchor) const {
   return anchor.base_m + step_s * (velocity_m_s + spin_rad_s.cross(anchor.arm_m));
 }
 
@@ -73,16 +73,16 @@ void MovingBody::record_impulse(const ContactAnchor&, const Vector3d& point_m, c
   steps_n_s += size * (began_s + step_s) / (step_s * expected_part);
 }
 
-DistanceField::Sample gap_after_way(const RigidShape& shape, const Vector3d& from_m, const Vector3d& to_m) {
-  const Vector3d way = to_m - from_m;
+DistanceField::Sample swept_gap(const RigidShape& shape, const Vector3d& from_m, const Vector3d& to_m) {
+  const Vector3d displacement = to_m - from_m;
   const double smallest = (shape.max_m - shape.min_m).minCoeff();
-  if (way.norm() > kMaxUnsweptPart * smallest) {
+  if (displacement.norm() > kMaxUnsweptPart * smallest) {
     const auto sample = [&](const Vector3d& point) {
       const DistanceField::Sample found = shape.sample(point);
       return SurfaceSample{found.distance_m, found.gradient};
     };
-    const auto hit = sweep_sphere(sample, from_m, way, 0.0, 0.01 * smallest);
-    if (hit) return {hit->separation_m + hit->normal.dot(way), hit->normal};
+    const auto hit = sweep_sphere(sample, from_m, displacement, 0.0, 0.01 * smallest);
+    if (hit) return {hit->separation_m + hit->normal.dot(displacement), hit->normal};
   }
   return shape.sample(to_m);
 }

@@ -49,7 +49,7 @@ struct MovingBody final : ContactParticipant {
   void turn(const Eigen::Vector3d& couple_n_m_s);  // by a couple in the middle of a step
 
   Eigen::Matrix3d response(const ContactAnchor& anchor) const override;
-  Eigen::Vector3d way_m(const ContactAnchor& anchor) const override;
+  Eigen::Vector3d displacement_m(const ContactAnchor& anchor) const override;
   void apply_impulse(const ContactAnchor& anchor, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) override;
   void record_impulse(const ContactAnchor& anchor, const Eigen::Vector3d& point_m, const Eigen::Vector3d& impulse_n_s) override;
 };
@@ -57,6 +57,6 @@ struct MovingBody final : ContactParticipant {
 // Where the point is that goes from `from_m` to `to_m` (body frame of a moving body) at the end: its gap to the surface
 // and the surface's normal there, body frame. A fast point is followed along its way, so that it finds the side it came
 // from.
-DistanceField::Sample gap_after_way(const RigidShape& shape, const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m);
+DistanceField::Sample swept_gap(const RigidShape& shape, const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m);
 
 }  // namespace livegs

@@ -18,9 +18,9 @@ int ccd_substeps_of_pair(const RigidBody& a, const RigidBody& b, double duration
   if (a.shape.is_ball() || b.shape.is_ball()) return 1;
   const double speed = (a.velocity_m_s - b.velocity_m_s).norm() + a.angular_velocity_rad_s.norm() * a.shape.bounding_radius_m +
                        b.angular_velocity_rad_s.norm() * b.shape.bounding_radius_m;
-  const double way = duration_s * speed;
-  if (!(way > kFastPairThicknesses * (thickness_m(a.shape) + thickness_m(b.shape)))) return 1;
-  const double turn = way / std::min(a.shape.bounding_radius_m, b.shape.bounding_radius_m);
+  const double displacement = duration_s * speed;
+  if (!(displacement > kFastPairThicknesses * (thickness_m(a.shape) + thickness_m(b.shape)))) return 1;
+  const double turn = displacement / std::min(a.shape.bounding_radius_m, b.shape.bounding_radius_m);
   return static_cast<int>(std::ceil(std::min<double>(kMaxCcdSubsteps, turn / kMaxTurn_rad)));
 }
 

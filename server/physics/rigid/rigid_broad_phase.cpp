@@ -28,9 +28,9 @@ void body_box(const RigidBody& body, double margin_m, double time_s, double grav
   }
   const double turn = std::min(2.0, time_s * body.angular_velocity_rad_s.norm()) * radius;
   half.array() += margin_m + turn + 0.5 * gravity_m_s2 * time_s * time_s;
-  const Vector3d way = time_s * body.velocity_m_s;
-  low = middle - half + way.cwiseMin(0.0);
-  high = middle + half + way.cwiseMax(0.0);
+  const Vector3d displacement = time_s * body.velocity_m_s;
+  low = middle - half + displacement.cwiseMin(0.0);
+  high = middle + half + displacement.cwiseMax(0.0);
 }
 
 }  // namespace

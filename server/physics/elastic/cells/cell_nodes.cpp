@@ -35,8 +35,8 @@ void CellNodes::predict(size_t node, const Eigen::Vector3d& position_m, const Ei
   set(predicted_velocity_[node], velocity_m_s);
 }
 
-void CellNodes::push(size_t node, const Eigen::Vector3d& way_m, const Eigen::Vector3d& velocity_m_s) {
-  add(predicted_[node], way_m);
+void CellNodes::push(size_t node, const Eigen::Vector3d& displacement_m, const Eigen::Vector3d& velocity_m_s) {
+  add(predicted_[node], displacement_m);
   add(predicted_velocity_[node], velocity_m_s);
 }
 

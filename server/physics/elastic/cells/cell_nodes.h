@@ -60,7 +60,7 @@ class CellNodes {
     }
   }
   void predict(size_t node, const Eigen::Vector3d& position_m, const Eigen::Vector3d& velocity_m_s);
-  void push(size_t node, const Eigen::Vector3d& way_m, const Eigen::Vector3d& velocity_m_s);
+  void push(size_t node, const Eigen::Vector3d& displacement_m, const Eigen::Vector3d& velocity_m_s);
   // After advance: an impulse to a material point, of the velocity before the step.
   void push_before(const NodeSample& sample, const Eigen::Vector3d& impulse_n_s) {
     const NodeLanes by = lanes(impulse_n_s);

@@ -72,7 +72,7 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
     const Vector3d point = nodes_.corrected_m(sample), from = nodes_.position_m(sample);
     const bool met = side.collider == collider_index;
     const Vector3d last = met ? side.normal.cast<double>().eval() : Vector3d::Zero().eval();
-    const SurfaceSample surface = surface_after_way(collider, origin_m_ + from, origin_m_ + point, last);
+    const SurfaceSample surface = swept_surface(collider, origin_m_ + from, origin_m_ + point, last);
     if (surface.distance_m >= 0.0) {
       if (met) side = {};
       return;

@@ -45,9 +45,9 @@ void sample_normal_cone(const RigidShape& shape, const Vector3d& point_m, double
                    std::vector<SurfaceElement>& normal_cone) {
   normal_cone.clear();
   for (int k = 0; k < 27; ++k) {
-    const Vector3d way(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
-    if (way.squaredNorm() == 0.0 || way.squaredNorm() == 2.0) continue;
-    const DistanceField::Sample found = shape.sample(point_m + step_m * way.normalized());
+    const Vector3d direction(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+    if (direction.squaredNorm() == 0.0 || direction.squaredNorm() == 2.0) continue;
+    const DistanceField::Sample found = shape.sample(point_m + step_m * direction.normalized());
     if (found.distance_m > 0.25 * step_m) normal_cone.push_back({Vector3d::Zero(), turn * found.gradient});
   }
 }
@@ -63,7 +63,7 @@ class CellsBody::Participant final : public ContactParticipant {
   Matrix3d response(const ContactAnchor& anchor) const override {
     return step_s * body_.mobility(anchor.sample) * Matrix3d::Identity();
   }
-  Vector3d way_m(const ContactAnchor& anchor) const override {
+  Vector3d displacement_m(const ContactAnchor& anchor) const override {
     if (!body_.in_step_) return step_s * body_.velocity_of(anchor.sample);
     return body_.nodes_.corrected_m(anchor.sample) - body_.nodes_.position_m(anchor.sample);
   }
@@ -75,7 +75,7 @@ class CellsBody::Participant final : public ContactParticipant {
   }
   void record_impulse(const ContactAnchor& anchor, const Vector3d& point, const Vector3d& impulse) override {
     body_.record_contact_impulse(point, impulse.norm());
-    body_.work_j_ += impulse.dot(way_m(anchor)) / step_s;
+    body_.work_j_ += impulse.dot(displacement_m(anchor)) / step_s;
     if (!body_.in_step_) return body_.settle_anchor(anchor, point, impulse);
     body_.dynamic_contacts_.push_back({anchor.sample, impulse});
     body_.touching_ = true;
@@ -266,7 +266,7 @@ void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, cons
     for (uint32_t i = cell.begin; i < cell.end; ++i) {
       const Vector3d point = nodes_.corrected_m(surface_[i]);
       const DistanceField::Sample found =
-          gap_after_way(*body.shape, frame.from_world_before * (nodes_.position_m(surface_[i]) - frame.before_m),
+          swept_gap(*body.shape, frame.from_world_before * (nodes_.position_m(surface_[i]) - frame.before_m),
                         frame.from_world * (point - frame.at_m));
       if (found.distance_m > kRowMargin * extent_.box_edge_m) continue;
       ContactConstraint row;
@@ -289,9 +289,9 @@ void CellsBody::collide_rigid_points(MovingBody& body, ContactParticipant& parti
   const Pose at = body.at_end();
   const double reach = element_reach_m(), radius = body.shape->sphere_radius_m;
   const Vector3d room = Vector3d::Constant(reach + radius);
-  const Vector3d own_way = body.step_s * motion_.velocity_m_s();
+  const Vector3d own_displacement = body.step_s * motion_.velocity_m_s();
   struct Point {
-    Vector3d at_m, way_m, local_m;
+    Vector3d at_m, displacement_m, local_m;
   };
   std::vector<Point> points;
   if (!boxes_known_) list_boxes();
@@ -299,11 +299,11 @@ void CellsBody::collide_rigid_points(MovingBody& body, ContactParticipant& parti
   AlignedBox3d box;
   const auto offer = [&](const Vector3d& local) {
     const Vector3d point = at.position_m + turn * local;
-    const Vector3d way = point - body.before.position_m - turn_before * local - own_way;
+    const Vector3d displacement = point - body.before.position_m - turn_before * local - own_displacement;
     AlignedBox3d passed(point);
-    passed.extend(Vector3d(point - way));
+    passed.extend(Vector3d(point - displacement));
     if (!surface_box_.intersects(AlignedBox3d(passed.min() - room, passed.max() + room))) return;
-    points.push_back({point, way, local});
+    points.push_back({point, displacement, local});
     box.extend(point);
   };
   if (body.shape->is_ball()) offer(Vector3d::Zero());
@@ -317,13 +317,13 @@ void CellsBody::collide_rigid_points(MovingBody& body, ContactParticipant& parti
   // overlaps that are left, kept everything awake.
   const bool folds = !body.shape->is_ball() && (extent_.max_m - extent_.min_m).minCoeff() < 2.0 * reach;
   std::vector<SurfaceElement> normal_cone;
-  for (const auto& [point, way, local] : points) {
-    auto depth = grid.depth_after_way(point, way);
+  for (const auto& [point, displacement, local] : points) {
+    auto depth = grid.swept_depth(point, displacement);
     if (!depth || depth->distance_m - radius > kRowMargin * extent_.box_edge_m) continue;
     // A corner that is nearer to the far side of a sheet would be pushed through it.
     if (folds) {
       sample_normal_cone(*body.shape, local, kNormalConeStep * body.shape->contact_spacing_m, turn, normal_cone);
-      depth = grid.depth_after_way(point, way, normal_cone);
+      depth = grid.swept_depth(point, displacement, normal_cone);
       if (!depth) continue;
     }
     const double gap = depth->distance_m - radius;
@@ -345,8 +345,8 @@ void CellsBody::collide_rigid_points(MovingBody& body, ContactParticipant& parti
 // This body's points against another elastic body.
 void CellsBody::collide_surface_with_elastic(const ElasticNeighbour& other, ContactParticipant& participant, double h, std::vector<ContactConstraint>& rows) {
   const double reach = other.body->element_reach_m();
-  const Vector3d way = h * (motion_.velocity_m_s() - other.body->velocity_m_s());
-  const Vector3d room = Vector3d::Constant(reach) + way.cwiseAbs();
+  const Vector3d displacement = h * (motion_.velocity_m_s() - other.body->velocity_m_s());
+  const Vector3d room = Vector3d::Constant(reach) + displacement.cwiseAbs();
   if (!boxes_known_) list_boxes();
   std::vector<SurfaceElement> elements;
   other.body->surface_elements(AlignedBox3d(surface_box_.min() - room, surface_box_.max() + room), elements);
@@ -361,7 +361,7 @@ void CellsBody::collide_surface_with_elastic(const ElasticNeighbour& other, Cont
   for (size_t k = 0, end = 0; k < points.size(); k = end) {
     for (end = k; end < points.size() && points[end].index == points[k].index; ++end) {}  // one point's faces
     const SurfaceElement& point = points[k];
-    const auto depth = grid.depth_after_way(point.position_m, way, {&point, end - k});
+    const auto depth = grid.swept_depth(point.position_m, displacement, {&point, end - k});
     if (!depth || depth->distance_m > kRowMargin * extent_.box_edge_m) continue;
     ContactConstraint row;
     row.a = &participant;

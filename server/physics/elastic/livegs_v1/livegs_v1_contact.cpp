@@ -38,7 +38,7 @@ class LivegsV1Body::Participant final : public ContactParticipant {
   Matrix3d response(const ContactAnchor& anchor) const override {
     return step_s * body_.mobility(particle_of(anchor)) * Matrix3d::Identity();
   }
-  Vector3d way_m(const ContactAnchor& anchor) const override {
+  Vector3d displacement_m(const ContactAnchor& anchor) const override {
     if (!body_.in_step_) return step_s * body_.velocities_m_s_[particle_of(anchor)];
     return body_.predicted_m_[particle_of(anchor)] - body_.positions_m_[particle_of(anchor)];
   }
@@ -116,8 +116,8 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
   const double h = part.duration_s;
   ContactParticipant& participant = contact_participant(h);
   const double margin = kRowMargin * spacing_m_;
-  const Vector3d centre = origin_m_ + motion_.centre_m, way = h * motion_.velocity_m_s();
-  const double around = 1.1 * (reach_m_ + spacing_m_) + way.norm();
+  const Vector3d centre = origin_m_ + motion_.centre_m, displacement = h * motion_.velocity_m_s();
+  const double around = 1.1 * (reach_m_ + spacing_m_) + displacement.norm();
   AlignedBox3d box;
   for (const SurfacePoint& point : contact_points_) box.extend(Vector3d(origin_m_ + predicted_m_[point.particle]));
 
@@ -142,7 +142,7 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
     };
     for (const SurfacePoint& point : contact_points_) {
       const DistanceField::Sample found =
-          gap_after_way(*body->shape, from_before * Vector3d(origin_m_ + positions_m_[point.particle]),
+          swept_gap(*body->shape, from_before * Vector3d(origin_m_ + positions_m_[point.particle]),
                         from_at * Vector3d(origin_m_ + predicted_m_[point.particle]));
       const double gap = found.distance_m - point.radius_m;
       if (gap <= margin) add(point.particle, at.orientation * found.gradient, gap);
@@ -170,7 +170,7 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
     const double friction = mixed_friction(material_.friction, other.body->material().friction);
     for (const SurfacePoint& point : surface_) {
       const Vector3d at = origin_m_ + predicted_m_[point.particle];
-      const auto depth = grid.depth_after_way(at, way - h * other.body->velocity_m_s());
+      const auto depth = grid.swept_depth(at, displacement - h * other.body->velocity_m_s());
       if (!depth || depth->distance_m - point.radius_m > margin) continue;
       ContactConstraint row;
       row.a = &participant;

@@ -25,15 +25,15 @@ constexpr int kMostProbes = 200;
 struct Meeting {
   Vector3d point_m, normal;
 };
-std::optional<Meeting> first_meeting(const Collider& collider, const Vector3d& start_m, const Vector3d& way_m,
+std::optional<Meeting> first_meeting(const Collider& collider, const Vector3d& start_m, const Vector3d& displacement_m,
                                      double radius_m, double gap_m) {
-  const double length = way_m.norm();
+  const double length = displacement_m.norm();
   double gone = 0.0;
   for (int probe = 0; probe < kMostProbes && gone < length; ++probe) {
-    const Vector3d point = start_m + gone / length * way_m;
+    const Vector3d point = start_m + gone / length * displacement_m;
     const SurfaceSample surface = sample_surface(collider, point);
     const double free = surface.distance_m - radius_m;
-    if (free <= gap_m && surface.normal.dot(way_m) < 0.0) return Meeting{point, surface.normal};
+    if (free <= gap_m && surface.normal.dot(displacement_m) < 0.0) return Meeting{point, surface.normal};
     gone += std::max(free, gap_m);
   }
   return std::nullopt;
@@ -136,9 +136,9 @@ void LivegsV1Body::resolve_contacts(const SubstepContext& context, double h) {
         contact_total_.impulse_n_s += impulse_n_s;
         contact_total_.moment += impulse_n_s * (origin_m_ + predicted_m_[i]);
       };
-      const Vector3d way = predicted_m_[i] - positions_m_[i];
-      if (way.norm() > kMaxUnsweptSpacings * spacing_m_) {
-        const auto met = first_meeting(*collider, origin_m_ + positions_m_[i], way, point.radius_m, 0.01 * spacing_m_);
+      const Vector3d displacement = predicted_m_[i] - positions_m_[i];
+      if (displacement.norm() > kMaxUnsweptSpacings * spacing_m_) {
+        const auto met = first_meeting(*collider, origin_m_ + positions_m_[i], displacement, point.radius_m, 0.01 * spacing_m_);
         const double depth = met ? met->normal.dot(met->point_m - origin_m_ - predicted_m_[i]) : 0.0;
         if (depth > 0.0) push(met->normal, depth);
       }

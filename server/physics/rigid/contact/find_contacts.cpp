@@ -78,13 +78,13 @@ void point_candidates(const RigidBody& body, const Collider& collider, double mo
   for (const uint32_t i : near) {
     const Eigen::Vector3d arm = rotation * points[i];
     const Eigen::Vector3d point = body.world_from_body.position_m + arm;
-    const Eigen::Vector3d way = search.duration_s * body.point_velocity(arm);
+    const Eigen::Vector3d displacement = search.duration_s * body.point_velocity(arm);
     if (plane) {
       const SurfaceSample here = sample(point);
-      if (here.distance_m < std::max(search.margin_m, -way.dot(here.normal))) {
+      if (here.distance_m < std::max(search.margin_m, -displacement.dot(here.normal))) {
         candidates.push_back({i, point, here.normal, here.distance_m});
       }
-    } else if (const auto found = point_candidate(i, point, sample, way, marching_factor(collider), search)) {
+    } else if (const auto found = point_candidate(i, point, sample, displacement, marching_factor(collider), search)) {
       candidates.push_back(*found);
     }
   }
@@ -104,8 +104,8 @@ void feature_candidates(const RigidBody& body, const Collider& collider, const C
       return SurfaceSample{field.distance_m - feature.radius_m, orientation * field.gradient};
     };
     // Seen from the body, the feature comes towards it.
-    const Eigen::Vector3d way = -search.duration_s * body.point_velocity(arm);
-    auto found = point_candidate(feature.id, arm, sample, way, 1.0, search);
+    const Eigen::Vector3d displacement = -search.duration_s * body.point_velocity(arm);
+    auto found = point_candidate(feature.id, arm, sample, displacement, 1.0, search);
     if (!found) continue;
     found->point_m = feature.point_m - feature.radius_m * found->normal;
     found->normal = -found->normal;

@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 // A face is preferred to an edge that is deeper by no more than this part of the margin: points of a face last.
 constexpr double kFacePreference = 0.1;
 // A pair that moves farther than this part of the smaller one's inner radius in a substep is advanced.
-constexpr double kFastWay = 0.5;
+constexpr double kFastDisplacement = 0.5;
 constexpr int kMaxAdvances = 32;
 constexpr double kRounding = 1e-9;
 
@@ -144,18 +144,18 @@ void polyhedron_candidates(const MovingPolyhedron& a, const MovingPolyhedron& b,
                            std::vector<ContactCandidate>& candidates) {
   const double speed = (a.velocity_m_s - b.velocity_m_s).norm() + a.angular_velocity_rad_s.norm() * a.reach_m +
                        b.angular_velocity_rad_s.norm() * b.reach_m;
-  const double way = search.duration_s * speed;
+  const double displacement = search.duration_s * speed;
   const double tolerance = kFacePreference * search.margin_m;
   const double inner = std::min(a.placed.shape->inner_radius_m, b.placed.shape->inner_radius_m);
-  if (way <= kFastWay * inner) {
-    polyhedron_contacts(a.placed, b.placed, search.margin_m + way, tolerance, candidates);
+  if (displacement <= kFastDisplacement * inner) {
+    polyhedron_contacts(a.placed, b.placed, search.margin_m + displacement, tolerance, candidates);
     return;
   }
   const auto time = time_of_impact(a, b, speed, search);
   if (!time) return;
   const PlacedPolyhedron a_then = advanced(a, *time);
   // What else of the two may arrive in what is left of the substep is held back too: the far end of a turning rod.
-  const double left = std::max(kFastWay * inner, speed * (search.duration_s - *time));
+  const double left = std::max(kFastDisplacement * inner, speed * (search.duration_s - *time));
   polyhedron_contacts(a_then, advanced(b, *time), search.margin_m + left, tolerance, candidates);
   // The same material points of the first body now, and how far apart they are along the normals.
   for (ContactCandidate& candidate : candidates) {

@@ -33,21 +33,21 @@ template <class Sample>
 void ball_candidates(const Eigen::Vector3d& centre_m, double radius_m, const Sample& sample,
                      const Eigen::Vector3d& relative_velocity_m_s, double marching, const ContactSearch& search,
                      std::vector<ContactCandidate>& candidates) {
-  const Eigen::Vector3d way = search.duration_s * relative_velocity_m_s;
+  const Eigen::Vector3d displacement = search.duration_s * relative_velocity_m_s;
   const SurfaceSample here = sample(centre_m);
   const double gap = here.distance_m - radius_m;
-  if (marching * here.distance_m - radius_m > way.norm() + search.margin_m) return;
+  if (marching * here.distance_m - radius_m > displacement.norm() + search.margin_m) return;
   if (gap < search.margin_m) {
     candidates.push_back({kBallFeature, centre_m - radius_m * here.normal, here.normal, gap});
   }
-  const double slack = way.norm() + std::min(0.0, way.dot(here.normal));
+  const double slack = displacement.norm() + std::min(0.0, displacement.dot(here.normal));
   if (gap < search.margin_m && slack < 0.5 * radius_m) return;
   const auto bounded = [&](const Eigen::Vector3d& point) {
     SurfaceSample surface = sample(point);
     if (surface.distance_m > 0.0) surface.distance_m = radius_m + marching * (surface.distance_m - radius_m);
     return surface;
   };
-  const auto hit = sweep_sphere(bounded, centre_m, way, radius_m, 0.1 * search.margin_m);
+  const auto hit = sweep_sphere(bounded, centre_m, displacement, radius_m, 0.1 * search.margin_m);
   if (!hit) return;
   if (!candidates.empty() && hit->normal.dot(candidates.front().normal) > 0.866) return;
   candidates.push_back({kAheadFeature, centre_m - radius_m * hit->normal, hit->normal, hit->separation_m});
@@ -62,9 +62,9 @@ template <class Sample>
 void core_candidates(const RigidBody& body, const Sample& sample, const Eigen::Vector3d& relative_velocity_m_s,
                      double marching, const ContactSearch& search, std::vector<ContactCandidate>& candidates) {
   const double radius = body.shape.inner_radius_m;
-  const double way = search.duration_s * relative_velocity_m_s.norm();
+  const double displacement = search.duration_s * relative_velocity_m_s.norm();
   const double turn = search.duration_s * body.angular_velocity_rad_s.norm();
-  if (body.shape.is_ball() || !(radius > 0.0) || (way < 0.5 * radius && turn < 0.5)) return;
+  if (body.shape.is_ball() || !(radius > 0.0) || (displacement < 0.5 * radius && turn < 0.5)) return;
   std::vector<ContactCandidate> found;
   ball_candidates(body.world_from_body.position_m, radius, sample, relative_velocity_m_s, marching, search, found);
   for (ContactCandidate& candidate : found) {
@@ -73,20 +73,20 @@ void core_candidates(const RigidBody& body, const Sample& sample, const Eigen::V
   }
 }
 
-// One point that moves by `way_m` relative to a surface in the substep. The normal is the surface's.
+// One point that moves by `displacement_m` relative to a surface in the substep. The normal is the surface's.
 template <class Sample>
 std::optional<ContactCandidate> point_candidate(uint64_t id, const Eigen::Vector3d& point_m, const Sample& sample,
-                                                const Eigen::Vector3d& way_m, double marching,
+                                                const Eigen::Vector3d& displacement_m, double marching,
                                                 const ContactSearch& search) {
   const SurfaceSample here = sample(point_m);
   if (here.distance_m < search.margin_m) return ContactCandidate{id, point_m, here.normal, here.distance_m};
-  if (marching * here.distance_m > way_m.norm()) return std::nullopt;
+  if (marching * here.distance_m > displacement_m.norm()) return std::nullopt;
   const auto bounded = [&](const Eigen::Vector3d& at) {
     SurfaceSample surface = sample(at);
     if (surface.distance_m > 0.0) surface.distance_m *= marching;
     return surface;
   };
-  const auto hit = sweep_sphere(bounded, point_m, way_m, 0.0, 0.1 * search.margin_m);
+  const auto hit = sweep_sphere(bounded, point_m, displacement_m, 0.0, 0.1 * search.margin_m);
   if (!hit) return std::nullopt;
   return ContactCandidate{id, point_m, hit->normal, hit->separation_m};
 }

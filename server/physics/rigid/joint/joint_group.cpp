@@ -319,8 +319,8 @@ bool JointGroup::measure_bend(double substep_s) {
   for (size_t i = 0; i < bodies_.size(); ++i) ends_[i] = bodies_[i]->orientation_after(substep_s);
   // Of gaps and of tilts: the largest bend, its largest change, the fastest way.
   std::array<double, 2> largest{}, change{}, speed{};
-  const auto limited = [&](const auto& way, const auto& present, double present_speed) {
-    const auto bend = (way / substep_s - present).eval();
+  const auto limited = [&](const auto& displacement, const auto& present, double present_speed) {
+    const auto bend = (displacement / substep_s - present).eval();
     const double most = kMaxBend * present_speed, size = bend.norm();
     return (std::min(1.0, most / std::max(size, 1e-300)) / substep_s * bend).eval();
   };
