@@ -26,7 +26,7 @@
 
 namespace livegs {
 
-struct MovingBody;
+struct RigidProxy;
 
 // Nodes times substeps a frame that elastic bodies may take unless a scene says otherwise: 6.5 ms of one core at 26 ns.
 inline constexpr double kMostNodeSubsteps = 250e3;
@@ -74,7 +74,7 @@ struct PointForce {
 class ElasticBody;
 struct ElasticNeighbour {
   ElasticBody* body;
-  uint64_t contact_id;  // as MovingBody
+  uint64_t contact_id;  // as RigidProxy
 };
 
 // What acts on a body in one substep. Moving bodies and neighbours get, at once, the opposite of every impulse that this
@@ -84,7 +84,7 @@ struct SubstepContext {
   double duration_s = 0.0;
   Eigen::Vector3d gravity_m_s2;
   std::span<const Collider> colliders;
-  std::span<MovingBody* const> bodies;       // rigid ones it may touch in this substep
+  std::span<RigidProxy* const> bodies;       // rigid ones it may touch in this substep
   std::span<const ElasticNeighbour> others;  // elastic ones, of the same solver
   std::span<const PointForce> forces;
   std::vector<uint64_t>* met = nullptr;      // gets the ids of those it pushed, once or oftener
@@ -189,7 +189,7 @@ class ElasticBody {
   // Takes impulses in a step of `step_s`: in the middle of its own, or as a sleeper, which wakes. Valid for that step.
   virtual ContactParticipant& contact_participant(double step_s);  // is not asked of a body without elements
 
-  // Whether it is stuck on that body, by MovingBody::contact_id, and comes off without contact meanwhile.
+  // Whether it is stuck on that body, by RigidProxy::contact_id, and comes off without contact meanwhile.
   virtual bool is_separating(uint64_t contact_id) const {
     (void)contact_id;
     return false;

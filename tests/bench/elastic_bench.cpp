@@ -54,7 +54,7 @@ constexpr int kLargestSettled = 36;  // cells along an edge; the largest has 1.1
 
 // Returns the cost of a frame, ms. With a table there is that in place of the floor.
 double report(const char* name, const ElasticBodyDescription& description, bool floor, By by = By::Cells,
-              MovingBody* table = nullptr, int warm_up_frames = 30) {
+              RigidProxy* table = nullptr, int warm_up_frames = 30) {
   Stage stage;
   stage.rate_hz = 90.0;
   if (floor) {
@@ -102,7 +102,7 @@ ElasticBodyDescription block(int cells, double cell_m, double youngs_modulus_pa)
 // a moving body costs more.
 void report_table(int cells) {
   const RigidShape shape = mesh_shape(box_mesh({0.5, 0.1, 0.5}), Vector3d::Zero());
-  MovingBody table;
+  RigidProxy table;
   table.contact_id = 1;
   table.shape = &shape;
   table.start.position_m = table.before.position_m = {0, -0.05, 0};

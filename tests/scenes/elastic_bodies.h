@@ -69,7 +69,7 @@ struct Stage {
   int substeps = 4;
   Vector3d gravity_m_s2 = kNoGravity;
   std::vector<Collider> colliders;
-  std::vector<MovingBody*> bodies;
+  std::vector<RigidProxy*> bodies;
   std::vector<PointForce> forces;
   std::unique_ptr<ElasticBody> body;
   double time_s = 0.0;

@@ -13,7 +13,7 @@
 
 namespace livegs {
 
-struct MovingBody;
+struct RigidProxy;
 
 // A material point of one side: nodes with weights of an elastic body, an arm from the centre of mass of a rigid one.
 struct ContactAnchor {
@@ -49,7 +49,7 @@ struct ContactConstraint {
   double friction = 0.0;
   double push_m_s = kContactPushSpeed_m_s;  // overlaps at the start of the step part no faster than this
   uint64_t other_body_id = 0;         // whom the body meets that listed it
-  MovingBody* rigid = nullptr; // b, where it is one
+  RigidProxy* rigid = nullptr; // b, where it is one
 
   // Set by solve_contacts.
   Eigen::Vector3d displacement_before_m;           // of a relative to b

@@ -15,12 +15,12 @@ void step_elastic_bodies(std::span<SteppedBody> bodies) {
     count = std::max(count, stepped.steps);
   }
   if (count == 0) return;
-  std::vector<MovingBody*> moving;
+  std::vector<RigidProxy*> moving;
   for (const SteppedBody& stepped : bodies) {
     moving.insert(moving.end(), stepped.context.bodies.begin(), stepped.context.bodies.end());
   }
   std::sort(moving.begin(), moving.end(),
-            [](const MovingBody* a, const MovingBody* b) { return a->contact_id < b->contact_id; });
+            [](const RigidProxy* a, const RigidProxy* b) { return a->contact_id < b->contact_id; });
   moving.erase(std::unique(moving.begin(), moving.end()), moving.end());
 
   const double substep_s = bodies.front().context.duration_s;
@@ -35,7 +35,7 @@ void step_elastic_bodies(std::span<SteppedBody> bodies) {
       }
       if (stepped.steps > 0) stepped.body->begin_step(part, stepped.context);
     }
-    for (MovingBody* body : moving) body->begin_step(part.began_s, part.duration_s, substep_s);
+    for (RigidProxy* body : moving) body->begin_step(part.began_s, part.duration_s, substep_s);
     rows.clear();
     for (size_t i = 0; i < bodies.size(); ++i) {
       if (bodies[i].steps > 0) bodies[i].body->list_contacts(part, bodies[i].context, rows);

@@ -53,8 +53,8 @@ void World::State::list_bodies() {
   }
   for (RigidBody* body : rigid_bodies) body->touches_elastic = body->company_restless = false;
   loads.resize(rigid_bodies.size());
-  moving_bodies.assign(rigid_bodies.size(), {});
-  rigid_changes.assign(rigid_bodies.size(), {});
+  rigid_proxies.assign(rigid_bodies.size(), {});
+  velocity_changes.assign(rigid_bodies.size(), {});
   if (!joints.empty()) link_joints();
 }
 

@@ -15,9 +15,9 @@ using Eigen::Vector3d;
 
 // What a rigid body is expected to gain in a substep is believed up to twice what gravity gives: it is right for what
 // rests, and wrong right after an impact.
-constexpr double kExpectedGravities = 2.0;
+constexpr double kMaxPredictedGravities = 2.0;
 // Bodies within this part of an elastic one's reach are met, beyond what they move in a substep.
-constexpr double kNearby = 0.1;
+constexpr double kReachMargin = 0.1;
 
 Eigen::AlignedBox3d box_of(const RigidShape& shape, const Pose& at) {
   if (shape.is_ball()) {
@@ -49,13 +49,13 @@ double distance_m(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
 }  // namespace
 
 // The copies of rigid bodies for this substep; every elastic body's neighbours; and the groups that share any.
-std::vector<std::vector<World::State::SteppedTogether>> World::State::meet(double duration_s) {
+std::vector<std::vector<World::State::CoupledBodies>> World::State::build_elastic_groups(double duration_s) {
   if (elastic_objects.empty()) return {};
   const double gain_m_s = duration_s * settings.gravity_m_s2.norm();
   for (size_t i = 0; i < rigid_bodies.size(); ++i) {
     const RigidBody& body = *rigid_bodies[i];
-    MovingBody& copy = moving_bodies[i];
-    copy = MovingBody{};
+    RigidProxy& copy = rigid_proxies[i];
+    copy = RigidProxy{};
     copy.contact_id = body.contact_id();
     copy.shape = &body.shape;
     copy.start = copy.before = body.world_from_body;
@@ -67,15 +67,15 @@ std::vector<std::vector<World::State::SteppedTogether>> World::State::meet(doubl
     copy.friction = body.friction;
     copy.asleep = body.asleep;
     if (body.asleep) continue;
-    const double limit = kExpectedGravities * gain_m_s;
-    copy.expected_m_s = clamp_norm(rigid_changes[i].velocity_m_s, limit);
-    copy.expected_rad_s = clamp_norm(rigid_changes[i].spin_rad_s, limit / body.shape.bounding_radius_m);
+    const double limit = kMaxPredictedGravities * gain_m_s;
+    copy.predicted_change_m_s = clamp_norm(velocity_changes[i].velocity_m_s, limit);
+    copy.predicted_change_rad_s = clamp_norm(velocity_changes[i].spin_rad_s, limit / body.shape.bounding_radius_m);
   }
 
   const size_t count = elastic_objects.size();
   std::vector<Eigen::AlignedBox3d> elastic_boxes, rigid_boxes;
   for (const ElasticObject* elastic : elastic_objects) elastic_boxes.push_back(elastic->body->bounds_m());
-  for (const MovingBody& body : moving_bodies) rigid_boxes.push_back(box_of(*body.shape, body.start));
+  for (const RigidProxy& body : rigid_proxies) rigid_boxes.push_back(box_of(*body.shape, body.start));
   DisjointSets sets(count + rigid_bodies.size()), together(count);
   for (size_t i = 0; i < count; ++i) {
     elastic_objects[i]->near_bodies.clear();
@@ -86,11 +86,11 @@ std::vector<std::vector<World::State::SteppedTogether>> World::State::meet(doubl
     const ElasticBody& body = *elastic.body;
     const Vector3d centre = body.centre_m();
     const bool asleep = body.asleep();
-    const double own_reach = (1.0 + kNearby) * body.reach_m() + body.element_reach_m() +
+    const double own_reach = (1.0 + kReachMargin) * body.reach_m() + body.element_reach_m() +
                              duration_s * (body.velocity_m_s().norm() + gain_m_s);
     if (!(body.reach_m() > 0.0)) continue;
     for (size_t k = 0; k < rigid_bodies.size(); ++k) {
-      MovingBody& other = moving_bodies[k];
+      RigidProxy& other = rigid_proxies[k];
       if (asleep && other.asleep) continue;
       const double reach = own_reach + duration_s * other.fastest_m_s();
       const double apart = reach + other.shape->bounding_radius_m;
@@ -107,7 +107,7 @@ std::vector<std::vector<World::State::SteppedTogether>> World::State::meet(doubl
       ElasticObject& other = *elastic_objects[k];
       const bool other_asleep = other.body->asleep();
       if ((asleep && other_asleep) || !(other.body->reach_m() > 0.0)) continue;
-      const double reach = own_reach + (1.0 + kNearby) * other.body->reach_m() + other.body->element_reach_m() +
+      const double reach = own_reach + (1.0 + kReachMargin) * other.body->reach_m() + other.body->element_reach_m() +
                            duration_s * (other.body->velocity_m_s().norm() + gain_m_s);
       if ((other.body->centre_m() - centre).squaredNorm() > reach * reach) continue;
       const double room = reach - body.reach_m() - other.body->reach_m();
@@ -121,9 +121,9 @@ std::vector<std::vector<World::State::SteppedTogether>> World::State::meet(doubl
       sets.join(static_cast<uint32_t>(i), static_cast<uint32_t>(k));
     }
   }
-  std::vector<SteppedTogether> stepped(count);
+  std::vector<CoupledBodies> stepped(count);
   for (uint32_t i = 0; i < count; ++i) stepped[together.find(i)].push_back(elastic_objects[i]);
-  std::vector<std::vector<SteppedTogether>> groups(count);
+  std::vector<std::vector<CoupledBodies>> groups(count);
   for (uint32_t i = 0; i < count; ++i) {
     if (!stepped[i].empty()) groups[sets.find(i)].push_back(std::move(stepped[i]));
   }
@@ -133,16 +133,16 @@ std::vector<std::vector<World::State::SteppedTogether>> World::State::meet(doubl
 
 // What elastic bodies gave to rigid ones in this substep. What only balances the change that is expected of gravity and
 // rigid contacts acts over the substep like these; the rest acts at its start.
-void World::State::take_impulses(double duration_s) {
+void World::State::apply_elastic_impulses(double duration_s) {
   if (elastic_objects.empty()) return;
   for (size_t i = 0; i < rigid_bodies.size(); ++i) {
-    const MovingBody& copy = moving_bodies[i];
+    const RigidProxy& copy = rigid_proxies[i];
     const double size = copy.contact_impulse_n_s;
     if (size == 0.0) continue;
     RigidBody& body = *rigid_bodies[i];
     if (body.asleep) body.wake();
     body.touches_elastic = true;
-    const Vector3d balance = -body.mass_kg * copy.expected_m_s;
+    const Vector3d balance = -body.mass_kg * copy.predicted_change_m_s;
     const double whole = balance.squaredNorm();
     const double part = whole > 0.0 ? std::clamp(balance.dot(copy.impulse_n_s) / whole, 0.0, 1.0) : 0.0;
     const Vector3d impact = copy.impulse_n_s - part * balance;
@@ -154,10 +154,10 @@ void World::State::take_impulses(double duration_s) {
     body.outer_moment += copy.contact_moment;
     const double struck = impact.norm();
     // Where the copy was: impulses that came later in the substep moved it less. Those that balance come evenly.
-    const double steps = copy.steps_n_s / size, even = 0.5 * (steps - 1.0) / steps * duration_s;
-    body.world_from_body.position_m += even * part / body.mass_kg * balance - copy.late_m;
+    const double steps = copy.step_impulse_n_s / size, even = 0.5 * (steps - 1.0) / steps * duration_s;
+    body.world_from_body.position_m += even * part / body.mass_kg * balance - copy.position_lag_m;
     const double turned = struck / std::max(copy.impulse_n_s.norm(), struck);
-    body.world_from_body.orientation = (rotation_exp(-turned * copy.late_rad) * body.world_from_body.orientation).normalized();
+    body.world_from_body.orientation = (rotation_exp(-turned * copy.orientation_lag_rad) * body.world_from_body.orientation).normalized();
     body.update_turning();
     // What is soft takes its time: its push is a force, however it came.
     if (body.can_break) body.impacts.record_force(body, copy.impulse_n_s, copy.contact_moment / size - body.world_from_body.position_m);

@@ -66,7 +66,7 @@ struct ElasticObject {
   std::vector<Eigen::Vector3d> rest_particles_m;  // object frame
   uint32_t object_id = 0;
   // Of one substep, in its own memory so that bodies can run on different threads.
-  std::vector<MovingBody*> near_bodies;
+  std::vector<RigidProxy*> near_bodies;
   std::vector<ElasticNeighbour> near_elastic;
   std::vector<PointForce> forces;
   // Bodies it pushed in the last tick it was awake, by contact_id_of, ascending: they sleep and wake together.
@@ -155,11 +155,11 @@ struct World::State {
   RigidBroadPhase broad_phase;
   // Of each rigid body: its copy for elastic ones, and how its velocities changed in the last substep, without what
   // elastic ones gave it.
-  std::vector<MovingBody> moving_bodies;
-  struct RigidChange {
+  std::vector<RigidProxy> rigid_proxies;
+  struct VelocityChange {
     Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero(), spin_rad_s = Eigen::Vector3d::Zero();
   };
-  std::vector<RigidChange> rigid_changes;
+  std::vector<VelocityChange> velocity_changes;
 
   WorldObject* find(uint32_t object_id);
   const WorldObject* find(uint32_t object_id) const;
@@ -177,9 +177,9 @@ struct World::State {
   void step_rigid(double duration_s);
   // world_contact.cpp
   // Elastic bodies that may touch each other step together; groups of those that share a rigid body, one after another.
-  using SteppedTogether = std::vector<ElasticObject*>;
-  std::vector<std::vector<SteppedTogether>> meet(double duration_s);
-  void take_impulses(double duration_s);
+  using CoupledBodies = std::vector<ElasticObject*>;
+  std::vector<std::vector<CoupledBodies>> build_elastic_groups(double duration_s);
+  void apply_elastic_impulses(double duration_s);
   void wake_company();
   bool wake_body(uint64_t contact_id, bool awake);
   void rest_company(double tick_s);

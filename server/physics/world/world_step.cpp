@@ -42,10 +42,10 @@ void World::State::gather_loads(double duration_s) {
 
 // What shares a rigid body is stepped on one thread, ascending; groups that share none on different threads.
 void World::State::step_elastic(double start_s, double duration_s) {
-  const auto groups = meet(duration_s);
+  const auto groups = build_elastic_groups(duration_s);
   parallel_for(groups.size(), 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      for (const SteppedTogether& together : groups[i]) {
+      for (const CoupledBodies& together : groups[i]) {
         std::vector<SteppedBody> stepped;
         for (ElasticObject* elastic : together) {
           SubstepContext context;
@@ -63,7 +63,7 @@ void World::State::step_elastic(double start_s, double duration_s) {
       }
     }
   });
-  take_impulses(duration_s);
+  apply_elastic_impulses(duration_s);
 }
 
 void World::State::step_rigid(double duration_s) {
@@ -74,13 +74,13 @@ void World::State::step_rigid(double duration_s) {
   for (size_t i = 0; i < rigid_bodies.size(); ++i) {
     // Without what elastic bodies gave.
     const RigidBody& body = *rigid_bodies[i];
-    rigid_changes[i].velocity_m_s = body.velocity_m_s + moving_bodies[i].impulse_n_s / body.mass_kg;
-    rigid_changes[i].spin_rad_s = body.angular_velocity_rad_s + body.inverse_inertia * moving_bodies[i].angular_impulse;
+    velocity_changes[i].velocity_m_s = body.velocity_m_s + rigid_proxies[i].impulse_n_s / body.mass_kg;
+    velocity_changes[i].spin_rad_s = body.angular_velocity_rad_s + body.inverse_inertia * rigid_proxies[i].angular_impulse;
   }
   step_rigid_bodies(rigid_bodies, loads, colliders, settings.gravity_m_s2, duration_s, broad_phase);
   for (size_t i = 0; i < rigid_bodies.size(); ++i) {
-    rigid_changes[i].velocity_m_s = rigid_bodies[i]->velocity_m_s - rigid_changes[i].velocity_m_s;
-    rigid_changes[i].spin_rad_s = rigid_bodies[i]->angular_velocity_rad_s - rigid_changes[i].spin_rad_s;
+    velocity_changes[i].velocity_m_s = rigid_bodies[i]->velocity_m_s - velocity_changes[i].velocity_m_s;
+    velocity_changes[i].spin_rad_s = rigid_bodies[i]->angular_velocity_rad_s - velocity_changes[i].spin_rad_s;
   }
 }
 

@@ -345,7 +345,7 @@ void CellsBody::restart_motion() {
   owed_velocity_.setZero();
   owed_spin_.setZero();
   contact_lag_m_.setZero();
-  late_impulse_.setZero();
+  between_steps_impulse_.setZero();
   candidate_margin_m_ = rigid_candidate_margin_m_ = 0.0;
   first_step_ = true;
 }

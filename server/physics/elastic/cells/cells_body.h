@@ -196,13 +196,13 @@ class CellsBody final : public ElasticBody {
   void push_anchor(const ContactAnchor& anchor, const Vector3d& point_m, const Vector3d& impulse_n_s);
   void settle_anchor(const ContactAnchor& anchor, const Vector3d& point_m, const Vector3d& impulse_n_s);
   template <class Visit>
-  void visit_cells_near(const MovingBody& body, double margin_m, const Visit& visit) const;
+  void visit_cells_near(const RigidProxy& body, double margin_m, const Visit& visit) const;
   void record_contact_impulse(const Vector3d& point_m, double impulse_n_s);
   bool may_touch_awake(const SubstepContext& context) const;
   double max_node_speed_m_s() const;  // no node is faster, but for few
   void find_rigid_candidates(const SubstepContext& context);
   void collide_surface_with_rigid(ContactParticipant& participant, const SubstepContext& context, std::vector<ContactConstraint>& rows);
-  void collide_rigid_points(MovingBody& body, ContactParticipant& participant, std::vector<ContactConstraint>& rows);
+  void collide_rigid_points(RigidProxy& body, ContactParticipant& participant, std::vector<ContactConstraint>& rows);
   void collide_surface_with_elastic(const ElasticNeighbour& other, ContactParticipant& participant, double h, std::vector<ContactConstraint>& rows);
   // cells_impaled.cpp
   StuckContact& stuck_contact(uint64_t contact_id);
@@ -308,7 +308,7 @@ class CellsBody final : public ElasticBody {
   Vector3d owed_velocity_ = Vector3d::Zero(), owed_spin_ = Vector3d::Zero();         // to the nodes, by the ledger
   ContactTotal contact_total_;
   Vector3d contact_impulse_ = Vector3d::Zero(), contact_moment_ = Vector3d::Zero();
-  Vector3d late_impulse_ = Vector3d::Zero();  // got between the last step and this one
+  Vector3d between_steps_impulse_ = Vector3d::Zero();  // got between the last step and this one
   Vector3d contact_lag_m_ = Vector3d::Zero();  // how far the centre of mass is behind what contact impulses say
   Vector3d ledger_momentum_ = Vector3d::Zero(), ledger_angular_ = Vector3d::Zero();
 

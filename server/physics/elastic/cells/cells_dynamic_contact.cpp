@@ -190,7 +190,7 @@ void CellsBody::push_anchor(const ContactAnchor& anchor, const Vector3d& point_m
   motion_.angular_momentum += turn;
   momentum_before_ += impulse_n_s;
   angular_before_ += turn;
-  late_impulse_ += impulse_n_s;
+  between_steps_impulse_ += impulse_n_s;
 }
 
 // The ledger has the impulse where it acts, the nodes where the anchor is.
@@ -208,7 +208,7 @@ void CellsBody::record_contact_impulse(const Vector3d& point_m, double impulse_n
 
 // Calls `visit(i)` for the surface cells that come within `margin_m` of a rigid body.
 template <class Visit>
-void CellsBody::visit_cells_near(const MovingBody& body, double margin_m, const Visit& visit) const {
+void CellsBody::visit_cells_near(const RigidProxy& body, double margin_m, const Visit& visit) const {
   const Pose body_from_world = body.before.inverse();
   const auto distance = [&](const Vector3d& point) { return body.shape->sample(body_from_world * point).distance_m; };
   if (distance(origin_m_ + motion_.centre_m) > 1.5 * reach_m_ + extent_.box_edge_m + margin_m) return;
@@ -219,7 +219,7 @@ void CellsBody::visit_cells_near(const MovingBody& body, double margin_m, const 
 }
 
 bool CellsBody::may_touch_awake(const SubstepContext& context) const {
-  for (const MovingBody* body : context.bodies) {
+  for (const RigidProxy* body : context.bodies) {
     bool near = false;
     if (!body->asleep) {
       visit_cells_near(*body, context.duration_s * body->fastest_m_s() + kRowMargin * extent_.box_edge_m,
@@ -235,7 +235,7 @@ void CellsBody::find_rigid_candidates(const SubstepContext& context) {
   rigid_candidate_ids_.clear();
   rigid_candidates_.clear();
   double speed = max_node_speed_m_s() + context.gravity_m_s2.norm() / rate_hz_;
-  for (const MovingBody* body : context.bodies) speed = std::max(speed, max_node_speed_m_s() + body->fastest_m_s());
+  for (const RigidProxy* body : context.bodies) speed = std::max(speed, max_node_speed_m_s() + body->fastest_m_s());
   rigid_candidate_margin_m_ = std::max(kCandidateRoom * lattice_.cell_width_m, speed / rate_hz_);
   for (uint32_t k = 0; k < context.bodies.size(); ++k) {
     rigid_candidate_ids_.push_back(context.bodies[k]->contact_id);
@@ -254,13 +254,13 @@ void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, cons
     Vector3d before_m, at_m;
   };
   std::vector<Frame> frames;
-  for (const MovingBody* body : context.bodies) {
+  for (const RigidProxy* body : context.bodies) {
     const Pose &before = body->before, at = body->at_end();
     frames.push_back({before.orientation.toRotationMatrix().transpose(), at.orientation.toRotationMatrix().transpose(),
                       before.position_m - origin_m_, at.position_m - origin_m_});
   }
   for (const Candidate& candidate : rigid_candidates_) {
-    MovingBody& body = *context.bodies[candidate.collider];
+    RigidProxy& body = *context.bodies[candidate.collider];
     const Frame& frame = frames[candidate.collider];
     const SurfaceCell& cell = surface_cells_[candidate.cell];
     for (uint32_t i = cell.begin; i < cell.end; ++i) {
@@ -285,7 +285,7 @@ void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, cons
 }
 
 // A rigid body's points against this body's surface; of a ball the one that would be deepest.
-void CellsBody::collide_rigid_points(MovingBody& body, ContactParticipant& participant, std::vector<ContactConstraint>& rows) {
+void CellsBody::collide_rigid_points(RigidProxy& body, ContactParticipant& participant, std::vector<ContactConstraint>& rows) {
   const Pose at = body.at_end();
   const double reach = element_reach_m(), radius = body.shape->sphere_radius_m;
   const Vector3d room = Vector3d::Constant(reach + radius);
@@ -390,7 +390,7 @@ void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& con
   if (rigid_candidate_margin_m_ <= 0.0 || !same) find_rigid_candidates(context);
   const size_t begin = rows.size();
   collide_surface_with_rigid(participant, context, rows);
-  for (MovingBody* body : context.bodies) collide_rigid_points(*body, participant, rows);
+  for (RigidProxy* body : context.bodies) collide_rigid_points(*body, participant, rows);
   for (const ElasticNeighbour& other : context.others) {
     if (!other.body->is_separating(contact_id_of(object_id_))) collide_surface_with_elastic(other, participant, part.duration_s, rows);
   }

@@ -67,14 +67,14 @@ void CellsBody::resist_rolling(size_t first_contact, double step_s) {
 // go on for kGripTime_s crept off in seconds.
 void CellsBody::resist_rolling(std::span<const ContactConstraint> rows) {
   if (!quiet_) return;
-  std::vector<MovingBody*> met;
+  std::vector<RigidProxy*> met;
   for (const ContactConstraint& row : rows) {
     const bool rolls = row.rigid && row.rigid->shape->is_ball() && row.normal_impulse_n_s > 0.0;
     if (rolls && std::find(met.begin(), met.end(), row.rigid) == met.end()) met.push_back(row.rigid);
   }
   const double patch_m2 = extent_.box_edge_m * extent_.box_edge_m / 12.0;
   std::vector<Push> pushes;
-  for (MovingBody* rigid : met) {
+  for (RigidProxy* rigid : met) {
     const Vector3d spin = rigid->spin_rad_s - (free() ? motion_.angular_velocity_rad_s() : Vector3d::Zero());
     const double speed = spin.norm();
     if (!(speed > 0.0)) continue;

@@ -146,7 +146,7 @@ void CellsBody::sleep() {
   owed_velocity_.setZero();
   owed_spin_.setZero();
   contact_lag_m_.setZero();
-  late_impulse_.setZero();
+  between_steps_impulse_.setZero();
   deviation_m_s_ = 0.0;
   first_step_ = true;
 }
@@ -189,7 +189,7 @@ bool CellsBody::rigid_substep(const SubstepContext& context) {
   const double reach = reach_m_ + extent_.box_edge_m + 2.0 / rate_hz_ * velocity.norm();
   bool near = !context.forces.empty() || !context.others.empty();
   for (const Collider& collider : context.colliders) near = near || reaches(collider, centre, reach);
-  for (const MovingBody* body : context.bodies) {
+  for (const RigidProxy* body : context.bodies) {
     const double distance = body->shape->sample(body->start.inverse() * centre).distance_m;
     near = near || distance < reach + 2.0 / rate_hz_ * body->fastest_m_s();
   }
@@ -230,7 +230,7 @@ void CellsBody::become_elastic() {
   owed_velocity_.setZero();
   owed_spin_.setZero();
   contact_lag_m_.setZero();
-  late_impulse_.setZero();
+  between_steps_impulse_.setZero();
   unstrained_s_ = 0.0;
   candidate_margin_m_ = rigid_candidate_margin_m_ = 0.0;
   first_step_ = true;

@@ -319,9 +319,9 @@ void CellsBody::measure(const NodeSums& sums, double h) {
   owed_spin_.setZero();
   if (free()) {
     ledger_momentum_ += contact_impulse_;
-    contact_lag_m_ -= h / mass_kg_ * (contact_impulse_ + late_impulse_);
+    contact_lag_m_ -= h / mass_kg_ * (contact_impulse_ + between_steps_impulse_);
     contact_lag_m_ *= second_order_ ? 1.0 / 3.0 : 0.0;
-    late_impulse_.setZero();
+    between_steps_impulse_.setZero();
     ledger_angular_ += contact_moment_ - centre_before.cross(contact_impulse_) - contact_lag_m_.cross(ledger_momentum_);
     owed_velocity_ = (ledger_momentum_ - motion_.momentum) / mass_kg_;
     owed_spin_ = solve_inertia(motion_.inertia, ledger_angular_ - motion_.angular_momentum);

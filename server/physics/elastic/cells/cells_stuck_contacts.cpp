@@ -97,7 +97,7 @@ void CellsBody::apply_uniform_impulse(const Vector3d& impulse_n_s, double step_s
   } else if (free()) {
     motion_.momentum += impulse_n_s;
     momentum_before_ += impulse_n_s;
-    late_impulse_ += impulse_n_s;
+    between_steps_impulse_ += impulse_n_s;
   }
 }
 
@@ -115,7 +115,7 @@ void CellsBody::separate(const SubstepPart& part, const SubstepContext& context,
     const double lacking = speed_m_s - away.dot(velocity_m_s() - other_m_s);
     return std::clamp(lacking, 0.0, most_m_s) / (1.0 / mass_kg_ + other_inverse_mass) * away;
   };
-  for (MovingBody* body : context.bodies) {
+  for (RigidProxy* body : context.bodies) {
     if (!is_separating(body->contact_id)) continue;
     StuckContact& one = stuck_contact(body->contact_id);
     const Pose at = body->at_end(), body_from_world = at.inverse();

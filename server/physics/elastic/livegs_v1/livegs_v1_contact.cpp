@@ -98,7 +98,7 @@ void LivegsV1Body::sleep() {
 }
 
 bool LivegsV1Body::may_touch_awake(const SubstepContext& context) const {
-  for (const MovingBody* body : context.bodies) {
+  for (const RigidProxy* body : context.bodies) {
     if (body->asleep) continue;
     const Pose body_from_world = body->start.inverse();
     const double margin = context.duration_s * body->fastest_m_s() + kRowMargin * spacing_m_;
@@ -122,7 +122,7 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
   for (const SurfacePoint& point : contact_points_) box.extend(Vector3d(origin_m_ + predicted_m_[point.particle]));
 
   std::vector<SurfaceElement> own;
-  for (MovingBody* body : context.bodies) {
+  for (RigidProxy* body : context.bodies) {
     const Pose from_before = body->before.inverse(), at = body->at_end(), from_at = at.inverse();
     if (body->shape->sample(from_at * centre).distance_m > around + h * body->fastest_m_s()) continue;
     const double friction = mixed_friction(material_.friction, body->friction);
