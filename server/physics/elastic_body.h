@@ -87,7 +87,7 @@ struct SubstepContext {
   std::span<RigidProxy* const> bodies;       // rigid ones it may touch in this substep
   std::span<const ElasticNeighbour> others;  // elastic ones, of the same solver
   std::span<const PointForce> forces;
-  std::vector<uint64_t>* met = nullptr;      // gets the ids of those it pushed, once or oftener
+  std::vector<uint64_t>* touched_ids = nullptr;      // gets the ids of those it pushed, once or oftener
 };
 
 // One of the equal steps that a substep is taken in.
@@ -199,8 +199,8 @@ class ElasticBody {
 
   // Sleep in company: with `wait` the body does not fall asleep by itself when it has been still for long enough, but
   // says so, until it is told to.
-  virtual void wait_for_company(bool wait);
-  virtual bool rested() const { return asleep(); }
+  virtual void defer_sleep(bool wait);
+  virtual bool can_sleep() const { return asleep(); }
   virtual void sleep() {}
 
   // Lets go of a fixed or moved region for good; its other properties stay. False when there is none of that name.

@@ -125,6 +125,6 @@ ContactAnchor ElasticBody::anchor_at(uint32_t, const Vector3d&) const { return {
 ContactParticipant& ElasticBody::contact_participant(double) {
   std::abort();
 }
-void ElasticBody::wait_for_company(bool) {}
+void ElasticBody::defer_sleep(bool) {}
 
 }  // namespace livegs

@@ -45,9 +45,9 @@ void step_elastic_bodies(std::span<SteppedBody> bodies) {
     for (size_t i = 0, begin = 0; i < bodies.size(); begin = row_ends[i++]) {
       const std::span listed(rows.begin() + static_cast<std::ptrdiff_t>(begin), rows.begin() + static_cast<std::ptrdiff_t>(row_ends[i]));
       if (bodies[i].steps > 0) bodies[i].body->read_contact_impulses(listed);
-      if (!bodies[i].context.met) continue;
+      if (!bodies[i].context.touched_ids) continue;
       for (const ContactConstraint& row : listed) {
-        if (row.normal_impulse_n_s > 0.0) bodies[i].context.met->push_back(row.other_body_id);
+        if (row.normal_impulse_n_s > 0.0) bodies[i].context.touched_ids->push_back(row.other_body_id);
       }
     }
     for (SteppedBody& stepped : bodies) {

@@ -4,9 +4,9 @@
 namespace livegs {
 
 // When a body has been still for long enough to sleep.
-class RestClock {
+class SleepTimer {
  public:
-  explicit RestClock(bool may_sleep) : may_sleep_(may_sleep) {}
+  explicit SleepTimer(bool may_sleep) : may_sleep_(may_sleep) {}
 
   // A node faster than this, in the world frame, keeps its body awake.
   static constexpr double kStillSpeed_m_s = 0.02;
@@ -17,11 +17,11 @@ class RestClock {
   bool tick(double frame_s, double fastest_m_s, bool supported, bool forced) {
     if (!may_sleep_ || asleep_) return false;
     still_s_ = fastest_m_s < kStillSpeed_m_s && supported && !forced ? still_s_ + frame_s : 0.0;
-    asleep_ = rested() && !waits_;
+    asleep_ = can_sleep() && !deferred_;
     return asleep_;
   }
-  void wait(bool waits) { waits_ = waits; }
-  bool rested() const { return asleep_ || (may_sleep_ && still_s_ >= kStillTime_s - 1e-9); }
+  void defer(bool deferred) { deferred_ = deferred; }
+  bool can_sleep() const { return asleep_ || (may_sleep_ && still_s_ >= kStillTime_s - 1e-9); }
   void sleep() { asleep_ = true; }
   void wake() {
     asleep_ = false;
@@ -31,7 +31,7 @@ class RestClock {
 
  private:
   bool may_sleep_;
-  bool asleep_ = false, waits_ = false;
+  bool asleep_ = false, deferred_ = false;
   double still_s_ = 0.0;
 };
 

@@ -40,7 +40,7 @@ struct RigidBody {
 
   bool asleep = false;
   // Over the tick: an elastic body bears or pushes it; and one of its company is not ready to sleep.
-  bool touches_elastic = false, company_restless = false;
+  bool touches_elastic = false, island_awake = false;
   double still_s = 0.0;  // for how long it has been slower than the sleep speed
   uint64_t sleep_group = 0;  // bodies that fell asleep together wake together: the lowest id of them, plus one
   uint32_t slot = 0;         // its place in the list that is being worked on
@@ -102,10 +102,10 @@ struct RigidBody {
   }
 };
 
-// Slower than this at three points of the body for kSleepSeconds, and touching something: it sleeps. At a size of
+// Slower than this at three points of the body for kTimeToSleep_s, and touching something: it sleeps. At a size of
 // 1 m 0.03 m/s (Jolt's value), with the square root of size below, as speeds under gravity go.
 inline constexpr double kSleepSpeed_m_s = 0.03;
-inline constexpr double kSleepSeconds = 0.5;
+inline constexpr double kTimeToSleep_s = 0.5;
 double sleep_speed_m_s(const RigidShape& shape);
 // The largest speed of the centre of mass, which moves with `velocity_m_s`, and of two points at right angles on the
 // bounding sphere.

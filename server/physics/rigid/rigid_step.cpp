@@ -378,7 +378,7 @@ void update_sleep(std::span<RigidBody* const> bodies, double tick_s, RigidBroadP
   }
   for (RigidIsland& island : rigid_islands(awake, IslandLink::TouchingManifold, Eigen::Vector3d::Zero())) {
     const bool still = std::all_of(island.bodies.begin(), island.bodies.end(),
-                                   [](const RigidBody* body) { return body->still_s >= kSleepSeconds && !body->company_restless; });
+                                   [](const RigidBody* body) { return body->still_s >= kTimeToSleep_s && !body->island_awake; });
     if (!still) continue;
     for (RigidBody* body : island.bodies) {
       body->asleep = true;

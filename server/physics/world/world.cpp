@@ -51,7 +51,7 @@ void World::State::list_bodies() {
     }
     if (ElasticObject* elastic = object.elastic()) elastic_objects.push_back(elastic);
   }
-  for (RigidBody* body : rigid_bodies) body->touches_elastic = body->company_restless = false;
+  for (RigidBody* body : rigid_bodies) body->touches_elastic = body->island_awake = false;
   loads.resize(rigid_bodies.size());
   rigid_proxies.assign(rigid_bodies.size(), {});
   velocity_changes.assign(rigid_bodies.size(), {});
@@ -188,7 +188,7 @@ void World::remove(uint32_t object_id) {
     }
   }
   if (const ElasticObject* elastic = found->second.elastic()) {
-    for (const uint64_t id : elastic->met) {
+    for (const uint64_t id : elastic->contacts_last_tick) {
       if (WorldObject* other = state_->find(object_of(id))) other->wake();
     }
   }
@@ -201,7 +201,7 @@ void World::remove(uint32_t object_id) {
   state_->list_bodies();
   for (ElasticObject* elastic : state_->elastic_objects) {
     const auto was = [&](uint64_t id) { return object_of(id) == object_id; };
-    if (std::erase_if(elastic->met, was) > 0) elastic->body->wake();
+    if (std::erase_if(elastic->contacts_last_tick, was) > 0) elastic->body->wake();
   }
   const auto gone = [&](const ContactManifold& manifold) {
     return manifold.other_id < kColliderBit && object_of(manifold.other_id) == object_id;

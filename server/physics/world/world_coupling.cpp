@@ -180,13 +180,13 @@ bool World::State::wake_body(uint64_t contact_id, bool awake) {
 }
 
 // Whoever lay on one that is awake now wakes too.
-void World::State::wake_company() {
+void World::State::wake_islands() {
   if (elastic_objects.empty()) return;
   bool again = true;
   while (again) {
     again = false;
     for (ElasticObject* elastic : elastic_objects) {
-      for (const uint64_t id : elastic->met) {
+      for (const uint64_t id : elastic->contacts_last_tick) {
         const bool awake = !elastic->body->asleep(), other_awake = wake_body(id, false);
         if (!awake && other_awake) elastic->body->wake();
         if (awake && !other_awake) again = wake_body(id, true) || again;
@@ -199,9 +199,9 @@ void World::State::wake_company() {
 
 // Bodies that pushed each other in this tick fall asleep together: rigid ones first, when every elastic one is rested;
 // then those.
-void World::State::rest_company(double tick_s) {
+void World::State::sleep_islands(double tick_s) {
   if (!settings.sleep) {
-    for (ElasticObject* elastic : elastic_objects) elastic->met_now.clear();
+    for (ElasticObject* elastic : elastic_objects) elastic->contacts_this_tick.clear();
     return;
   }
   if (elastic_objects.empty()) {
@@ -216,34 +216,34 @@ void World::State::rest_company(double tick_s) {
   DisjointSets sets(ids.size());
   for (ElasticObject* elastic : elastic_objects) {
     if (!elastic->body->asleep()) {
-      std::sort(elastic->met_now.begin(), elastic->met_now.end());
-      elastic->met_now.erase(std::unique(elastic->met_now.begin(), elastic->met_now.end()), elastic->met_now.end());
-      elastic->met.swap(elastic->met_now);
+      std::sort(elastic->contacts_this_tick.begin(), elastic->contacts_this_tick.end());
+      elastic->contacts_this_tick.erase(std::unique(elastic->contacts_this_tick.begin(), elastic->contacts_this_tick.end()), elastic->contacts_this_tick.end());
+      elastic->contacts_last_tick.swap(elastic->contacts_this_tick);
     }
-    elastic->met_now.clear();
+    elastic->contacts_this_tick.clear();
     const auto own = place_of(contact_id_of(elastic->object_id));
-    for (const uint64_t id : elastic->met) {
+    for (const uint64_t id : elastic->contacts_last_tick) {
       const auto other = place_of(id);
       if (other < std::ssize(ids) && ids[other] == id) sets.join(static_cast<uint32_t>(own), static_cast<uint32_t>(other));
     }
   }
   const auto root_of = [&](uint64_t id) { return sets.find(static_cast<uint32_t>(place_of(id))); };
-  std::vector<char> restless(ids.size(), 0), company(ids.size(), 0);
+  std::vector<char> is_awake(ids.size(), 0), in_island(ids.size(), 0);
   for (const ElasticObject* elastic : elastic_objects) {
-    if (!elastic->body->rested()) restless[root_of(contact_id_of(elastic->object_id))] = 1;
+    if (!elastic->body->can_sleep()) is_awake[root_of(contact_id_of(elastic->object_id))] = 1;
   }
   for (uint32_t i = 0; i < ids.size(); ++i) {
-    if (sets.find(i) != i) company[sets.find(i)] = 1;
+    if (sets.find(i) != i) in_island[sets.find(i)] = 1;
   }
-  for (RigidBody* body : rigid_bodies) body->company_restless = restless[root_of(body->contact_id())] != 0;
+  for (RigidBody* body : rigid_bodies) body->island_awake = is_awake[root_of(body->contact_id())] != 0;
   update_sleep(rigid_bodies, tick_s, broad_phase);
   for (const RigidBody* body : rigid_bodies) {
-    if (!body->asleep) restless[root_of(body->contact_id())] = 1;
+    if (!body->asleep) is_awake[root_of(body->contact_id())] = 1;
   }
   for (ElasticObject* elastic : elastic_objects) {
     const uint32_t root = root_of(contact_id_of(elastic->object_id));
-    elastic->body->wait_for_company(company[root] != 0);
-    if (company[root] && !restless[root] && !elastic->body->asleep()) elastic->body->sleep();
+    elastic->body->defer_sleep(in_island[root] != 0);
+    if (in_island[root] && !is_awake[root] && !elastic->body->asleep()) elastic->body->sleep();
   }
 }
 

@@ -56,7 +56,7 @@ void World::State::step_elastic(double start_s, double duration_s) {
           context.bodies = elastic->near_bodies;
           context.others = elastic->near_elastic;
           context.forces = elastic->forces;
-          context.met = &elastic->met_now;
+          context.touched_ids = &elastic->contacts_this_tick;
           stepped.push_back({elastic->body.get(), context});
         }
         step_elastic_bodies(stepped);  // a sleeper that is pushed or touched wakes by itself
@@ -133,7 +133,7 @@ void World::step() {
   const double duration_s = tick_s / state.settings.substeps;
   state.times = {};
   ++state.tick;
-  state.wake_company();
+  state.wake_islands();
   for (RigidBody* body : state.rigid_bodies) body->tick_energy_j = state.energy_j(*body);
   for (int substep = 0; substep < state.settings.substeps; ++substep) {
     state.gather_loads(duration_s);
@@ -150,7 +150,7 @@ void World::step() {
   });
   state.times.elastic_ms += milliseconds_from_ns(now_ns() - end_ns);
   state.process_impacts();
-  state.rest_company(tick_s);
+  state.sleep_islands(tick_s);
   state.report_contacts();
   state.report_sleep();
   if (state.events.size() > kMaxKeptEvents) {

@@ -57,7 +57,7 @@ class CellsBody final : public ElasticBody {
   void may_take(double node_substeps) override;
   double node_substeps() const override { return choice_.node_substeps; }
   const Material& material() const override { return material_; }
-  bool asleep() const override { return rest_clock_.asleep(); }
+  bool asleep() const override { return sleep_timer_.asleep(); }
   int recovery_count() const override { return recovery_count_; }
   void wake() override;
   bool frozen() const override { return rigid_.has_value(); }
@@ -79,8 +79,8 @@ class CellsBody final : public ElasticBody {
   ContactParticipant& contact_participant(double step_s) override;
   bool is_separating(uint64_t contact_id) const override;
   void apply_uniform_impulse(const Vector3d& impulse_n_s, double step_s) override;
-  void wait_for_company(bool wait) override { rest_clock_.wait(wait); }
-  bool rested() const override { return rest_clock_.rested(); }
+  void defer_sleep(bool wait) override { sleep_timer_.defer(wait); }
+  bool can_sleep() const override { return sleep_timer_.can_sleep(); }
   void sleep() override;
   Eigen::Vector3d velocity_m_s() const override;
   Eigen::Vector3d angular_velocity_rad_s() const override;
@@ -288,7 +288,7 @@ class CellsBody final : public ElasticBody {
     std::optional<SweepGains> of_order[2];
   };
   // Of its own steps, of those while it is struck, and of those that it last took beside bodies that need others.
-  StepGains own_gains_, struck_gains_, company_gains_;
+  StepGains own_gains_, struck_gains_, neighbour_gains_;
   double last_step_s_ = 0.0;             // h; 0: none, or its cells were others
   std::vector<PlasticCells> plastic_, thin_plastic_;  // as batches_.cut and .thin; empty while nothing has flowed
   std::vector<Matrix3d> plastic_parts_;           // by cell
@@ -364,7 +364,7 @@ class CellsBody final : public ElasticBody {
   std::vector<Vector3d> trembled_at_m_;  // surface_, where they have been near for trembling_s_; empty: all are still, or it moves
   double trembling_s_ = 0.0;
   bool may_rest_;
-  RestClock rest_clock_;
+  SleepTimer sleep_timer_;
 };
 
 }  // namespace livegs

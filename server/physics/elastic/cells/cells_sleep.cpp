@@ -65,9 +65,9 @@ void CellsBody::rest(double frame_s) {
   const bool measured = held_ || !region_loads_.empty();
   const bool moves = forced_ || driven_ || is_separating() || (measured && !stays(frame_s));
   const double calm = measured ? kMeasuredCalm : 1.0;
-  double seen_m_s = moves || !supported_ ? 0.0 : fastest_m_s(RestClock::kStillSpeed_m_s / calm);
+  double seen_m_s = moves || !supported_ ? 0.0 : fastest_m_s(SleepTimer::kStillSpeed_m_s / calm);
   if (!measured && !moves && supported_ && trembles(seen_m_s, frame_s)) seen_m_s = 0.0;
-  if (rest_clock_.tick(frame_s, calm * seen_m_s, supported_, moves)) sleep();
+  if (sleep_timer_.tick(frame_s, calm * seen_m_s, supported_, moves)) sleep();
 }
 
 // A slow vibration is slow at its farthest, twice a period, for longer than any clock: so it is the way in half a period
@@ -84,8 +84,8 @@ bool CellsBody::stays(double frame_s) {
 
 // A corner that is folded under may snap to and fro for good while all else is still. Whether that is all that moves.
 bool CellsBody::trembles(double seen_m_s, double frame_s) {
-  const bool still = std::max(motion_.velocity_m_s().norm(), deviation_m_s_) < RestClock::kStillSpeed_m_s;
-  if (!still || (seen_m_s < RestClock::kStillSpeed_m_s && trembled_at_m_.empty())) {
+  const bool still = std::max(motion_.velocity_m_s().norm(), deviation_m_s_) < SleepTimer::kStillSpeed_m_s;
+  if (!still || (seen_m_s < SleepTimer::kStillSpeed_m_s && trembled_at_m_.empty())) {
     trembled_at_m_.clear();
     return false;
   }
@@ -136,7 +136,7 @@ void CellsBody::restore_last_valid_state() {
 }
 
 void CellsBody::sleep() {
-  rest_clock_.sleep();
+  sleep_timer_.sleep();
   trembled_at_m_.clear();
   nodes_.stop();
   motion_.momentum.setZero();

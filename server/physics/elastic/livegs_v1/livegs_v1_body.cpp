@@ -27,7 +27,7 @@ LivegsV1Body::LivegsV1Body(const ElasticBodyDescription& description, double rat
       regions_(description.regions),
       world_from_object_(description.world_from_object),
       orientation_(description.world_from_object.orientation.normalized()),
-      rest_clock_(may_sleep) {
+      sleep_timer_(may_sleep) {
   const size_t count = rest_m_.size();
   world_from_object_.orientation = orientation_;
   on_surface_.resize(count, false);

@@ -43,15 +43,15 @@ class LivegsV1Body final : public ElasticBody {
   double element_reach_m() const override;
   ContactAnchor anchor_at(uint32_t element, const Eigen::Vector3d& point_m) const override;
   ContactParticipant& contact_participant(double step_s) override;
-  void wait_for_company(bool wait) override { rest_clock_.wait(wait); }
-  bool rested() const override { return rest_clock_.rested(); }
+  void defer_sleep(bool wait) override { sleep_timer_.defer(wait); }
+  bool can_sleep() const override { return sleep_timer_.can_sleep(); }
   void sleep() override;
 
   bool release_region(const std::string& name) override;
   void set_material(const Material& material) override;
   const Material& material() const override { return material_; }
-  bool asleep() const override { return rest_clock_.asleep(); }
-  void wake() override { rest_clock_.wake(); }
+  bool asleep() const override { return sleep_timer_.asleep(); }
+  void wake() override { sleep_timer_.wake(); }
 
   RestBody rest_body() const override;
   void write_drivers(ObjectDrivers& drivers) const override;
@@ -149,7 +149,7 @@ class LivegsV1Body final : public ElasticBody {
   bool touching_ = false, forced_ = false, supported_ = false;
   bool warned_of_step_ = false;
   Eigen::Quaterniond orientation_;
-  RestClock rest_clock_;
+  SleepTimer sleep_timer_;
 };
 
 }  // namespace livegs

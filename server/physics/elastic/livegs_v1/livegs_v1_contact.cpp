@@ -91,7 +91,7 @@ void LivegsV1Body::record_contact_impulse(const Vector3d& point_m, double impuls
 }
 
 void LivegsV1Body::sleep() {
-  rest_clock_.sleep();
+  sleep_timer_.sleep();
   for (Vector3d& v : velocities_m_s_) v.setZero();
   motion_.momentum.setZero();
   motion_.angular_momentum.setZero();

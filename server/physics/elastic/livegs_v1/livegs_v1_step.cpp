@@ -157,7 +157,7 @@ void LivegsV1Body::end_frame(double frame_s) {
   orientation_ = centre_pose().orientation;
   double fastest = 0.0;
   for (const Vector3d& v : velocities_m_s_) fastest = std::max(fastest, v.squaredNorm());
-  if (rest_clock_.tick(frame_s, std::sqrt(fastest), supported_, forced_)) sleep();
+  if (sleep_timer_.tick(frame_s, std::sqrt(fastest), supported_, forced_)) sleep();
 }
 
 }  // namespace livegs
