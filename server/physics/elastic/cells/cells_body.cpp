@@ -353,7 +353,7 @@ void CellsBody::restart_motion() {
 void CellsBody::wake() {
   become_elastic();
   sleep_timer_.wake();
-  stayed_s_ = 0.0;
+  stationary_s_ = 0.0;
 }
 
 // Hysteretic damping loses 2 pi eta of a vibration's energy a cycle; a rate of eta omega does the same at one

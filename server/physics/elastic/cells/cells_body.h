@@ -238,8 +238,8 @@ class CellsBody final : public ElasticBody {
   void become_elastic();
   void place_rigid();
   void rest(double frame_s);
-  bool stays(double frame_s);
-  bool trembles(double seen_m_s, double frame_s);
+  bool is_stationary(double frame_s);
+  bool is_jittering(double seen_m_s, double frame_s);
   bool has_finite_motion() const;
   bool limit_energy();
   void restore_last_valid_state();
@@ -342,7 +342,7 @@ class CellsBody final : public ElasticBody {
   mutable Eigen::AlignedBox3d surface_box_;
   mutable bool boxes_known_ = false;
   std::unique_ptr<ContactParticipant> participant_;
-  bool second_order_ = false, quiet_ = false, in_step_ = false;  // of the step that is being taken
+  bool second_order_ = false, is_slow_ = false, in_step_ = false;  // of the step that is being taken
   bool first_step_ = true, strained_ = false, degenerate_ = false, recovering_ = false, touching_ = false, backward_ = false;
   double gravity_m_s2_ = 0.0;  // of the last substep
   Vector3d gravity_ = Vector3d::Zero();
@@ -357,12 +357,12 @@ class CellsBody final : public ElasticBody {
   Pose whole_;               // of it, after the last frame that it moved finitely in
   int recovery_count_ = 0;         // times
   std::optional<RigidMotion> rigid_;
-  double unstrained_s_ = 0.0, degenerate_s_ = 0.0;
+  double unstrained_time_s_ = 0.0, degenerate_s_ = 0.0;
   int recovered_count_ = 0;  // times
-  Vector3d stayed_at_m_ = Vector3d::Constant(INFINITY);  // its centre of mass has been, for so long
-  double stayed_s_ = 0.0;
-  std::vector<Vector3d> trembled_at_m_;  // surface_, where they have been near for trembling_s_; empty: all are still, or it moves
-  double trembling_s_ = 0.0;
+  Vector3d stationary_at_m_ = Vector3d::Constant(INFINITY);  // its centre of mass has been, for so long
+  double stationary_s_ = 0.0;
+  std::vector<Vector3d> jitter_origin_m_;  // surface_, where they have been near for jitter_time_s_; empty: all are still, or it moves
+  double jitter_time_s_ = 0.0;
   bool may_rest_;
   SleepTimer sleep_timer_;
 };

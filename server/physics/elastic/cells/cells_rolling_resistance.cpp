@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kGripTime_s = 0.02;  // no spin is ended sooner: what trembles is not stirred
+constexpr double kGripTime_s = 0.02;  // no spin is ended sooner: what is_jittering is not stirred
 
 struct Push {
   Vector3d at_m, impulse_n_s;
@@ -49,7 +49,7 @@ double rolling_couple(const std::vector<Push>& pushes, const Vector3d& axis, dou
 
 // On colliders; the impulses of the touches from `first_contact` on.
 void CellsBody::resist_rolling(size_t first_contact, double step_s) {
-  if (!free() || !quiet_ || collider_contacts_.size() == first_contact) return;  // an impact is not rolled through
+  if (!free() || !is_slow_ || collider_contacts_.size() == first_contact) return;  // an impact is not rolled through
   const Vector3d spin = motion_.angular_velocity_rad_s();
   const double speed = spin.norm();
   if (!(speed > 0.0)) return;
@@ -66,7 +66,7 @@ void CellsBody::resist_rolling(size_t first_contact, double step_s) {
 // would tremble between them. A body that is held takes its part. The spin ends as soon as the couple can end it: what was let to
 // go on for kGripTime_s crept off in seconds.
 void CellsBody::resist_rolling(std::span<const ContactConstraint> rows) {
-  if (!quiet_) return;
+  if (!is_slow_) return;
   std::vector<RigidProxy*> met;
   for (const ContactConstraint& row : rows) {
     const bool rolls = row.rigid && row.rigid->shape->is_ball() && row.normal_impulse_n_s > 0.0;

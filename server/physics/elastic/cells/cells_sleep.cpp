@@ -18,12 +18,12 @@ using Eigen::Vector3d;
 // A free body whose worst cell is strained less than this for so long is frozen into its shape.
 constexpr double kVisibleStrain = 1e-3;
 constexpr double kUnstrainedTime_s = 0.25;
-constexpr double kMeasuredCalm = 100.0;  // 0.2 mm/s in place of 20
+constexpr double kStationarySpeedFactor = 100.0;  // 0.2 mm/s in place of 20
 // Its centre of mass goes no farther than this part of its length in half a period of its slowest vibration: what bends by
 // a thousandth of it is within 1 % of where it will be.
-constexpr double kMeasuredPart = 3e-6;
+constexpr double kMaxStationaryDrift = 3e-6;
 // A still body's points that tremble stay this near where they were, in parts of its smallest side, for so long.
-constexpr double kTremble = 0.01, kTrembling_s = 2.0;
+constexpr double kMaxJitter = 0.01, kJitterTime_s = 2.0;
 
 }  // namespace
 
@@ -55,53 +55,53 @@ void CellsBody::end_frame(double frame_s) {
 void CellsBody::rest(double frame_s) {
   const bool unstrained = free() && may_rest_ && !touching_ && !forced_ && !is_separating() && region_loads_.empty() &&
                           strain_squared_ < kVisibleStrain * kVisibleStrain;
-  unstrained_s_ = unstrained ? unstrained_s_ + frame_s : 0.0;
-  if (unstrained_s_ >= kUnstrainedTime_s) {
+  unstrained_time_s_ = unstrained ? unstrained_time_s_ + frame_s : 0.0;
+  if (unstrained_time_s_ >= kUnstrainedTime_s) {
     become_rigid();
     return;
   }
   // What is held or loaded is measured: it sleeps in equilibrium, not while it still creeps there. What lies on
-  // something trembles more.
+  // something is_jittering more.
   const bool measured = held_ || !region_loads_.empty();
-  const bool moves = forced_ || driven_ || is_separating() || (measured && !stays(frame_s));
-  const double calm = measured ? kMeasuredCalm : 1.0;
+  const bool moves = forced_ || driven_ || is_separating() || (measured && !is_stationary(frame_s));
+  const double calm = measured ? kStationarySpeedFactor : 1.0;
   double seen_m_s = moves || !supported_ ? 0.0 : fastest_m_s(SleepTimer::kStillSpeed_m_s / calm);
-  if (!measured && !moves && supported_ && trembles(seen_m_s, frame_s)) seen_m_s = 0.0;
+  if (!measured && !moves && supported_ && is_jittering(seen_m_s, frame_s)) seen_m_s = 0.0;
   if (sleep_timer_.tick(frame_s, calm * seen_m_s, supported_, moves)) sleep();
 }
 
 // A slow vibration is slow at its farthest, twice a period, for longer than any clock: so it is the way in half a period
 // that tells. Of the centre of mass, which no rounding moves.
-bool CellsBody::stays(double frame_s) {
+bool CellsBody::is_stationary(double frame_s) {
   const Vector3d centre = centre_m();
-  stayed_s_ += frame_s;
-  if ((centre - stayed_at_m_).norm() > kMeasuredPart * (extent_.max_m - extent_.min_m).maxCoeff()) {
-    stayed_at_m_ = centre;
-    stayed_s_ = 0.0;
+  stationary_s_ += frame_s;
+  if ((centre - stationary_at_m_).norm() > kMaxStationaryDrift * (extent_.max_m - extent_.min_m).maxCoeff()) {
+    stationary_at_m_ = centre;
+    stationary_s_ = 0.0;
   }
-  return stayed_s_ >= M_PI / lowest_rate_rad_s();
+  return stationary_s_ >= M_PI / lowest_rate_rad_s();
 }
 
 // A corner that is folded under may snap to and fro for good while all else is still. Whether that is all that moves.
-bool CellsBody::trembles(double seen_m_s, double frame_s) {
+bool CellsBody::is_jittering(double seen_m_s, double frame_s) {
   const bool still = std::max(motion_.velocity_m_s().norm(), deviation_m_s_) < SleepTimer::kStillSpeed_m_s;
-  if (!still || (seen_m_s < SleepTimer::kStillSpeed_m_s && trembled_at_m_.empty())) {
-    trembled_at_m_.clear();
+  if (!still || (seen_m_s < SleepTimer::kStillSpeed_m_s && jitter_origin_m_.empty())) {
+    jitter_origin_m_.clear();
     return false;
   }
-  const double most_m = kTremble * (extent_.max_m - extent_.min_m).minCoeff();
-  bool near = trembled_at_m_.size() == surface_.size();
+  const double most_m = kMaxJitter * (extent_.max_m - extent_.min_m).minCoeff();
+  bool near = jitter_origin_m_.size() == surface_.size();
   for (size_t i = 0; near && i < surface_.size(); ++i) {
-    near = (origin_m_ + nodes_.position_m(surface_[i]) - trembled_at_m_[i]).squaredNorm() < most_m * most_m;
+    near = (origin_m_ + nodes_.position_m(surface_[i]) - jitter_origin_m_[i]).squaredNorm() < most_m * most_m;
   }
   if (near) {
-    trembling_s_ += frame_s;
+    jitter_time_s_ += frame_s;
   } else {
-    trembled_at_m_.clear();
-    for (const NodeSample& sample : surface_) trembled_at_m_.push_back(origin_m_ + nodes_.position_m(sample));
-    trembling_s_ = 0.0;
+    jitter_origin_m_.clear();
+    for (const NodeSample& sample : surface_) jitter_origin_m_.push_back(origin_m_ + nodes_.position_m(sample));
+    jitter_time_s_ = 0.0;
   }
-  return trembling_s_ >= kTrembling_s;
+  return jitter_time_s_ >= kJitterTime_s;
 }
 
 // By the sums of the last step, which are of all nodes: one that is not finite makes its centre so.
@@ -137,7 +137,7 @@ void CellsBody::restore_last_valid_state() {
 
 void CellsBody::sleep() {
   sleep_timer_.sleep();
-  trembled_at_m_.clear();
+  jitter_origin_m_.clear();
   nodes_.stop();
   motion_.momentum.setZero();
   motion_.angular_momentum.setZero();
@@ -231,7 +231,7 @@ void CellsBody::become_elastic() {
   owed_spin_.setZero();
   contact_lag_m_.setZero();
   between_steps_impulse_.setZero();
-  unstrained_s_ = 0.0;
+  unstrained_time_s_ = 0.0;
   candidate_margin_m_ = rigid_candidate_margin_m_ = 0.0;
   first_step_ = true;
 }

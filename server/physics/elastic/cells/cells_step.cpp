@@ -27,10 +27,10 @@ constexpr double kSmallVolume = 0.2;          // det F
 // A body in contact takes first-order steps too while its shape moves slower (root mean square) than this part of
 // sqrt(g L), L its smallest size: than after a fall of L/200. Contact point by point makes noise, and BDF2 keeps it
 // for minutes.
-constexpr double kQuiet = 0.1;
+constexpr double kMaxSlowSpeedRatio = 0.1;
 // Pressed between others by so many of its weights, a body does not alternate the order of its sweep: what two orders differ by
 // grows with the load, and fed a tremble of 0.2 m/s under which a pillow carried a box of 25 times its mass 10 cm away.
-constexpr double kPressed = 4.0;
+constexpr double kMaxAlternatingLoad = 4.0;
 
 // Of the stretch of a cell that a hand holds: from here on its grip fades, and here it has none.
 constexpr double kSlips = 2.0, kSlipped = 4.0;
@@ -138,13 +138,13 @@ void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& contex
   const bool even = std::abs(h - last_step_s_) <= 1e-9 * h;
   last_step_s_ = h;
   const double smallest_m = (extent_.max_m - extent_.min_m).minCoeff();
-  quiet_ = touching_ && deviation_m_s_ < kQuiet * std::sqrt(context.gravity_m_s2.norm() * smallest_m);
-  second_order_ = options_.second_order && even && !first_step_ && !strained_ && !quiet_;
+  is_slow_ = touching_ && deviation_m_s_ < kMaxSlowSpeedRatio * std::sqrt(context.gravity_m_s2.norm() * smallest_m);
+  second_order_ = options_.second_order && even && !first_step_ && !strained_ && !is_slow_;
   // Where a sweep from zero multipliers comes to rest depends on its order a little. A body that lands alternates, or
   // one order would drive it sideways; a quiet one keeps one, or it would never be still, and so does a free one, or
   // cells with next to nothing in them would ring.
-  const bool pressed = carried_n_ > kPressed * mass_kg_ * context.gravity_m_s2.norm();
-  backward_ = touching_ && !quiet_ && !pressed && !backward_;
+  const bool pressed = carried_n_ > kMaxAlternatingLoad * mass_kg_ * context.gravity_m_s2.norm();
+  backward_ = touching_ && !is_slow_ && !pressed && !backward_;
   for (Load& load : point_loads_) load.from_m = nodes_.position_m(load.sample);
   draw_springs(part);
   predict(h, context);
