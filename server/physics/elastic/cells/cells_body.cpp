@@ -96,7 +96,7 @@ void CellsBody::choose(double cell_width_m) {
     choice_.substeps = scene_substeps_;
     choice_.youngs_modulus_pa = demand.youngs_modulus_pa;
     choice_.clipped = false;
-    choice_.struck_steps = 1;
+    choice_.impact_substeps = 1;
     choice_.courant = std::sqrt(demand.youngs_modulus_pa / demand.density_kg_m3) /
                       (rate_hz_ * scene_substeps_ * choice_.cell_width_m);
   }
@@ -165,7 +165,7 @@ void CellsBody::rebuild_cells() {
   predict_accuracy();
   batches_ = make_cell_batches(lattice_, inverse_masses_, rotations, nodes_.spare(),
                                plastic_parts_.empty(), options_.thin);
-  own_gains_ = struck_gains_ = neighbour_gains_ = {};
+  own_gains_ = impact_gains_ = neighbour_gains_ = {};
   last_step_s_ = 0.0;
   if (!plastic_parts_.empty()) set_all_plastic();
 }
@@ -205,7 +205,7 @@ void CellsBody::predict_accuracy() {
 const SweepGains& CellsBody::gains_of(double h, bool second_order) {
   const auto alike = [&](double other_s) { return std::abs(h - other_s) <= 1e-9 * h; };
   const double own_s = 1.0 / (rate_hz_ * choice_.substeps);
-  StepGains& gains = alike(own_s) ? own_gains_ : alike(own_s / choice_.struck_steps) ? struck_gains_ : neighbour_gains_;
+  StepGains& gains = alike(own_s) ? own_gains_ : alike(own_s / choice_.impact_substeps) ? impact_gains_ : neighbour_gains_;
   if (!alike(gains.step_s)) gains = {h, {}};
   std::optional<SweepGains>& found = gains.of_order[second_order];
   if (!found) {
@@ -496,7 +496,7 @@ ElasticAccuracy CellsBody::accuracy() const {
   accuracy.bytes = nodes_.bytes() + batches_.bytes() + surface_.capacity() * (sizeof(NodeSample) + sizeof(Eigen::Vector3f)) +
                    face_normals_.capacity() * sizeof(Eigen::Vector3f) +
                    surface_cells_.capacity() * sizeof(SurfaceCell);
-  for (const StepGains* gains : {&own_gains_, &struck_gains_, &neighbour_gains_}) {
+  for (const StepGains* gains : {&own_gains_, &impact_gains_, &neighbour_gains_}) {
     for (const auto& of_order : gains->of_order) accuracy.bytes += of_order ? of_order->bytes() : 0;
   }
   return accuracy;

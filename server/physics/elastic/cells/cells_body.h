@@ -184,7 +184,7 @@ class CellsBody final : public ElasticBody {
   void gather_point_loads(const SubstepContext& context);
   void draw_springs(const SubstepPart& part);
   double hold_on(const NodeSample& sample) const;  // 0 ... 1, of the force of a hand that holds it there
-  bool struck_hard(const SubstepContext& context);
+  bool in_impact(const SubstepContext& context);
   Ball ball_around(const SurfaceCell& cell) const;
   void find_candidates(const SubstepContext& context);
   void resolve_colliders(double step_s, const SubstepContext& context);
@@ -288,7 +288,7 @@ class CellsBody final : public ElasticBody {
     std::optional<SweepGains> of_order[2];
   };
   // Of its own steps, of those while it is struck, and of those that it last took beside bodies that need others.
-  StepGains own_gains_, struck_gains_, neighbour_gains_;
+  StepGains own_gains_, impact_gains_, neighbour_gains_;
   double last_step_s_ = 0.0;             // h; 0: none, or its cells were others
   std::vector<PlasticCells> plastic_, thin_plastic_;  // as batches_.cut and .thin; empty while nothing has flowed
   std::vector<Matrix3d> plastic_parts_;           // by cell
@@ -351,7 +351,7 @@ class CellsBody final : public ElasticBody {
   std::optional<double> energy_limit_j_;
   double work_j_ = 0.0;
   bool touched_last_frame_ = false;
-  double struck_until_s_ = -1.0;
+  double impact_until_s_ = -1.0;
   bool supported_ = false, forced_ = false, driven_ = false;  // for the sleep test: held up or in no gravity; pushed; moved
   Quaterniond orientation_;  // world from object, of the body as a whole
   Pose whole_;               // of it, after the last frame that it moved finitely in

@@ -36,8 +36,8 @@ constexpr double kMaxAlternatingLoad = 4.0;
 constexpr double kSlips = 2.0, kSlipped = 4.0;
 
 // Of the speed of its waves. At 0.1 a capsule still read 1.3 times its energy while it landed, at 0.05 1.02 times, here 1.01.
-constexpr double kHard = 0.03;
-constexpr double kStruckFrames = 2.0;
+constexpr double kImpactSpeedRatio = 0.03;
+constexpr double kImpactFrames = 2.0;
 
 // Loads are felt over this time: some bounces.
 constexpr double kLoadMemory_s = 0.25;
@@ -70,19 +70,19 @@ int CellsBody::begin_substep(const SubstepContext& context) {
   const double longer = std::ceil(context.duration_s * rate_hz_ * scene_substeps_ - 1e-6);
   gather_point_loads(context);
   const int steps = choice_.substeps / scene_substeps_ * static_cast<int>(std::clamp(longer, 1.0, kLongest));
-  return struck_hard(context) ? steps * choice_.struck_steps : steps;
+  return in_impact(context) ? steps * choice_.impact_substeps : steps;
 }
 
 // A shock is what a body's own steps are too long for: one sweep each, and the cells in front of it are squashed, turned
 // inside out and fly apart with several times the energy. It is known by what deforms while it touches, and by what comes
 // near something; two frames are over before most of it has become vibration. Not in a hand, and not beside other soft
 // bodies, which would all take its steps (in a heap of five a tick of 8 ms took 20), and which give way.
-bool CellsBody::struck_hard(const SubstepContext& context) {
+bool CellsBody::in_impact(const SubstepContext& context) {
   if (!context.others.empty() || forced_) return false;
   const bool comes = !touching_ && !(candidates_.empty() && rigid_candidates_.empty());
   const double speed_m_s = touching_ ? deviation_m_s_ : comes ? motion_.velocity_m_s().norm() + deviation_m_s_ : 0.0;
-  if (speed_m_s > kHard * choice_.wave_speed_m_s(rate_hz_)) struck_until_s_ = context.start_s + kStruckFrames / rate_hz_;
-  return context.start_s < struck_until_s_;
+  if (speed_m_s > kImpactSpeedRatio * choice_.wave_speed_m_s(rate_hz_)) impact_until_s_ = context.start_s + kImpactFrames / rate_hz_;
+  return context.start_s < impact_until_s_;
 }
 
 void CellsBody::end_substep(const SubstepContext& context) {

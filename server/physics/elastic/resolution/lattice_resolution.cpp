@@ -24,8 +24,8 @@ constexpr double kWider = 1.2, kFewestAlong = 4.0;
 // In a shock the sweep has to carry pressure from cell to cell, whose waves are sqrt((1 - nu) / ((1 + nu)(1 - 2 nu))) times as
 // fast as a bar's. At 0.65 of a cell a step rubber of nu 0.49 that met the floor at its sqrt(E/rho) left it with 2.6 times its
 // energy; up to 0.4 nothing gains, to twice that speed 0.3. Four steps in place of one are the most.
-constexpr double kStruckPressureCourant = 0.3;
-constexpr int kMostStruckSteps = 4;
+constexpr double kImpactPressureCourant = 0.3;
+constexpr int kMaxImpactSubsteps = 4;
 
 struct Candidate {
   double width_m;
@@ -141,7 +141,7 @@ CellChoice choose_cells(const CellDemand& demand) {
                    (demand.rate_hz * choice.substeps * chosen->width_m);
   const double nu = demand.poisson_ratio;
   const double pressure_courant = choice.courant * std::sqrt((1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu)));
-  choice.struck_steps = std::clamp(static_cast<int>(std::ceil(pressure_courant / kStruckPressureCourant)), 1, kMostStruckSteps);
+  choice.impact_substeps = std::clamp(static_cast<int>(std::ceil(pressure_courant / kImpactPressureCourant)), 1, kMaxImpactSubsteps);
   return choice;
 }
 

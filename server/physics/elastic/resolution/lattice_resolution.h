@@ -14,7 +14,7 @@
 namespace livegs {
 
 // More substeps a frame than this are not taken; a stiffer body is clipped to what they reach. While it is struck hard it
-// takes struck_steps times as many.
+// takes impact_substeps times as many.
 inline constexpr int kMaxBodySubsteps = 32;
 
 struct CellDemand {
@@ -40,7 +40,7 @@ struct CellChoice {
   bool clipped = false;         // it is less than the one asked for
   bool over_budget = false;     // cells are wider than they should be for their thickness, or it would cost too much
   double node_substeps = 0;     // a frame, by its bounding box
-  int struck_steps = 1;         // in place of one, while the body is struck hard; 1 ... 4
+  int impact_substeps = 1;         // in place of one, while the body is struck hard; 1 ... 4
   // sqrt(E/rho) of what is simulated.
   double wave_speed_m_s(double rate_hz) const { return courant * rate_hz * substeps * cell_width_m; }
 };

@@ -27,7 +27,7 @@ class ElasticDrop : public testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(Rates, ElasticDrop, testing::ValuesIn(rates_hz()),
                          [](const auto& one) { return rate_name(one.param); });
 
-// While it is struck it takes shorter steps (CellsBody::struck_hard): with its own ones it read up to seven times its energy
+// While it is struck it takes shorter steps (CellsBody::in_impact): with its own ones it read up to seven times its energy
 // in a touch, and rubber of nu 0.49 left the floor with 2.6 times what it fell with.
 TEST_P(ElasticDrop, HasLessAfterEveryLandingAndSleeps) {
   constexpr double kAsleep_s = 12.0, kSoon_s = 3.0;
