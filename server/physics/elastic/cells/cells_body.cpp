@@ -342,8 +342,8 @@ void CellsBody::restart_motion() {
   motion_ = mass_motion(positions, velocities, masses_kg_);
   momentum_before_ = motion_.momentum;
   angular_before_ = motion_.angular_momentum;
-  owed_velocity_.setZero();
-  owed_spin_.setZero();
+  velocity_correction_.setZero();
+  spin_correction_.setZero();
   contact_lag_m_.setZero();
   between_steps_impulse_.setZero();
   candidate_margin_m_ = rigid_candidate_margin_m_ = 0.0;
@@ -535,7 +535,7 @@ NodeSample CellsBody::sample_at(const EmbeddedPoint& point) const {
 
 Vector3d CellsBody::node_velocity(size_t node) const {
   if (inverse_masses_[node] == 0.0) return nodes_.velocity_m_s(node);
-  return nodes_.velocity_m_s(node) + owed_velocity_ + owed_spin_.cross(nodes_.position_m(node) - motion_.centre_m);
+  return nodes_.velocity_m_s(node) + velocity_correction_ + spin_correction_.cross(nodes_.position_m(node) - motion_.centre_m);
 }
 
 Vector3d CellsBody::velocity_of(const NodeSample& sample) const {

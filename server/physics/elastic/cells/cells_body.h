@@ -182,8 +182,8 @@ class CellsBody final : public ElasticBody {
   void measure(const NodeSums& sums, double h);
 
   void gather_point_loads(const SubstepContext& context);
-  void draw_springs(const SubstepPart& part);
-  double hold_on(const NodeSample& sample) const;  // 0 ... 1, of the force of a hand that holds it there
+  void solve_springs(const SubstepPart& part);
+  double grip_factor(const NodeSample& sample) const;  // 0 ... 1, of the force of a hand that holds it there
   bool in_impact(const SubstepContext& context);
   Ball ball_around(const SurfaceCell& cell) const;
   void find_candidates(const SubstepContext& context);
@@ -252,7 +252,7 @@ class CellsBody final : public ElasticBody {
   bool free() const { return !held_; }
   double damping_rate() const;
   double lowest_rate_rad_s() const;  // of its vibrations
-  void feel_load(const SubstepPart& part);
+  void update_carried_load(const SubstepPart& part);
 
   Material material_;
   CellsOptions options_;
@@ -305,7 +305,7 @@ class CellsBody final : public ElasticBody {
   // The body as a whole, and what acted on it in this substep. Moments are about the origin.
   MassMotion motion_;
   Vector3d momentum_before_ = Vector3d::Zero(), angular_before_ = Vector3d::Zero();  // of the last velocities, here
-  Vector3d owed_velocity_ = Vector3d::Zero(), owed_spin_ = Vector3d::Zero();         // to the nodes, by the ledger
+  Vector3d velocity_correction_ = Vector3d::Zero(), spin_correction_ = Vector3d::Zero();         // to the nodes, by the ledger
   ContactTotal contact_total_;
   Vector3d contact_impulse_ = Vector3d::Zero(), contact_moment_ = Vector3d::Zero();
   Vector3d between_steps_impulse_ = Vector3d::Zero();  // got between the last step and this one

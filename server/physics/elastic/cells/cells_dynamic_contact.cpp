@@ -197,7 +197,7 @@ void CellsBody::push_anchor(const ContactAnchor& anchor, const Vector3d& point_m
 void CellsBody::settle_anchor(const ContactAnchor& anchor, const Vector3d& point_m, const Vector3d& impulse_n_s) {
   if (!free()) return;
   const Vector3d beside = point_m - origin_m_ - nodes_.position_m(anchor.sample);
-  owed_spin_ += solve_inertia(motion_.inertia, beside.cross(impulse_n_s));
+  spin_correction_ += solve_inertia(motion_.inertia, beside.cross(impulse_n_s));
 }
 
 void CellsBody::record_contact_impulse(const Vector3d& point_m, double impulse_n_s) {

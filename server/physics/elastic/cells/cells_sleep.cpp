@@ -143,8 +143,8 @@ void CellsBody::sleep() {
   motion_.angular_momentum.setZero();
   momentum_before_.setZero();
   angular_before_.setZero();
-  owed_velocity_.setZero();
-  owed_spin_.setZero();
+  velocity_correction_.setZero();
+  spin_correction_.setZero();
   contact_lag_m_.setZero();
   between_steps_impulse_.setZero();
   deviation_m_s_ = 0.0;
@@ -227,8 +227,8 @@ void CellsBody::become_elastic() {
   batches_.set_rotations(orientation_ * extent_.object_from_lattice);
   momentum_before_ = motion_.momentum;
   angular_before_ = motion_.angular_momentum;
-  owed_velocity_.setZero();
-  owed_spin_.setZero();
+  velocity_correction_.setZero();
+  spin_correction_.setZero();
   contact_lag_m_.setZero();
   between_steps_impulse_.setZero();
   unstrained_time_s_ = 0.0;

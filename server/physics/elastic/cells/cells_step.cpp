@@ -22,8 +22,8 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 // A body strained so far that BDF2 would wind it up takes first-order steps, which lose energy.
-constexpr double kLargeStrainSquared = 0.25;  // |S - I|²
-constexpr double kSmallVolume = 0.2;          // det F
+constexpr double kFirstOrderStrainSquared = 0.25;  // |S - I|²
+constexpr double kFirstOrderVolumeRatio = 0.2;          // det F
 // A body in contact takes first-order steps too while its shape moves slower (root mean square) than this part of
 // sqrt(g L), L its smallest size: than after a fall of L/200. Contact point by point makes noise, and BDF2 keeps it
 // for minutes.
@@ -33,19 +33,19 @@ constexpr double kMaxSlowSpeedRatio = 0.1;
 constexpr double kMaxAlternatingLoad = 4.0;
 
 // Of the stretch of a cell that a hand holds: from here on its grip fades, and here it has none.
-constexpr double kSlips = 2.0, kSlipped = 4.0;
+constexpr double kGripFadeStart = 2.0, kGripFadeEnd = 4.0;
 
 // Of the speed of its waves. At 0.1 a capsule still read 1.3 times its energy while it landed, at 0.05 1.02 times, here 1.01.
 constexpr double kImpactSpeedRatio = 0.03;
 constexpr double kImpactFrames = 2.0;
 
 // Loads are felt over this time: some bounces.
-constexpr double kLoadMemory_s = 0.25;
+constexpr double kCarriedLoadTime_s = 0.25;
 
 constexpr double kLightNodeDamping = 0.25;  // of a light node's motion beside its parent, a step
 
 // Of the scene's substeps in one: a second at 90 Hz and 64 substeps.
-constexpr double kLongest = 6000.0;
+constexpr double kMaxSceneSubsteps = 6000.0;
 
 NodeLanes lanes_of(const Vector3d& v) {
   return NodeLanes{static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0f};
@@ -69,7 +69,7 @@ int CellsBody::begin_substep(const SubstepContext& context) {
   // A longer substep than the scene's is taken in several, never stretched: the stiffness was chosen for this one.
   const double longer = std::ceil(context.duration_s * rate_hz_ * scene_substeps_ - 1e-6);
   gather_point_loads(context);
-  const int steps = choice_.substeps / scene_substeps_ * static_cast<int>(std::clamp(longer, 1.0, kLongest));
+  const int steps = choice_.substeps / scene_substeps_ * static_cast<int>(std::clamp(longer, 1.0, kMaxSceneSubsteps));
   return in_impact(context) ? steps * choice_.impact_substeps : steps;
 }
 
@@ -101,7 +101,7 @@ void CellsBody::gather_point_loads(const SubstepContext& context) {
 
 // What a spring asks for at the end of a step depends on the force itself, by the mobility w of its point at most: the force
 // goes by 1 / (1 + w h (k h + c)) of the way there. So none is too stiff, and at rest it is stiffness times stretch.
-void CellsBody::draw_springs(const SubstepPart& part) {
+void CellsBody::solve_springs(const SubstepPart& part) {
   const double h = part.duration_s;
   for (Load& load : point_loads_) {
     if (!load.spring) continue;
@@ -113,7 +113,7 @@ void CellsBody::draw_springs(const SubstepPart& part) {
     const Vector3d slower = spring.target_velocity_m_s - velocity_of(load.sample);
     const Vector3d stretch = spring.target_m + part.began_s * spring.target_velocity_m_s - origin_m_ - nodes_.position_m(load.sample);
     spring.force_n += (k * (stretch + h * slower) + c * slower - spring.force_n) / (1.0 + w * h * (k * h + c));
-    const double size = spring.force_n.norm(), most_n = spring.max_force_n * hold_on(load.sample);
+    const double size = spring.force_n.norm(), most_n = spring.max_force_n * grip_factor(load.sample);
     if (size > most_n) spring.force_n *= most_n / size;
     load.force_n = spring.force_n;
   }
@@ -121,7 +121,7 @@ void CellsBody::draw_springs(const SubstepPart& part) {
 
 // A hand slips off what it has drawn out: the cell it holds is stretched, by its longest direction, so and so far. One that
 // went on pulling tore leaves out to 120 times their size, and gave 1e4 J a frame to what drew them back.
-double CellsBody::hold_on(const NodeSample& sample) const {
+double CellsBody::grip_factor(const NodeSample& sample) const {
   Eigen::Matrix3d f = Eigen::Matrix3d::Zero();
   for (int c = 0; c < 8; ++c) {
     const Vector3d sign(c & 1 ? 1.0 : -1.0, c & 2 ? 1.0 : -1.0, c & 4 ? 1.0 : -1.0);
@@ -129,7 +129,7 @@ double CellsBody::hold_on(const NodeSample& sample) const {
   }
   f *= 0.25 / lattice_.cell_width_m;
   const double squared = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(f.transpose() * f, Eigen::EigenvaluesOnly).eigenvalues()[2];
-  return std::clamp((kSlipped - std::sqrt(squared)) / (kSlipped - kSlips), 0.0, 1.0);
+  return std::clamp((kGripFadeEnd - std::sqrt(squared)) / (kGripFadeEnd - kGripFadeStart), 0.0, 1.0);
 }
 
 void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& context) {
@@ -146,7 +146,7 @@ void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& contex
   const bool pressed = carried_n_ > kMaxAlternatingLoad * mass_kg_ * context.gravity_m_s2.norm();
   backward_ = touching_ && !is_slow_ && !pressed && !backward_;
   for (Load& load : point_loads_) load.from_m = nodes_.position_m(load.sample);
-  draw_springs(part);
+  solve_springs(part);
   predict(h, context);
   if (moved_) move_regions(time_s, h);
 
@@ -168,7 +168,7 @@ void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& contex
   const SweepReport report = sweep_cells(sweep, batches_.colours);
   strain_squared_ = report.strain_squared;
   bent_squared_ = report.bent_squared;
-  strained_ = report.strain_squared > kLargeStrainSquared || report.volume_ratio < kSmallVolume;
+  strained_ = report.strain_squared > kFirstOrderStrainSquared || report.volume_ratio < kFirstOrderVolumeRatio;
   degenerate_ = degenerate_ || strained_;
 
   if (held_) hold_particles(time_s);
@@ -184,7 +184,7 @@ void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& contex
 
 void CellsBody::end_step(const SubstepPart& part, const SubstepContext& context) {
   resolve_colliders(step_of(part.duration_s), context);
-  feel_load(part);
+  update_carried_load(part);
   advance(part.duration_s);
   for (const Load& load : point_loads_) work_j_ += load.force_n.dot(nodes_.position_m(load.sample) - load.from_m);
   damp_light_nodes(part.duration_s, context.gravity_m_s2);
@@ -196,10 +196,10 @@ void CellsBody::end_step(const SubstepPart& part, const SubstepContext& context)
 // What the body carries makes its vibrations slower and their energy larger, and what damps them is in its own nodes.
 // Impulses that cancel go through it. None of those on one side do: within Coulomb's cone their sizes sum to no more than
 // sqrt(1 + mu²) of their sum.
-void CellsBody::feel_load(const SubstepPart& part) {
+void CellsBody::update_carried_load(const SubstepPart& part) {
   const double friction = material_.friction;
   const double through = step_contact_n_s_ / std::sqrt(1.0 + friction * friction) - contact_impulse_.norm();
-  const double part_of_mean = part.duration_s / (part.duration_s + kLoadMemory_s);
+  const double part_of_mean = part.duration_s / (part.duration_s + kCarriedLoadTime_s);
   carried_n_ += part_of_mean * (0.5 * std::max(0.0, through) / part.duration_s - carried_n_);
 }
 
@@ -240,8 +240,8 @@ void CellsBody::predict(double h, const SubstepContext& context) {
   predict.step_s = static_cast<float>(step_s);
   predict.kept = static_cast<float>(kept);
   predict.centre = lanes_of(motion_.centre_m);
-  predict.correction = lanes_of(owed_velocity_);
-  predict.correction_spin = lanes_of(owed_spin_);
+  predict.correction = lanes_of(velocity_correction_);
+  predict.correction_spin = lanes_of(spin_correction_);
   predict.bias = lanes_of(new_velocity - kept * old_velocity + step_s * context.gravity_m_s2);
   predict.spin = lanes_of(new_spin - kept * old_spin);
   predict_nodes(nodes_.arrays(), predict);
@@ -295,8 +295,8 @@ void CellsBody::damp_light_nodes(double step_s, const Vector3d& gravity_m_s2) {
     angular += masses_kg_[light_node.node] * (position - motion_.centre_m).cross(change);
   }
   if (light_nodes_.empty() || !free()) return;
-  owed_velocity_ -= momentum / mass_kg_;
-  owed_spin_ -= solve_inertia(motion_.inertia, angular);
+  velocity_correction_ -= momentum / mass_kg_;
+  spin_correction_ -= solve_inertia(motion_.inertia, angular);
 }
 
 // The motion of the body as a whole, and what its nodes lack of the ledger's. An impulse J at p turns the body by p x J
@@ -315,16 +315,16 @@ void CellsBody::measure(const NodeSums& sums, double h) {
                yz = sums.second[4] - mass_kg_ * c.y() * c.z(), zx = sums.second[5] - mass_kg_ * c.z() * c.x();
   motion_.inertia << yy + zz, -xy, -zx, -xy, xx + zz, -yz, -zx, -yz, xx + yy;
 
-  owed_velocity_.setZero();
-  owed_spin_.setZero();
+  velocity_correction_.setZero();
+  spin_correction_.setZero();
   if (free()) {
     ledger_momentum_ += contact_impulse_;
     contact_lag_m_ -= h / mass_kg_ * (contact_impulse_ + between_steps_impulse_);
     contact_lag_m_ *= second_order_ ? 1.0 / 3.0 : 0.0;
     between_steps_impulse_.setZero();
     ledger_angular_ += contact_moment_ - centre_before.cross(contact_impulse_) - contact_lag_m_.cross(ledger_momentum_);
-    owed_velocity_ = (ledger_momentum_ - motion_.momentum) / mass_kg_;
-    owed_spin_ = solve_inertia(motion_.inertia, ledger_angular_ - motion_.angular_momentum);
+    velocity_correction_ = (ledger_momentum_ - motion_.momentum) / mass_kg_;
+    spin_correction_ = solve_inertia(motion_.inertia, ledger_angular_ - motion_.angular_momentum);
     motion_.momentum = ledger_momentum_;
     motion_.angular_momentum = ledger_angular_;
   }
