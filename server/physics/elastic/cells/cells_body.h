@@ -210,8 +210,8 @@ class CellsBody final : public ElasticBody {
   void update_stuck_contacts(double frame_s);
   void separate(const SubstepPart& part, const SubstepContext& context, size_t begin, std::vector<ContactConstraint>& rows);
   // By what it touches from this one of collider_contacts_ on, which does not move.
-  void resist_rolling(size_t first_contact, double step_s);
-  void resist_rolling(std::span<const ContactConstraint> rows);
+  void apply_rolling_resistance(size_t first_contact, double step_s);
+  void apply_rolling_resistance(std::span<const ContactConstraint> rows);
   void apply_collider_contact(uint32_t sample, const Vector3d& point_m, const Vector3d& pull_kg_m, double step_s);
 
   struct CellShape {

@@ -100,7 +100,7 @@ void CellsBody::resolve_colliders(double step_s, const SubstepContext& context) 
       resolve(collider, candidate.collider, friction, backward_ ? cell.end - 1 - i : cell.begin + i);
     }
   }
-  resist_rolling(first_contact, step_s);
+  apply_rolling_resistance(first_contact, step_s);
 }
 
 double CellsBody::mobility(const NodeSample& sample) const {

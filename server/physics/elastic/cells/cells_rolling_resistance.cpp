@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kGripTime_s = 0.02;  // no spin is ended sooner: what is_jittering is not stirred
+constexpr double kSpinDecayTime_s = 0.02;  // no spin is ended sooner: what is_jittering is not stirred
 
 struct Push {
   Vector3d at_m, impulse_n_s;
@@ -24,7 +24,7 @@ struct Push {
 
 // The couple about a unit axis, N m s; 0 where nothing presses.
 // Each point speaks for `patch_m2` more, the mean square of what it stands for along a line.
-double rolling_couple(const std::vector<Push>& pushes, const Vector3d& axis, double loss_factor, double patch_m2 = 0.0) {
+double rolling_resistance(const std::vector<Push>& pushes, const Vector3d& axis, double loss_factor, double patch_m2 = 0.0) {
   double pressed = 0.0;
   Vector3d push = Vector3d::Zero(), centre = Vector3d::Zero();
   for (const auto& [at_m, impulse_n_s] : pushes) {
@@ -48,7 +48,7 @@ double rolling_couple(const std::vector<Push>& pushes, const Vector3d& axis, dou
 }  // namespace
 
 // On colliders; the impulses of the touches from `first_contact` on.
-void CellsBody::resist_rolling(size_t first_contact, double step_s) {
+void CellsBody::apply_rolling_resistance(size_t first_contact, double step_s) {
   if (!free() || !is_slow_ || collider_contacts_.size() == first_contact) return;  // an impact is not rolled through
   const Vector3d spin = motion_.angular_velocity_rad_s();
   const double speed = spin.norm();
@@ -58,14 +58,14 @@ void CellsBody::resist_rolling(size_t first_contact, double step_s) {
     pushes.push_back({nodes_.corrected_m(surface_[collider_contacts_[i].sample]), collider_contacts_[i].impulse_n_s});
   }
   const Vector3d axis = spin / speed;
-  const double part = std::min(1.0, step_s / kGripTime_s), inertia = axis.dot(motion_.inertia * axis);
-  contact_moment_ -= std::min(rolling_couple(pushes, axis, material_.loss_factor), part * inertia * speed) * axis;
+  const double part = std::min(1.0, step_s / kSpinDecayTime_s), inertia = axis.dot(motion_.inertia * axis);
+  contact_moment_ -= std::min(rolling_resistance(pushes, axis, material_.loss_factor), part * inertia * speed) * axis;
 }
 
 // Of balls against this one, by the rows that it listed: what has faces rests on them, and a box that leans on a block and a floor
 // would tremble between them. A body that is held takes its part. The spin ends as soon as the couple can end it: what was let to
-// go on for kGripTime_s crept off in seconds.
-void CellsBody::resist_rolling(std::span<const ContactConstraint> rows) {
+// go on for kSpinDecayTime_s crept off in seconds.
+void CellsBody::apply_rolling_resistance(std::span<const ContactConstraint> rows) {
   if (!is_slow_) return;
   std::vector<RigidProxy*> met;
   for (const ContactConstraint& row : rows) {
@@ -86,7 +86,7 @@ void CellsBody::resist_rolling(std::span<const ContactConstraint> rows) {
     const Vector3d axis = spin / speed;
     double mobility = axis.dot(rigid->inverse_inertia * axis);
     if (free()) mobility += axis.dot(solve_inertia(motion_.inertia, axis));
-    const double couple_n_m_s = std::min(rolling_couple(pushes, axis, material_.loss_factor, patch_m2), speed / mobility);
+    const double couple_n_m_s = std::min(rolling_resistance(pushes, axis, material_.loss_factor, patch_m2), speed / mobility);
     const Vector3d couple = couple_n_m_s * axis;
     rigid->turn(-couple);
     contact_moment_ += couple;

@@ -43,7 +43,7 @@ bool CellsBody::is_separating() const {
 }
 
 void CellsBody::read_contact_impulses(std::span<const ContactConstraint> rows) {
-  resist_rolling(rows);
+  apply_rolling_resistance(rows);
   if (bent_squared_ <= kStuckStrainSquared) return;
   StuckContact* last = nullptr;
   for (const ContactConstraint& row : rows) {
