@@ -171,11 +171,11 @@ class World {
     double max_force_n = 50.0, max_torque_n_m = 5.0;
   };
   Result<void> grab(uint64_t grab_id, uint32_t object_id, const Pose& world_from_hand, const Grip& grip);
-  // Where the hand is at the start of the next tick, and how it moves for `goes_on_s` from then, at least during that tick:
+  // Where the hand is at the start of the next tick, and how it moves for `extrapolation_s` from then, at least during that tick:
   // the time until it is likely to be heard of again. Then it stands. Not finite: ignored. Unknown ids are ignored too. What
   // is let go flies on as it moves then.
   void move_grab(uint64_t grab_id, const Pose& world_from_hand, const Eigen::Vector3d& velocity_m_s,
-                 const Eigen::Vector3d& spin_rad_s, double goes_on_s = 0.0);
+                 const Eigen::Vector3d& spin_rad_s, double extrapolation_s = 0.0);
   void release_grab(uint64_t grab_id);
   struct GrabState {
     Eigen::Vector3d point_m;              // the material point that was at the hand's place, now

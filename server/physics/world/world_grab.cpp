@@ -13,35 +13,35 @@ namespace livegs {
 namespace {
 
 // A palm: an elastic object is held by points within this distance of the hand.
-constexpr double kPalm_m = 0.05;
-constexpr size_t kMaxHeldPlaces = 6;
-constexpr double kSilentTicks = 3.0;  // later than that a hand is at rest
+constexpr double kPalmRadius_m = 0.05;
+constexpr size_t kMaxGripPoints = 6;
+constexpr double kHandTimeoutTicks = 3.0;  // later than that a hand is at rest
 
 double squared(double value) { return value * value; }
 
 // The nearest particle to the hand, then always the one farthest from those taken, within the palm.
-std::vector<HeldPlace> places_in_palm(const ElasticObject& elastic, const Pose& world_from_hand) {
+std::vector<GripPoint> grip_points_in_palm(const ElasticObject& elastic, const Pose& world_from_hand) {
   const std::vector<Eigen::Vector3d>& rest = elastic.rest_particles_m;
   const Pose hand_from_world = world_from_hand.inverse();
   std::vector<Eigen::Vector3d> seen;  // in the hand's frame
   for (const Eigen::Vector3d& point : rest) seen.push_back(hand_from_world * elastic.body->world_point(point));
   std::vector<double> apart(seen.size());  // from the nearest that is taken; before the first, minus that from the hand
   for (size_t i = 0; i < seen.size(); ++i) apart[i] = -seen[i].norm();
-  std::vector<HeldPlace> places;
-  while (places.size() < kMaxHeldPlaces) {
+  std::vector<GripPoint> grip_points;
+  while (grip_points.size() < kMaxGripPoints) {
     const size_t next = static_cast<size_t>(std::max_element(apart.begin(), apart.end()) - apart.begin());
-    if (!places.empty() && apart[next] <= 0.0) break;
-    places.push_back({rest[next], seen[next]});
+    if (!grip_points.empty() && apart[next] <= 0.0) break;
+    grip_points.push_back({rest[next], seen[next]});
     for (size_t i = 0; i < seen.size(); ++i) {
       const double distance = (seen[i] - seen[next]).norm();
-      if (places.size() == 1) {
-        apart[i] = seen[i].norm() <= kPalm_m ? distance : 0.0;
+      if (grip_points.size() == 1) {
+        apart[i] = seen[i].norm() <= kPalmRadius_m ? distance : 0.0;
       } else {
         apart[i] = std::min(apart[i], distance);
       }
     }
   }
-  return places;
+  return grip_points;
 }
 
 // From the surface to a point in the shape's frame, negative within. A field knows it near the surface only: farther off it
@@ -156,17 +156,17 @@ void World::State::gather_springs(double duration_s) {
     if (!object || object->fixed()) continue;
     // Hands go on moving until they are heard of again; one that should have been stands, and soon at rest.
     const double tick_s = 1.0 / settings.rate_hz;
-    const double goes_on_s = std::max(held.goes_on_s, tick_s);
+    const double extrapolation_s = std::max(held.extrapolation_s, tick_s);
     Pose hand = held.world_from_hand;
-    hand.position_m += std::min(held.moving_s, goes_on_s) * held.velocity_m_s;
-    const Eigen::Vector3d turned = std::min(held.moving_s, goes_on_s) * held.spin_rad_s;
-    const bool silent = held.moving_s > goes_on_s + kSilentTicks * tick_s;
-    const Eigen::Vector3d velocity = silent ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : held.velocity_m_s;
-    const Eigen::Vector3d spin = silent ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : held.spin_rad_s;
+    hand.position_m += std::min(held.since_update_s, extrapolation_s) * held.velocity_m_s;
+    const Eigen::Vector3d turned = std::min(held.since_update_s, extrapolation_s) * held.spin_rad_s;
+    const bool timed_out = held.since_update_s > extrapolation_s + kHandTimeoutTicks * tick_s;
+    const Eigen::Vector3d velocity = timed_out ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : held.velocity_m_s;
+    const Eigen::Vector3d spin = timed_out ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : held.spin_rad_s;
     if (turned.norm() > 0.0) {
       hand.orientation = Eigen::AngleAxisd(turned.norm(), turned.normalized()) * hand.orientation;
     }
-    held.moving_s += duration_s;
+    held.since_update_s += duration_s;
     const double rate = 2.0 * std::numbers::pi * held.grip.frequency_hz;
     if (RigidObject* rigid = object->rigid()) {
       RigidBody& body = rigid->body_with(held.rest_point_m, held.piece);
@@ -183,9 +183,9 @@ void World::State::gather_springs(double duration_s) {
       hold(body, row);
     } else {
       ElasticObject& elastic = *object->elastic();
-      const double share = 1.0 / static_cast<double>(held.places.size());
+      const double share = 1.0 / static_cast<double>(held.grip_points.size());
       const double mass_kg = share * elastic.body->mass_kg();
-      for (HeldPlace& place : held.places) {
+      for (GripPoint& place : held.grip_points) {
         const Eigen::Vector3d arm = hand.orientation * place.hand_point_m;
         const World::Spring spring{place.rest_point_m, hand.position_m + arm, mass_kg * squared(rate),
                                    share * held.grip.max_force_n};
@@ -197,7 +197,7 @@ void World::State::gather_springs(double duration_s) {
 
 void World::set_spring(uint64_t spring_id, uint32_t object_id, const Spring& spring) {
   if (!state_->find(object_id) || !spring.target_m.allFinite()) return;
-  HeldSpring& held = state_->springs[spring_id];
+  ActiveSpring& held = state_->springs[spring_id];
   if (held.object_id != object_id) held = {};
   held.object_id = object_id;
   held.spring = spring;
@@ -223,7 +223,7 @@ Result<void> World::grab(uint64_t grab_id, uint32_t object_id, const Pose& world
       !(grip.max_torque_n_m >= 0.0)) {
     return invalid_argument("grab of " + name + ": frequency_hz is not within 0 to 100, or a bound is negative");
   }
-  HeldGrab held;
+  ActiveGrab held;
   held.object_id = object_id;
   held.grip = grip;
   held.world_from_hand = {world_from_hand.position_m, world_from_hand.orientation.normalized()};
@@ -235,25 +235,25 @@ Result<void> World::grab(uint64_t grab_id, uint32_t object_id, const Pose& world
     held.hand_from_object =
         held.world_from_hand.orientation.conjugate() * rigid->body_at(*nearest.index).world_from_body.orientation;
   } else {
-    held.places = places_in_palm(*object->elastic(), held.world_from_hand);
-    held.rest_point_m = held.places.front().rest_point_m;
+    held.grip_points = grip_points_in_palm(*object->elastic(), held.world_from_hand);
+    held.rest_point_m = held.grip_points.front().rest_point_m;
   }
   state_->grabs[grab_id] = std::move(held);
   return {};
 }
 
 void World::move_grab(uint64_t grab_id, const Pose& world_from_hand, const Eigen::Vector3d& velocity_m_s,
-                      const Eigen::Vector3d& spin_rad_s, double goes_on_s) {
+                      const Eigen::Vector3d& spin_rad_s, double extrapolation_s) {
   const auto found = state_->grabs.find(grab_id);
   if (found == state_->grabs.end() || !velocity_m_s.allFinite() || !spin_rad_s.allFinite()) return;
-  if (!(goes_on_s >= 0.0 && std::isfinite(goes_on_s))) return;
+  if (!(extrapolation_s >= 0.0 && std::isfinite(extrapolation_s))) return;
   if (!check_pose(0, world_from_hand)) return;
-  HeldGrab& held = found->second;
+  ActiveGrab& held = found->second;
   held.world_from_hand = {world_from_hand.position_m, world_from_hand.orientation.normalized()};
   held.velocity_m_s = velocity_m_s;
   held.spin_rad_s = spin_rad_s;
-  held.goes_on_s = goes_on_s;
-  held.moving_s = 0.0;
+  held.extrapolation_s = extrapolation_s;
+  held.since_update_s = 0.0;
 }
 
 void World::release_grab(uint64_t grab_id) { state_->grabs.erase(grab_id); }
@@ -261,7 +261,7 @@ void World::release_grab(uint64_t grab_id) { state_->grabs.erase(grab_id); }
 std::optional<World::GrabState> World::grab_state(uint64_t grab_id) const {
   const auto found = state_->grabs.find(grab_id);
   if (found == state_->grabs.end()) return std::nullopt;
-  const HeldGrab& held = found->second;
+  const ActiveGrab& held = found->second;
   const WorldObject* object = state_->find(held.object_id);
   if (!object) return std::nullopt;
   GrabState state{world_point(held.object_id, held.rest_point_m, held.piece), held.force_n, Eigen::Vector3d::Zero(),

@@ -33,9 +33,9 @@ Result<void> World::State::add_joint(const HingeJointDescription& description, b
   if (!(description.axis.norm() > 1e-9) || !description.axis.allFinite()) {
     return invalid_argument("joint of " + named(description.object_id) + ": axis is zero or not finite");
   }
-  HeldJoint held;
+  ActiveJoint held;
   held.object_id = description.object_id;
-  held.named_id = description.other_id;
+  held.declared_id = description.other_id;
   held.point_m = description.point_m;
   held.axis = description.axis.normalized();
   held.joint.id = joints.empty() ? 1 : joints.back().joint.id + 1;
@@ -66,7 +66,7 @@ Result<void> World::State::add_joint(const HingeJointDescription& description, b
   return {};
 }
 
-const RigidJoint& World::State::running(const HeldJoint& held) const {
+const RigidJoint& World::State::running(const ActiveJoint& held) const {
   if (held.group) {
     for (const RigidJoint& joint : held.group->joints()) {
       if (joint.id == held.joint.id) return joint;
@@ -76,7 +76,7 @@ const RigidJoint& World::State::running(const HeldJoint& held) const {
 }
 
 void World::State::link_joints() {
-  std::erase_if(joints, [&](const HeldJoint& held) {
+  std::erase_if(joints, [&](const ActiveJoint& held) {
     WorldObject* const object = find(held.object_id);
     WorldObject* const other = held.other_id ? find(*held.other_id) : nullptr;
     if (object && (other || !held.other_id)) return false;
@@ -85,7 +85,7 @@ void World::State::link_joints() {
     }
     return true;
   });
-  for (HeldJoint& held : joints) {
+  for (ActiveJoint& held : joints) {
     RigidJoint& joint = held.joint;
     joint = running(held);  // with its impulses
     RigidBody& a = find(held.object_id)->rigid()->body_with(held.point_m);
@@ -108,16 +108,16 @@ void World::State::link_joints() {
     return static_cast<uint32_t>(std::find(rigid_bodies.begin(), rigid_bodies.end(), body) - rigid_bodies.begin());
   };
   DisjointSets sets(rigid_bodies.size());
-  for (const HeldJoint& held : joints) {
+  for (const ActiveJoint& held : joints) {
     if (held.joint.b) sets.join(index_of(held.joint.a), index_of(held.joint.b));
   }
-  std::map<uint32_t, std::vector<HeldJoint*>> members;
-  for (HeldJoint& held : joints) members[sets.find(index_of(held.joint.a))].push_back(&held);
+  std::map<uint32_t, std::vector<ActiveJoint*>> members;
+  for (ActiveJoint& held : joints) members[sets.find(index_of(held.joint.a))].push_back(&held);
   for (const auto& [root, held] : members) {
     std::vector<RigidJoint> rows;
-    for (const HeldJoint* one : held) rows.push_back(one->joint);
+    for (const ActiveJoint* one : held) rows.push_back(one->joint);
     joint_groups.push_back(std::make_unique<JointGroup>(std::move(rows)));
-    for (HeldJoint* one : held) one->group = joint_groups.back().get();
+    for (ActiveJoint* one : held) one->group = joint_groups.back().get();
     for (RigidBody* body : joint_groups.back()->bodies()) body->joints = joint_groups.back().get();
   }
 }
@@ -132,11 +132,11 @@ Result<void> World::add_hinge_joint(const HingeJointDescription& description) {
 
 std::vector<JointState> World::joints() const {
   std::vector<JointState> states;
-  for (const HeldJoint& held : state_->joints) {
+  for (const ActiveJoint& held : state_->joints) {
     const RigidJoint& joint = state_->running(held);
     JointState state;
     state.object_id = held.object_id;
-    state.other_id = held.named_id;
+    state.other_id = held.declared_id;
     state.hinge = joint.hinge;
     state.point_m = joint.world_anchor_a();
     state.axis = joint.hinge ? joint.world_axis_a() : Eigen::Vector3d::Zero().eval();

@@ -91,12 +91,12 @@ struct WorldObject {
   void wake();
 };
 
-struct HeldForce {
+struct ActiveForce {
   uint32_t object_id = 0;
   PointForce force;
 };
 
-struct HeldSpring {
+struct ActiveSpring {
   uint32_t object_id = 0;
   World::Spring spring;
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  // of the last substep
@@ -105,30 +105,30 @@ struct HeldSpring {
 };
 
 // What a hand holds of an elastic object: one of the points near it.
-struct HeldPlace {
+struct GripPoint {
   Eigen::Vector3d rest_point_m;
   Eigen::Vector3d hand_point_m;  // where it belongs, in the hand's frame
   PointSpring point = {};
 };
 
-struct HeldGrab {
+struct ActiveGrab {
   uint32_t object_id = 0;
   World::Grip grip;
   Eigen::Vector3d rest_point_m;
   std::optional<uint32_t> piece;  // of an object that has broken
   Pose world_from_hand;
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero(), spin_rad_s = Eigen::Vector3d::Zero();
-  double goes_on_s = 0, moving_s = 0;  // from when it was set, and since
+  double extrapolation_s = 0, since_update_s = 0;  // from when it was set, and since
   Eigen::Quaterniond hand_from_object = Eigen::Quaterniond::Identity();
   RigidSpring row;                // of a rigid object
-  std::vector<HeldPlace> places;  // of an elastic one
+  std::vector<GripPoint> grip_points;  // of an elastic one
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  // of an elastic one, in the last substep
 };
 
-struct HeldJoint {
+struct ActiveJoint {
   uint32_t object_id = 0;
   std::optional<uint32_t> other_id;  // of an object that moves
-  std::optional<uint32_t> named_id;  // as it was given
+  std::optional<uint32_t> declared_id;  // as it was given
   Eigen::Vector3d point_m, axis;              // object frame, at rest
   Eigen::Vector3d other_point_m, other_axis;  // of the other object, or of the world
   RigidJoint joint;                           // as it was when groups were last made
@@ -139,10 +139,10 @@ struct World::State {
   WorldSettings settings;
   std::vector<Collider> colliders;
   std::map<uint32_t, WorldObject> objects;
-  std::map<uint64_t, HeldForce> forces;
-  std::map<uint64_t, HeldSpring> springs;
-  std::map<uint64_t, HeldGrab> grabs;
-  std::vector<HeldJoint> joints;  // as they were added; ids count from 1
+  std::map<uint64_t, ActiveForce> forces;
+  std::map<uint64_t, ActiveSpring> springs;
+  std::map<uint64_t, ActiveGrab> grabs;
+  std::vector<ActiveJoint> joints;  // as they were added; ids count from 1
   std::vector<std::unique_ptr<JointGroup>> joint_groups;
   std::vector<WorldEvent> events;
   uint64_t tick = 0;
@@ -167,7 +167,7 @@ struct World::State {
   void wake_all();
   Result<void> add_joint(const HingeJointDescription& description, bool hinge);
   void link_joints();  // groups of the joints there are, after joints or bodies came or went
-  const RigidJoint& running(const HeldJoint& held) const;
+  const RigidJoint& running(const ActiveJoint& held) const;
 
   void gather_loads(double duration_s);
   void gather_springs(double duration_s);  // of hands

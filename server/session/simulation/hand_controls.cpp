@@ -71,7 +71,7 @@ void HandControls::track(Hand& hand, const HandSample& sample, int64_t sampled_n
     hand.grip = sample.grip;
     return;
   }
-  hand.goes_on_s = told ? passed_s : 0.0;
+  hand.extrapolation_s = told ? passed_s : 0.0;
   if (!told) {
     hand.velocity_m_s.setZero();
     hand.spin_rad_s.setZero();
@@ -108,7 +108,7 @@ void HandControls::apply_grab(Scene& scene, uint64_t grab_id, Hand& hand, const 
   }
   hand.squeezed = squeezed;
   if (!squeezed && hand.grabbing) let_go(scene, grab_id, hand);
-  if (hand.grabbing) world.move_grab(grab_id, input.grip, hand.velocity_m_s, hand.spin_rad_s, hand.goes_on_s);
+  if (hand.grabbing) world.move_grab(grab_id, input.grip, hand.velocity_m_s, hand.spin_rad_s, hand.extrapolation_s);
 }
 
 void HandControls::let_go(Scene& scene, uint64_t spring, Hand& hand) {

@@ -66,7 +66,7 @@ class HandControls {
     bool tracked = false;   // grip and the two below are of the sample before
     Pose grip;
     int64_t sampled_ns = 0;
-    double goes_on_s = 0;  // until the next sample is likely
+    double extrapolation_s = 0;  // until the next sample is likely
     Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero(), spin_rad_s = Eigen::Vector3d::Zero();
     uint32_t object_id = 0;
     Eigen::Vector3d rest_point_m = Eigen::Vector3d::Zero();

@@ -99,14 +99,14 @@ class CellsBody final : public ElasticBody {
     Eigen::Vector3d parent_m_s = Eigen::Vector3d::Zero();  // after the last step
   };
   // A region that holds or moves some of the body.
-  struct HeldRegion {
+  struct ConstrainedRegion {
     BodyRegion region;
     std::vector<uint32_t> nodes;                // that it holds
     std::vector<NodeSample> particles;          // that it holds by themselves
     std::vector<Vector3d> node_rest_m, particle_rest_m;  // object frame
     bool released = false;
   };
-  void hold_face(const ParticleSet& particles, HeldRegion& held);
+  void hold_face(const ParticleSet& particles, ConstrainedRegion& held);
   struct Load {
     NodeSample sample;
     Vector3d force_n;  // world
@@ -171,7 +171,7 @@ class CellsBody final : public ElasticBody {
   void hold_regions(const ElasticBodyDescription& description);
   bool in_region(const LatticeCell& cell, const BodyRegion& region) const;
   void load_regions(const ElasticBodyDescription& description);
-  Vector3d region_target_m(const HeldRegion& held, const Vector3d& rest_m, double time_s) const;
+  Vector3d region_target_m(const ConstrainedRegion& held, const Vector3d& rest_m, double time_s) const;
   bool driven(double from_s, double to_s) const;  // whether a motion moves anything in that time
   void move_regions(double time_s, double h);
   void hold_particles(double time_s);
@@ -296,7 +296,7 @@ class CellsBody final : public ElasticBody {
   double plastic_work_j_ = 0.0;
 
   Pose world_from_object_;  // at the start, for regions
-  std::vector<HeldRegion> held_regions_;
+  std::vector<ConstrainedRegion> constrained_regions_;
   std::vector<Load> region_loads_, point_loads_;
   bool held_ = false;   // some of it does not move, or moves as it is told
   bool moved_ = false;  // as it is told

@@ -41,7 +41,7 @@ void CellsBody::hold_regions(const ElasticBodyDescription& description) {
   const std::vector<uint8_t> cells_around = cells_around_nodes(lattice_);
   for (const BodyRegion& region : description.regions) {
     if (!holds(region)) continue;
-    HeldRegion held;
+    ConstrainedRegion held;
     held.region = region;
     const auto take = [&](uint32_t node) {
       if (taken[node]) return;
@@ -91,14 +91,14 @@ void CellsBody::hold_regions(const ElasticBodyDescription& description) {
     }
     held_ = true;
     moved_ = moved_ || region.motion.has_value();
-    held_regions_.push_back(std::move(held));
+    constrained_regions_.push_back(std::move(held));
   }
 }
 
 // A grip thinner than a voxel has the corners of the body's surface in it and little else: it is held by its face, as a
 // traction is spread. By that alone: both together are more than the nodes of one layer of cells can follow.
 // Only what goes right across the body is a grip: a line of it is a hinge.
-void CellsBody::hold_face(const ParticleSet& particles, HeldRegion& held) {
+void CellsBody::hold_face(const ParticleSet& particles, ConstrainedRegion& held) {
   Eigen::AlignedBox3d body;
   for (const Vector3d& particle : particle_rest_m_) body.extend(particle);
   const Vector3d slack = Vector3d::Constant(1e-6 * lattice_.cell_width_m);
@@ -130,19 +130,19 @@ void CellsBody::load_regions(const ElasticBodyDescription& description) {
   }
 }
 
-Vector3d CellsBody::region_target_m(const HeldRegion& held, const Vector3d& rest_m, double time_s) const {
+Vector3d CellsBody::region_target_m(const ConstrainedRegion& held, const Vector3d& rest_m, double time_s) const {
   const Vector3d point = held.region.motion ? moved_point(*held.region.motion, rest_m, time_s) : rest_m;
   return world_from_object_ * point - origin_m_;
 }
 
 bool CellsBody::driven(double from_s, double to_s) const {
-  return moved_ && std::any_of(held_regions_.begin(), held_regions_.end(), [&](const HeldRegion& held) {
+  return moved_ && std::any_of(constrained_regions_.begin(), constrained_regions_.end(), [&](const ConstrainedRegion& held) {
            return !held.released && held.region.motion && moves_between(*held.region.motion, from_s, to_s);
          });
 }
 
 void CellsBody::move_regions(double time_s, double h) {
-  for (const HeldRegion& held : held_regions_) {
+  for (const ConstrainedRegion& held : constrained_regions_) {
     if (held.released || !held.region.motion) continue;
     for (size_t i = 0; i < held.nodes.size(); ++i) {
       const Vector3d target = region_target_m(held, held.node_rest_m[i], time_s);
@@ -152,7 +152,7 @@ void CellsBody::move_regions(double time_s, double h) {
 }
 
 void CellsBody::hold_particles(double time_s) {
-  for (const HeldRegion& held : held_regions_) {
+  for (const ConstrainedRegion& held : constrained_regions_) {
     if (held.released) continue;
     for (size_t i = 0; i < held.particles.size(); ++i) {
       const NodeSample& sample = held.particles[i];
@@ -166,7 +166,7 @@ void CellsBody::hold_particles(double time_s) {
 bool CellsBody::release_region(const std::string& name) {
   bool found = false;
   held_ = moved_ = false;
-  for (HeldRegion& held : held_regions_) {
+  for (ConstrainedRegion& held : constrained_regions_) {
     if (held.region.name == name && !held.released) {
       found = held.released = true;
       for (const uint32_t node : held.nodes) inverse_masses_[node] = 1.0;
