@@ -40,7 +40,7 @@ struct RigidBody {
 
   bool asleep = false;
   // Over the tick: an elastic body bears or pushes it; and one of its company is not ready to sleep.
-  bool touches_elastic = false, island_awake = false;
+  bool in_elastic_contact = false, island_awake = false;
   double still_s = 0.0;  // for how long it has been slower than the sleep speed
   uint64_t sleep_group = 0;  // bodies that fell asleep together wake together: the lowest id of them, plus one
   uint32_t slot = 0;         // its place in the list that is being worked on
@@ -62,9 +62,9 @@ struct RigidBody {
 
   // Over the tick: from all that touches it, and, for its object's events, without what other bodies of the object gave.
   double contact_impulse_n_s = 0.0;
-  double outer_impulse_n_s = 0.0;
-  Eigen::Vector3d outer_moment = Eigen::Vector3d::Zero();  // impulse times point
-  double felt_impulse_n_s = 0.0;                           // contact_impulse_n_s of the last tick
+  double external_contact_impulse_n_s = 0.0;
+  Eigen::Vector3d external_contact_moment = Eigen::Vector3d::Zero();  // impulse times point
+  double last_tick_contact_impulse_n_s = 0.0;                           // contact_impulse_n_s of the last tick
   bool can_break = false;  // it has pieces: its impacts are counted
   ImpactRecord impacts;
   double tick_energy_j = 0.0;  // of its motion and its weight, at the start of the tick

@@ -92,8 +92,8 @@ void report_contact_point(RigidBody& body, const ContactManifold& manifold, cons
                  const Eigen::Vector3d& normal, const Eigen::Vector3d& where) {
   body.contact_impulse_n_s += point.impulse_n_s;
   if (!from || from->object_id != body.object_id) {
-    body.outer_impulse_n_s += point.impulse_n_s;
-    body.outer_moment += point.impulse_n_s * where;
+    body.external_contact_impulse_n_s += point.impulse_n_s;
+    body.external_contact_moment += point.impulse_n_s * where;
   }
   body.impacts.record_contact(body, manifold, point, normal, where - body.world_from_body.position_m);
 }
@@ -188,8 +188,8 @@ void restore_last_valid_state(RigidIsland& island, std::span<const Pose> poses, 
     body.manifolds.clear();
     body.previous_manifolds.clear();
     body.impacts = ImpactRecord();
-    body.contact_impulse_n_s = body.outer_impulse_n_s = 0.0;
-    body.outer_moment.setZero();
+    body.contact_impulse_n_s = body.external_contact_impulse_n_s = 0.0;
+    body.external_contact_moment.setZero();
     body.update_turning();
   }
   for (JointGroup* group : joints) group->forget();
@@ -371,7 +371,7 @@ void update_sleep(std::span<RigidBody* const> bodies, double tick_s, RigidBroadP
   for (RigidBody* body : bodies) {
     if (body->asleep) continue;
     awake.push_back(body);
-    bool touching = body->pushed_by_owner || body->touches_elastic || body->joints;
+    bool touching = body->pushed_by_owner || body->in_elastic_contact || body->joints;
     for (const ContactManifold& manifold : body->manifolds) touching = touching || total_impulse(manifold) > 0.0;
     const bool still = touching && three_point_speed_m_s(*body, body->velocity_m_s) < sleep_speed_m_s(body->shape);
     body->still_s = still ? body->still_s + tick_s : 0.0;

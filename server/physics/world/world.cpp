@@ -51,7 +51,7 @@ void World::State::list_bodies() {
     }
     if (ElasticObject* elastic = object.elastic()) elastic_objects.push_back(elastic);
   }
-  for (RigidBody* body : rigid_bodies) body->touches_elastic = body->island_awake = false;
+  for (RigidBody* body : rigid_bodies) body->in_elastic_contact = body->island_awake = false;
   loads.resize(rigid_bodies.size());
   rigid_proxies.assign(rigid_bodies.size(), {});
   velocity_changes.assign(rigid_bodies.size(), {});

@@ -141,7 +141,7 @@ void World::State::apply_elastic_impulses(double duration_s) {
     if (size == 0.0) continue;
     RigidBody& body = *rigid_bodies[i];
     if (body.asleep) body.wake();
-    body.touches_elastic = true;
+    body.in_elastic_contact = true;
     const Vector3d balance = -body.mass_kg * copy.predicted_change_m_s;
     const double whole = balance.squaredNorm();
     const double part = whole > 0.0 ? std::clamp(balance.dot(copy.impulse_n_s) / whole, 0.0, 1.0) : 0.0;
@@ -150,8 +150,8 @@ void World::State::apply_elastic_impulses(double duration_s) {
     loads[i].implicit_impulse_n_s += impact;
     loads[i].angular_impulse += copy.angular_impulse;
     body.contact_impulse_n_s += size;
-    body.outer_impulse_n_s += size;
-    body.outer_moment += copy.contact_moment;
+    body.external_contact_impulse_n_s += size;
+    body.external_contact_moment += copy.contact_moment;
     const double struck = impact.norm();
     // Where the copy was: impulses that came later in the substep moved it less. Those that balance come evenly.
     const double steps = copy.step_impulse_n_s / size, even = 0.5 * (steps - 1.0) / steps * duration_s;
@@ -194,7 +194,7 @@ void World::State::wake_islands() {
       }
     }
   }
-  for (RigidBody* body : rigid_bodies) body->touches_elastic = false;
+  for (RigidBody* body : rigid_bodies) body->in_elastic_contact = false;
 }
 
 // Bodies that pushed each other in this tick fall asleep together: rigid ones first, when every elastic one is rested;

@@ -231,7 +231,7 @@ void World::State::process_impacts() {
         undone_fraction = 1.0 - borne;
       }
       const Eigen::Vector3d arm = impact.point_m - body.rest_centre_m;
-      const double restitution = body.touches_elastic ? 1.0 : sum.restitution;  // what is soft takes no energy at once
+      const double restitution = body.in_elastic_contact ? 1.0 : sum.restitution;  // what is soft takes no energy at once
       const double recoil_j = kRecoilEnergyFraction * impact_energy_loss_j(body, sum.push_n_s, arm, borne, restitution);
       if (!fracture_body(id, *object, index, impact, sum, undone_fraction, recoil_j)) continue;
       broke = true;

@@ -277,8 +277,8 @@ double World::contact_impulse_n_s(uint32_t object_id, const Eigen::Vector3d& res
                                   std::optional<uint32_t> piece) const {
   const WorldObject* object = state_->find(object_id);
   if (!object) return 0.0;
-  if (const RigidObject* rigid = object->rigid()) return rigid->body_with(rest_point_m, piece).felt_impulse_n_s;
-  return object->elastic() ? object->elastic()->felt_impulse_n_s : 0.0;
+  if (const RigidObject* rigid = object->rigid()) return rigid->body_with(rest_point_m, piece).last_tick_contact_impulse_n_s;
+  return object->elastic() ? object->elastic()->last_tick_contact_impulse_n_s : 0.0;
 }
 
 double World::mass_at_kg(uint32_t object_id, const Eigen::Vector3d& rest_point_m, std::optional<uint32_t> piece) const {

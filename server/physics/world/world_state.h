@@ -74,7 +74,7 @@ struct ElasticObject {
   // Over the tick, from everything it touches.
   double contact_impulse_n_s = 0;
   Eigen::Vector3d contact_moment = Eigen::Vector3d::Zero();
-  double felt_impulse_n_s = 0;  // contact_impulse_n_s of the last tick
+  double last_tick_contact_impulse_n_s = 0;  // contact_impulse_n_s of the last tick
 };
 
 struct WorldObject {

@@ -96,17 +96,17 @@ void World::State::report_contacts() {
       Eigen::Vector3d moment = Eigen::Vector3d::Zero();
       for (size_t i = 0; i < rigid->body_count(); ++i) {
         RigidBody& body = rigid->body_at(i);
-        body.felt_impulse_n_s = std::exchange(body.contact_impulse_n_s, 0.0);
-        impulse += std::exchange(body.outer_impulse_n_s, 0.0);
-        moment += std::exchange(body.outer_moment, Eigen::Vector3d::Zero());
+        body.last_tick_contact_impulse_n_s = std::exchange(body.contact_impulse_n_s, 0.0);
+        impulse += std::exchange(body.external_contact_impulse_n_s, 0.0);
+        moment += std::exchange(body.external_contact_moment, Eigen::Vector3d::Zero());
       }
       report(id, impulse, moment);
     } else if (ElasticObject* elastic = object.elastic()) {
       const ContactTotal total = elastic->body->take_contact_total();
       elastic->contact_impulse_n_s += total.impulse_n_s;
       elastic->contact_moment += total.moment;
-      elastic->felt_impulse_n_s = std::exchange(elastic->contact_impulse_n_s, 0.0);
-      report(id, elastic->felt_impulse_n_s, std::exchange(elastic->contact_moment, Eigen::Vector3d::Zero()));
+      elastic->last_tick_contact_impulse_n_s = std::exchange(elastic->contact_impulse_n_s, 0.0);
+      report(id, elastic->last_tick_contact_impulse_n_s, std::exchange(elastic->contact_moment, Eigen::Vector3d::Zero()));
     }
   }
 }
