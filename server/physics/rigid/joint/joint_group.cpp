@@ -19,20 +19,20 @@ constexpr double kTakenBack = 0.2;
 constexpr double kMaxReturn_m_s = 3.0;
 constexpr double kMaxReturn_rad_s = 10.0;
 // The bend of a way is reckoned with up to this part of its length.
-constexpr double kMaxBend = 0.5;
+constexpr double kMaxCurvature = 0.5;
 // A new measure of it is used if it differs from the last by no more than this part of the last difference; the first
 // one, of the bend or of the way itself. Within small steps measures must agree sooner.
-struct BendLimits {
-  double settles, of_way;
+struct CurvatureLimits {
+  double converges, of_displacement;
 };
-constexpr double kFineBend = 1e-9;  // differences below this part of the way are not looked into
-constexpr BendLimits kBendInSubstep{0.7, 0.1}, kBendInSmallStep{0.3, 0.02};
+constexpr double kMinCurvatureChange = 1e-9;  // differences below this part of the way are not looked into
+constexpr CurvatureLimits kCurvatureInSubstep{0.7, 0.1}, kCurvatureInSmallStep{0.3, 0.02};
 // Small steps of a group within a substep: so many that its links neither swing under their tension nor turn by more
 // than this, in radians, within one. Above 2 the swing would grow.
 constexpr double kMaxSwing = 1.0;
 constexpr double kMaxTurn = 0.25;
 constexpr int kMaxSmallSteps = 4;
-constexpr int kBendSweeps = 3;
+constexpr int kMaxCurvatureIterations = 3;
 // A row whose pivot is below this part of its own diagonal says what others say already (two hinges on one door).
 constexpr double kDependent = 1e-11;
 // Rows of a group with a closed loop may say the same, or nearly: of a bridge of planks that lie in a line the way between its
@@ -307,28 +307,28 @@ void JointGroup::warm_start(ContactPhase phase) {
     apply(joints_[i], rows_[i], impulse);
   }
   if (phase == ContactPhase::Relax) return;
-  bend_settles_ = true;
-  bend_change_.fill(kNotMeasured);
-  for (Rows& rows : rows_) rows.bend = rows.next_bend;
+  curvature_converges_ = true;
+  curvature_change_.fill(kNotMeasured);
+  for (Rows& rows : rows_) rows.curvature = rows.next_curvature;
 }
 
 // Where the joints would be at the end of the substep is not where their present velocities point: arms turn. That
 // difference, which grows with the substep, is taken over from the substep before, then measured after each sweep and
 // used for as long as measures come closer: for light bodies between heavy ones they need not.
-bool JointGroup::measure_bend(double substep_s) {
+bool JointGroup::measure_curvature(double substep_s) {
   for (size_t i = 0; i < bodies_.size(); ++i) ends_[i] = bodies_[i]->orientation_after(substep_s);
   // Of gaps and of tilts: the largest bend, its largest change, the fastest way.
   std::array<double, 2> largest{}, change{}, speed{};
   const auto limited = [&](const auto& displacement, const auto& present, double present_speed) {
-    const auto bend = (displacement / substep_s - present).eval();
-    const double most = kMaxBend * present_speed, size = bend.norm();
-    return (std::min(1.0, most / std::max(size, 1e-300)) / substep_s * bend).eval();
+    const auto curvature = (displacement / substep_s - present).eval();
+    const double most = kMaxCurvature * present_speed, size = curvature.norm();
+    return (std::min(1.0, most / std::max(size, 1e-300)) / substep_s * curvature).eval();
   };
-  const auto note = [&](size_t kind, const auto& bend, const auto& last) {
-    largest[kind] = std::max(largest[kind], bend.norm());
-    change[kind] = std::max(change[kind], (bend - last).norm());
+  const auto note = [&](size_t kind, const auto& curvature, const auto& last) {
+    largest[kind] = std::max(largest[kind], curvature.norm());
+    change[kind] = std::max(change[kind], (curvature - last).norm());
   };
-  const auto arm_bend = [&](size_t index, const Eigen::Vector3d& anchor_m) {
+  const auto arm_curvature = [&](size_t index, const Eigen::Vector3d& anchor_m) {
     const RigidBody& body = *bodies_[index];
     const Eigen::Vector3d arm = body.world_from_body.orientation * anchor_m;
     const Eigen::Vector3d present = body.angular_velocity_rad_s.cross(arm);
@@ -338,9 +338,9 @@ bool JointGroup::measure_bend(double substep_s) {
   for (size_t i = 0; i < joints_.size(); ++i) {
     const RigidJoint& joint = joints_[i];
     Rows& rows = rows_[i];
-    rows.next_bend.gap_m_s2 = arm_bend(rows.a, joint.anchor_a_m);
-    if (joint.b) rows.next_bend.gap_m_s2 -= arm_bend(rows.b, joint.anchor_b_m);
-    note(0, rows.next_bend.gap_m_s2, rows.bend.gap_m_s2);
+    rows.next_curvature.gap_m_s2 = arm_curvature(rows.a, joint.anchor_a_m);
+    if (joint.b) rows.next_curvature.gap_m_s2 -= arm_curvature(rows.b, joint.anchor_b_m);
+    note(0, rows.next_curvature.gap_m_s2, rows.curvature.gap_m_s2);
     if (!joint.hinge) continue;
     Eigen::Vector3d turning = joint.a->angular_velocity_rad_s;
     double fastest = turning.norm();
@@ -350,23 +350,23 @@ bool JointGroup::measure_bend(double substep_s) {
     }
     const Eigen::Vector3d axis_b = joint.b ? Eigen::Vector3d(ends_[rows.b] * joint.axis_b) : joint.axis_b;
     const Eigen::Vector2d tilt = rows.across.transpose() * tilt_of(ends_[rows.a] * joint.axis_a, axis_b);
-    rows.next_bend.tilt_rad_s2 =
+    rows.next_curvature.tilt_rad_s2 =
         limited(Eigen::Vector2d(tilt - rows.start_tilt), (rows.across.transpose() * turning).eval(), fastest);
     speed[1] = std::max(speed[1], fastest);
-    note(1, rows.next_bend.tilt_rad_s2, rows.bend.tilt_rad_s2);
+    note(1, rows.next_curvature.tilt_rad_s2, rows.curvature.tilt_rad_s2);
   }
-  if (!bend_settles_) return false;
-  const BendLimits& limits = in_small_steps_ ? kBendInSmallStep : kBendInSubstep;
+  if (!curvature_converges_) return false;
+  const CurvatureLimits& limits = in_small_steps_ ? kCurvatureInSmallStep : kCurvatureInSubstep;
   for (size_t kind : {0, 1}) {
-    const double allowed = bend_change_[kind] == kNotMeasured
-                               ? std::max(limits.settles * largest[kind], limits.of_way * speed[kind] / substep_s)
-                               : limits.settles * bend_change_[kind];
-    if (change[kind] > std::max(allowed, kFineBend * speed[kind] / substep_s)) bend_settles_ = false;
+    const double allowed = curvature_change_[kind] == kNotMeasured
+                               ? std::max(limits.converges * largest[kind], limits.of_displacement * speed[kind] / substep_s)
+                               : limits.converges * curvature_change_[kind];
+    if (change[kind] > std::max(allowed, kMinCurvatureChange * speed[kind] / substep_s)) curvature_converges_ = false;
   }
-  if (!bend_settles_) return false;
-  bend_change_ = change;
-  for (Rows& rows : rows_) rows.bend = rows.next_bend;
-  return change[0] > kFineBend * speed[0] / substep_s || change[1] > kFineBend * speed[1] / substep_s;
+  if (!curvature_converges_) return false;
+  curvature_change_ = change;
+  for (Rows& rows : rows_) rows.curvature = rows.next_curvature;
+  return change[0] > kMinCurvatureChange * speed[0] / substep_s || change[1] > kMinCurvatureChange * speed[1] / substep_s;
 }
 
 // How fast the joints would open on average over the substep, beyond what is wanted.
@@ -382,10 +382,10 @@ void JointGroup::push_residual(double substep_s) {
     }
     const Eigen::Vector3d back_m_s = returned(rows.start_gap_m, substep_s, kMaxReturn_m_s) / substep_s;
     rows.back_m_s = back_m_s.norm();
-    residual_.segment<3>(rows.first) = -(opening + substep_s * rows.bend.gap_m_s2 + back_m_s);
+    residual_.segment<3>(rows.first) = -(opening + substep_s * rows.curvature.gap_m_s2 + back_m_s);
     if (!joint.hinge) continue;
     const Eigen::Vector2d tilt_back = returned(rows.start_tilt, substep_s, kMaxReturn_rad_s);
-    residual_.segment<2>(rows.first + 3) = -(rows.across.transpose() * turning + substep_s * rows.bend.tilt_rad_s2 + tilt_back / substep_s);
+    residual_.segment<2>(rows.first + 3) = -(rows.across.transpose() * turning + substep_s * rows.curvature.tilt_rad_s2 + tilt_back / substep_s);
   }
 }
 
@@ -411,10 +411,10 @@ void JointGroup::solve(ContactPhase phase, double substep_s) {
     for (RigidJoint& joint : joints_) joint.force_n = (joint.borne_n_s + joint.relax.point_n_s) / substep_s;
     return;
   }
-  for (int sweep = 0; sweep < kBendSweeps; ++sweep) {
+  for (int sweep = 0; sweep < kMaxCurvatureIterations; ++sweep) {
     push_residual(substep_s);
     solve_residual(phase);
-    if (!measure_bend(substep_s)) break;
+    if (!measure_curvature(substep_s)) break;
   }
   if (!in_small_steps_) limit_push();
 }
@@ -477,7 +477,7 @@ void JointGroup::forget() {
   work_j_ = liveliest_j_ = 0.0;
   for (RigidJoint& joint : joints_) joint.push = joint.relax = {};
   for (RigidJoint& joint : joints_) joint.force_n.setZero();
-  for (Rows& rows : rows_) rows.next_bend = {};
+  for (Rows& rows : rows_) rows.next_curvature = {};
 }
 
 // Links that would swing too fast even so are heavier meanwhile, the forces on them the same: of a chain that bears

@@ -79,7 +79,7 @@ class JointGroup {
  private:
   // How ways of the joint's points and axes bend: by how much mean velocities of a substep differ from the present
   // ones, for each second of it.
-  struct Bend {
+  struct CurvatureCorrection {
     Eigen::Vector3d gap_m_s2 = Eigen::Vector3d::Zero();
     Eigen::Vector2d tilt_rad_s2 = Eigen::Vector2d::Zero();  // across the axis
   };
@@ -93,7 +93,7 @@ class JointGroup {
     Eigen::Matrix<double, 3, 2> across = Eigen::Matrix<double, 3, 2>::Zero();
     Eigen::Vector3d start_gap_m = Eigen::Vector3d::Zero();
     double back_m_s = 0.0;  // how fast the push takes the gap back
-    Bend bend, next_bend;  // what this substep reckons with; the last measure
+    CurvatureCorrection curvature, next_curvature;  // what this substep reckons with; the last measure
     Eigen::Vector2d start_tilt = Eigen::Vector2d::Zero();
   };
   static constexpr size_t kWorld = ~size_t{0};
@@ -104,7 +104,7 @@ class JointGroup {
   void substitute(Eigen::VectorXd& rows) const;
   void apply(const RigidJoint& joint, const Rows& rows, const RigidJoint::Impulse& impulse);
   void warm_start(ContactPhase phase);
-  bool measure_bend(double substep_s);  // whether another sweep is worth it
+  bool measure_curvature(double substep_s);  // whether another sweep is worth it
   void solve_residual(ContactPhase phase);
   void push_residual(double substep_s);
   void relax_residual();
@@ -140,8 +140,8 @@ class JointGroup {
   double softness_ = 0.0;                  // what a row gives of its own response
   Eigen::VectorXd residual_, compliance_;  // compliance_: speed that a row gives way by for an impulse
   bool in_small_steps_ = false;
-  bool bend_settles_ = true;
-  std::array<double, 2> bend_change_{kNotMeasured, kNotMeasured};  // of gaps and tilts, between the last two measures
+  bool curvature_converges_ = true;
+  std::array<double, 2> curvature_change_{kNotMeasured, kNotMeasured};  // of gaps and tilts, between the last two measures
   std::vector<Eigen::Quaterniond> ends_;  // of bodies_: at the end of the substep, as they turn now
   // Of bodies_: at the start of the substep and since what other than joints is noted; what its joints gave since then;
   // what all else gave in the substep.
