@@ -19,7 +19,7 @@ class RigidBroadPhase {
   // nothing while all bodies are where they were expected. `bodies` in ascending id.
   void update(std::span<RigidBody* const> bodies, double gravity_m_s2, double duration_s);
   // Bodies were added, removed, woken or sent to sleep.
-  void forget() { known_ = false; }
+  void invalidate() { known_ = false; }
 
  private:
   struct Box {

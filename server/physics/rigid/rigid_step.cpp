@@ -192,7 +192,7 @@ void restore_last_valid_state(RigidIsland& island, std::span<const Pose> poses, 
     body.external_contact_moment.setZero();
     body.update_turning();
   }
-  for (JointGroup* group : joints) group->forget();
+  for (JointGroup* group : joints) group->reset_impulses();
 }
 
 // Impulses are those of a step: the next one is `factor` as long.
@@ -319,7 +319,7 @@ void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const Rigid
                        std::span<const Collider> colliders, const Eigen::Vector3d& gravity_m_s2, double duration_s,
                        RigidBroadPhase& broad_phase) {
   if (std::all_of(bodies.begin(), bodies.end(), [](const RigidBody* body) { return body->asleep; })) return;
-  if (wake_groups(bodies)) broad_phase.forget();
+  if (wake_groups(bodies)) broad_phase.invalidate();
   std::vector<char> accelerated(bodies.size(), 0);
   const auto accelerate_awake = [&] {
     bool any = false;
@@ -344,7 +344,7 @@ void step_rigid_bodies(std::span<RigidBody* const> bodies, std::span<const Rigid
   if (wake_on_contact(active, duration_s)) {
     // They start with the contacts that they fell asleep with.
     wake_groups(bodies);
-    broad_phase.forget();
+    broad_phase.invalidate();
     accelerate_awake();
     active.clear();
     for (RigidBody* body : bodies) {
@@ -389,7 +389,7 @@ void update_sleep(std::span<RigidBody* const> bodies, double tick_s, RigidBroadP
       body->substep_acceleration_m_s2.setZero();
       body->update_turning();
     }
-    broad_phase.forget();
+    broad_phase.invalidate();
   }
 }
 

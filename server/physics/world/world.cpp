@@ -43,7 +43,7 @@ const WorldObject* World::State::find(uint32_t object_id) const {
 
 void World::State::list_bodies() {
   rigid_bodies.clear();
-  broad_phase.forget();
+  broad_phase.invalidate();
   elastic_objects.clear();
   for (auto& [id, object] : objects) {
     if (RigidObject* rigid = object.rigid()) {

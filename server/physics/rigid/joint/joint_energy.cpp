@@ -11,7 +11,7 @@ namespace {
 
 // Joints may seem to have done this part of the largest kinetic energy of late, since the steps are of second order.
 constexpr double kWorkTolerance = 1e-3;
-constexpr double kForgotten_s = 2.0;
+constexpr double kEnergyMemory_s = 2.0;
 constexpr double kRounding = 1e-18;  // of the energy that what joints hold up would have had, were it free
 
 }  // namespace
@@ -48,7 +48,7 @@ double JointGroup::kinetic_j(const Motion& motion, const RigidBody& body) {
 // it has more than that and `allowance_j`, its motion, about its own centre if it is free, is slowed until that is so. A
 // free group's angular momentum about its centre shrinks with that motion, which is wrong by as much; its linear momentum
 // is kept. Returns by which factor.
-double JointGroup::slow_down(const std::vector<Motion>& starts, const std::vector<Impulses>& others, double allowance_j) {
+double JointGroup::limit_kinetic_energy(const std::vector<Motion>& starts, const std::vector<Impulses>& others, double allowance_j) {
   Eigen::Vector3d common = Eigen::Vector3d::Zero();
   double common_j = 0.0;
   if (std::none_of(joints_.begin(), joints_.end(), [](const RigidJoint& joint) { return joint.b == nullptr; })) {
@@ -85,12 +85,12 @@ double JointGroup::slow_down(const std::vector<Motion>& starts, const std::vecto
 void JointGroup::limit_push() {
   note_others();
   double fastest_m_s = 0.0, mass_kg = 0.0, start_j = 0.0;
-  for (const Rows& rows : rows_) fastest_m_s = std::max(fastest_m_s, rows.back_m_s);
+  for (const Rows& rows : rows_) fastest_m_s = std::max(fastest_m_s, rows.correction_m_s);
   for (size_t i = 0; i < bodies_.size(); ++i) {
     mass_kg += bodies_[i]->mass_kg;
     start_j += kinetic_j(starts_[i], *bodies_[i]);
   }
-  const double factor = slow_down(starts_, others_, start_j + 0.5 * mass_kg * fastest_m_s * fastest_m_s);
+  const double factor = limit_kinetic_energy(starts_, others_, start_j + 0.5 * mass_kg * fastest_m_s * fastest_m_s);
   if (factor == 1.0) return;
   for (RigidJoint& joint : joints_) {
     joint.push.point_n_s *= factor;
@@ -111,11 +111,11 @@ void JointGroup::end(double substep_s) {
     const Eigen::Vector3d moved_m = body.world_from_body.position_m - starts_[i].position_m;
     lifted_j -= body.mass_kg * body.substep_acceleration_m_s2.dot(moved_m - substep_s * mean);
   }
-  liveliest_j_ = std::max(kinetic, (1.0 - substep_s / kForgotten_s) * liveliest_j_);
-  const double tolerance_j = kWorkTolerance * liveliest_j_;
+  peak_kinetic_j_ = std::max(kinetic, (1.0 - substep_s / kEnergyMemory_s) * peak_kinetic_j_);
+  const double tolerance_j = kWorkTolerance * peak_kinetic_j_;
   work_j_ = std::max(work_j_ + work_j + lifted_j, -tolerance_j);
   if (!(work_j_ > tolerance_j)) return;
-  slow_down(starts_, others_, work_j - (work_j_ - tolerance_j));
+  limit_kinetic_energy(starts_, others_, work_j - (work_j_ - tolerance_j));
   work_j_ = tolerance_j;
 }
 

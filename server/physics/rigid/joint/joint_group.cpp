@@ -15,9 +15,9 @@ namespace livegs {
 namespace {
 
 // Of an error that is there at the start of a substep, this part is taken back within it, and no faster than:
-constexpr double kTakenBack = 0.2;
-constexpr double kMaxReturn_m_s = 3.0;
-constexpr double kMaxReturn_rad_s = 10.0;
+constexpr double kErrorReduction = 0.2;
+constexpr double kMaxCorrection_m_s = 3.0;
+constexpr double kMaxCorrection_rad_s = 10.0;
 // The bend of a way is reckoned with up to this part of its length.
 constexpr double kMaxCurvature = 0.5;
 // A new measure of it is used if it differs from the last by no more than this part of the last difference; the first
@@ -34,7 +34,7 @@ constexpr double kMaxTurn = 0.25;
 constexpr int kMaxSmallSteps = 4;
 constexpr int kMaxCurvatureIterations = 3;
 // A row whose pivot is below this part of its own diagonal says what others say already (two hinges on one door).
-constexpr double kDependent = 1e-11;
+constexpr double kDependentPivot = 1e-11;
 // Rows of a group with a closed loop may say the same, or nearly: of a bridge of planks that lie in a line the way between its
 // ends is fixed twice. They give by this part of their own response (constraint force mixing, Smith 2006), a spring of
 // 1 / (kLoopSoftness h²) of the mass it holds, h of a short step: too stiff to be seen. A chain or a tree has none.
@@ -50,9 +50,9 @@ Eigen::Vector3d tilt_of(const Eigen::Vector3d& axis_a, const Eigen::Vector3d& ax
 
 // What is taken back of an error within a substep.
 template <class Vector>
-Vector returned(const Vector& error, double substep_s, double fastest) {
+Vector reduced_error(const Vector& error, double substep_s, double fastest) {
   const double size = error.norm();
-  return size > 0.0 ? Vector(std::min(kTakenBack, fastest * substep_s / size) * error) : error;
+  return size > 0.0 ? Vector(std::min(kErrorReduction, fastest * substep_s / size) * error) : error;
 }
 
 std::pair<const RigidBody*, const RigidBody*> ordered(const RigidBody* one, const RigidBody* two) {
@@ -76,7 +76,7 @@ JointGroup::JointGroup(std::vector<RigidJoint> joints) : joints_(std::move(joint
   others_.resize(bodies_.size());
   given_.resize(bodies_.size());
   before_.resize(bodies_.size());
-  swing_.resize(bodies_.size());
+  mass_factors_.resize(bodies_.size());
   const auto index_of = [&](const RigidBody* body) {
     return static_cast<size_t>(std::find(bodies_.begin(), bodies_.end(), body) - bodies_.begin());
   };
@@ -154,7 +154,7 @@ void JointGroup::order_joints() {
 // Bars that meet in a node overlap there, though each is joined to one other only.
 void JointGroup::note_nodes() {
   const auto note = [&](const RigidBody* one, const RigidBody* two) {
-    if (one && two && one != two) meeting_.push_back(ordered(one, two));
+    if (one && two && one != two) joined_pairs_.push_back(ordered(one, two));
   };
   for (size_t i = 0; i < joints_.size(); ++i) {
     const RigidJoint& joint = joints_[i];
@@ -166,12 +166,12 @@ void JointGroup::note_nodes() {
       }
     }
   }
-  std::sort(meeting_.begin(), meeting_.end());
-  meeting_.erase(std::unique(meeting_.begin(), meeting_.end()), meeting_.end());
+  std::sort(joined_pairs_.begin(), joined_pairs_.end());
+  joined_pairs_.erase(std::unique(joined_pairs_.begin(), joined_pairs_.end()), joined_pairs_.end());
 }
 
-bool JointGroup::meet_in_a_joint(const RigidBody& a, const RigidBody& b) const {
-  return std::binary_search(meeting_.begin(), meeting_.end(), ordered(&a, &b));
+bool JointGroup::share_joint(const RigidBody& a, const RigidBody& b) const {
+  return std::binary_search(joined_pairs_.begin(), joined_pairs_.end(), ordered(&a, &b));
 }
 
 bool JointGroup::asleep() const {
@@ -262,7 +262,7 @@ void JointGroup::factorise() {
       row[c - begin] = scaled * inverse_pivot_[static_cast<size_t>(c)];
       pivot -= scaled * row[c - begin];
     }
-    inverse_pivot_[static_cast<size_t>(r)] = pivot > kDependent * diagonal ? 1.0 / pivot : 0.0;
+    inverse_pivot_[static_cast<size_t>(r)] = pivot > kDependentPivot * diagonal ? 1.0 / pivot : 0.0;
   }
 }
 
@@ -380,12 +380,12 @@ void JointGroup::push_residual(double substep_s) {
       opening -= joint.b->mean_velocity(substep_s) + joint.b->angular_velocity_rad_s.cross(rows.arm_b_m);
       turning -= joint.b->angular_velocity_rad_s;
     }
-    const Eigen::Vector3d back_m_s = returned(rows.start_gap_m, substep_s, kMaxReturn_m_s) / substep_s;
-    rows.back_m_s = back_m_s.norm();
-    residual_.segment<3>(rows.first) = -(opening + substep_s * rows.curvature.gap_m_s2 + back_m_s);
+    const Eigen::Vector3d correction_m_s = reduced_error(rows.start_gap_m, substep_s, kMaxCorrection_m_s) / substep_s;
+    rows.correction_m_s = correction_m_s.norm();
+    residual_.segment<3>(rows.first) = -(opening + substep_s * rows.curvature.gap_m_s2 + correction_m_s);
     if (!joint.hinge) continue;
-    const Eigen::Vector2d tilt_back = returned(rows.start_tilt, substep_s, kMaxReturn_rad_s);
-    residual_.segment<2>(rows.first + 3) = -(rows.across.transpose() * turning + substep_s * rows.curvature.tilt_rad_s2 + tilt_back / substep_s);
+    const Eigen::Vector2d tilt_correction = reduced_error(rows.start_tilt, substep_s, kMaxCorrection_rad_s);
+    residual_.segment<2>(rows.first + 3) = -(rows.across.transpose() * turning + substep_s * rows.curvature.tilt_rad_s2 + tilt_correction / substep_s);
   }
 }
 
@@ -408,7 +408,7 @@ void JointGroup::solve(ContactPhase phase, double substep_s) {
   if (phase == ContactPhase::Relax) {
     relax_residual();
     solve_residual(phase);
-    for (RigidJoint& joint : joints_) joint.force_n = (joint.borne_n_s + joint.relax.point_n_s) / substep_s;
+    for (RigidJoint& joint : joints_) joint.force_n = (joint.load_n_s + joint.relax.point_n_s) / substep_s;
     return;
   }
   for (int sweep = 0; sweep < kMaxCurvatureIterations; ++sweep) {
@@ -457,24 +457,24 @@ int JointGroup::small_steps(double substep_s) {
   }
   double fastest = 0.0;  // (h omega)^2
   for (size_t i = 0; i < bodies_.size(); ++i) {
-    swing_[i] = substep_s * (bodies_[i]->inverse_inertia * stiffness[i]).norm() / (kMaxSwing * kMaxSwing);
-    fastest = std::max(fastest, swing_[i]);
+    mass_factors_[i] = substep_s * (bodies_[i]->inverse_inertia * stiffness[i]).norm() / (kMaxSwing * kMaxSwing);
+    fastest = std::max(fastest, mass_factors_[i]);
   }
   const double wanted = std::max(std::sqrt(fastest), turn * substep_s / kMaxTurn);
   const double steps = std::clamp(std::ceil(wanted), 1.0, static_cast<double>(kMaxSmallSteps));
-  for (double& swing : swing_) swing = std::max(1.0, swing / (steps * steps));
+  for (double& swing : mass_factors_) swing = std::max(1.0, swing / (steps * steps));
   return static_cast<int>(steps);
 }
 
-void JointGroup::weigh(RigidBody& body, double factor) {
+void JointGroup::scale_mass(RigidBody& body, double factor) {
   body.mass_kg *= factor;
   body.angular_momentum *= factor;
   body.substep_acceleration_m_s2 /= factor;
   body.update_turning();
 }
 
-void JointGroup::forget() {
-  work_j_ = liveliest_j_ = 0.0;
+void JointGroup::reset_impulses() {
+  work_j_ = peak_kinetic_j_ = 0.0;
   for (RigidJoint& joint : joints_) joint.push = joint.relax = {};
   for (RigidJoint& joint : joints_) joint.force_n.setZero();
   for (Rows& rows : rows_) rows.next_curvature = {};
@@ -487,7 +487,7 @@ void JointGroup::forget() {
 void JointGroup::move(double substep_s) {
   note_others();
   const int steps = small_steps(substep_s);
-  for (RigidJoint& joint : joints_) joint.borne_n_s = joint.push.point_n_s;
+  for (RigidJoint& joint : joints_) joint.load_n_s = joint.push.point_n_s;
   if (steps == 1) {
     for (RigidBody* body : bodies_) body->move(substep_s);
   } else {
@@ -508,12 +508,12 @@ void JointGroup::move_in_small_steps(double substep_s, int steps) {
     others[i].turn *= part;
     body.velocity_m_s = starts_[i].velocity_m_s;
     body.apply_angular_impulse(starts_[i].angular_momentum - body.angular_momentum);
-    if (swing_[i] > 1.0) weigh(body, swing_[i]);
+    if (mass_factors_[i] > 1.0) scale_mass(body, mass_factors_[i]);
   }
   std::vector<RigidJoint::Impulse> pushes;
   for (RigidJoint& joint : joints_) {
     pushes.push_back(joint.push);
-    joint.borne_n_s.setZero();
+    joint.load_n_s.setZero();
     joint.push.point_n_s *= part;
     joint.push.turn *= part;
     joint.relax.point_n_s *= part;
@@ -533,12 +533,12 @@ void JointGroup::move_in_small_steps(double substep_s, int steps) {
     for (RigidBody* body : bodies_) body->move(step_s);
     prepare(ContactPhase::Relax);
     solve(ContactPhase::Relax, step_s);
-    slow_down(starts, others, 0.0);
-    for (RigidJoint& joint : joints_) joint.borne_n_s += joint.push.point_n_s + joint.relax.point_n_s;
+    limit_kinetic_energy(starts, others, 0.0);
+    for (RigidJoint& joint : joints_) joint.load_n_s += joint.push.point_n_s + joint.relax.point_n_s;
   }
   in_small_steps_ = false;
   for (size_t i = 0; i < bodies_.size(); ++i) {
-    if (swing_[i] > 1.0) weigh(*bodies_[i], 1.0 / swing_[i]);
+    if (mass_factors_[i] > 1.0) scale_mass(*bodies_[i], 1.0 / mass_factors_[i]);
   }
   for (size_t i = 0; i < joints_.size(); ++i) {
     joints_[i].push = pushes[i];
@@ -555,7 +555,7 @@ std::vector<JointGroup*> joint_groups(std::span<RigidBody* const> bodies) {
 }
 
 bool joined(const RigidBody& a, const RigidBody& b) {
-  return a.joints && a.joints == b.joints && a.joints->meet_in_a_joint(a, b);
+  return a.joints && a.joints == b.joints && a.joints->share_joint(a, b);
 }
 
 }  // namespace livegs

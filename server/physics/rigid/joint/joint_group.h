@@ -42,7 +42,7 @@ struct RigidJoint {
     Eigen::Vector3d turn = Eigen::Vector3d::Zero();  // N m s, across the hinge's axis
   };
   Impulse push, relax;
-  Eigen::Vector3d borne_n_s = Eigen::Vector3d::Zero();  // until the relax pass
+  Eigen::Vector3d load_n_s = Eigen::Vector3d::Zero();  // until the relax pass
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();    // on a, over the last substep
 
   int row_count() const { return hinge ? 5 : 3; }
@@ -65,7 +65,7 @@ class JointGroup {
 
   bool asleep() const;
   void wake_together();  // if some are awake, all are
-  bool meet_in_a_joint(const RigidBody& a, const RigidBody& b) const;
+  bool share_joint(const RigidBody& a, const RigidBody& b) const;
 
   // The parts of one substep, in the order of use: begin before contacts act, prepare and solve (some sweeps), move,
   // prepare and solve again as the relax pass, end.
@@ -74,7 +74,7 @@ class JointGroup {
   void solve(ContactPhase phase, double substep_s);
   void move(double substep_s);  // of its bodies
   void end(double substep_s);    // when contacts are done too: sees to it that joints did no work
-  void forget();                 // what it starts the next substep from
+  void reset_impulses();                 // what it starts the next substep from
 
  private:
   // How ways of the joint's points and axes bend: by how much mean velocities of a substep differ from the present
@@ -92,7 +92,7 @@ class JointGroup {
     // World: the two directions across a hinge's axis.
     Eigen::Matrix<double, 3, 2> across = Eigen::Matrix<double, 3, 2>::Zero();
     Eigen::Vector3d start_gap_m = Eigen::Vector3d::Zero();
-    double back_m_s = 0.0;  // how fast the push takes the gap back
+    double correction_m_s = 0.0;  // how fast the push takes the gap back
     CurvatureCorrection curvature, next_curvature;  // what this substep reckons with; the last measure
     Eigen::Vector2d start_tilt = Eigen::Vector2d::Zero();
   };
@@ -110,7 +110,7 @@ class JointGroup {
   void relax_residual();
 
   int small_steps(double substep_s);
-  static void weigh(RigidBody& body, double factor);
+  static void scale_mass(RigidBody& body, double factor);
 
   struct Motion {
     Eigen::Vector3d velocity_m_s, angular_momentum, spin_rad_s, position_m;
@@ -121,16 +121,16 @@ class JointGroup {
   static Motion motion_of(const RigidBody& body);
   static double kinetic_j(const Motion& motion, const RigidBody& body);
   void note_others();
-  double slow_down(const std::vector<Motion>& starts, const std::vector<Impulses>& others, double allowance_j);
+  double limit_kinetic_energy(const std::vector<Motion>& starts, const std::vector<Impulses>& others, double allowance_j);
   void limit_push();
   void move_in_small_steps(double substep_s, int steps);
 
-  std::vector<double> swing_;  // of bodies_: by how much each is heavier during small steps
+  std::vector<double> mass_factors_;  // of bodies_: by how much each is heavier during small steps
   static constexpr double kNotMeasured = -1.0;
 
   std::vector<RigidJoint> joints_;
   std::vector<RigidBody*> bodies_;
-  std::vector<std::pair<const RigidBody*, const RigidBody*>> meeting_;  // in a joint or a node of joints, ascending
+  std::vector<std::pair<const RigidBody*, const RigidBody*>> joined_pairs_;  // in a joint or a node of joints, ascending
   std::vector<Rows> rows_;  // one a joint
   // Lower triangle row by row from the first entry that is not zero: L of L D L^T, and 1 / D.
   std::vector<size_t> envelope_;  // where row r begins in factor_; one more than rows
@@ -148,7 +148,7 @@ class JointGroup {
   std::vector<Motion> starts_, before_;
   std::vector<Impulses> given_, others_;
   // What its joints seem to have done and the group still has; its kinetic energy, forgotten slowly.
-  double work_j_ = 0.0, liveliest_j_ = 0.0;
+  double work_j_ = 0.0, peak_kinetic_j_ = 0.0;
 };
 
 // The groups of which the first body is among `bodies`.
