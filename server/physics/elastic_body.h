@@ -29,7 +29,7 @@ namespace livegs {
 struct RigidProxy;
 
 // Nodes times substeps a frame that elastic bodies may take unless a scene says otherwise: 6.5 ms of one core at 26 ns.
-inline constexpr double kMostNodeSubsteps = 250e3;
+inline constexpr double kMaxNodeSubsteps = 250e3;
 
 // What studies switch off to show what it is worth; `cells` only.
 struct CellsOptions {
@@ -51,8 +51,8 @@ struct ElasticBodyDescription {
   Eigen::Matrix3d initial_deformation = Eigen::Matrix3d::Identity();  // of the rest shape about its centre
   std::vector<BodyRegion> regions;  // of two materials in one place the later one counts
   double cell_width_m = 0.0;  // 0: chosen from the material and the rate
-  double most_node_substeps = kMostNodeSubsteps;   // a frame (elastic_budget.h); a body whose cells are given takes any
-  double whole_node_substeps = kMostNodeSubsteps;  // for all bodies of its scene; only told
+  double max_node_substeps = kMaxNodeSubsteps;   // a frame (elastic_budget.h); a body whose cells are given takes any
+  double scene_node_substeps = kMaxNodeSubsteps;  // for all bodies of its scene; only told
   CellsOptions cells;
 };
 
@@ -142,8 +142,8 @@ struct ElasticAccuracy : MaterialAccuracy {  // of the body's own material
   size_t nodes = 0, cells = 0, particles = 0;
   size_t bytes = 0;                 // of solver state: nodes, cells, contact samples
   double node_substeps = 0;         // nodes times substeps, a frame, by its bounding box
-  double alone_cell_width_m = 0;    // what it would have with a scene's whole budget to itself; 0: what it has
-  double alone_reached_pa = 0;      // and the stiffness; with alone_cell_width_m
+  double unbudgeted_cell_width_m = 0;    // what it would have with a scene's whole budget to itself; 0: what it has
+  double unbudgeted_reached_pa = 0;      // and the stiffness; with unbudgeted_cell_width_m
   bool over_budget = false;         // its cells are wider than its detail asks, or a frame would not do (cell_choice.h)
   double sag = 0;                   // rho g L / E, L its shortest side, g 9.81: what its own weight strains it by on a table
   double thin_part = 0;             // of its volume: of sheets and cords whose bending is not known (cell_choice.h)
@@ -207,7 +207,7 @@ class ElasticBody {
   virtual bool release_region(const std::string& name) = 0;
   virtual void set_material(const Material& material) = 0;
   // In node-substeps a frame, from its next material on; no matter where its cells were given.
-  virtual void may_take(double node_substeps) { (void)node_substeps; }
+  virtual void set_node_substep_budget(double node_substeps) { (void)node_substeps; }
   virtual double node_substeps() const { return 0.0; }  // that it takes
   virtual const Material& material() const = 0;
   virtual bool asleep() const = 0;

@@ -32,7 +32,7 @@ struct WorldSettings {
   int substeps = 4;       // a tick
   ElasticSolver elastic_solver = ElasticSolver::Cells;
   bool sleep = true;
-  double elastic_node_substeps = kMostNodeSubsteps;  // a tick, of all elastic bodies (elastic_budget.h)
+  double elastic_node_substeps = kMaxNodeSubsteps;  // a tick, of all elastic bodies (elastic_budget.h)
 };
 
 struct RigidBodyDescription {

@@ -265,7 +265,7 @@ Result<void> World::set_material(uint32_t object_id, const Material& material) {
     for (const ElasticObject* other : state_->elastic_objects) {
       if (other->object_id != object_id) left -= other->body->node_substeps();
     }
-    body.may_take(std::max(left, budget / static_cast<double>(state_->elastic_objects.size())));
+    body.set_node_substep_budget(std::max(left, budget / static_cast<double>(state_->elastic_objects.size())));
     body.set_material(material);
   }
   object->wake();

@@ -181,7 +181,7 @@ Result<ElasticBodyDescription> elastic_description(const v1::Object& object, For
 // the shape, and particles of a list that are given more than the room between them weigh more than the body.
 std::string doubtful_spacing(const v1::Object& object, const ParticleSet& particles, const TriangleMesh& mesh,
                              double longest_side_m) {
-  constexpr double kFewestAlong = 4.0, kMostOfItsVolume = 2.0;
+  constexpr double kMinCellsAlong = 4.0, kMostOfItsVolume = 2.0;
   if (!object.has_spacing_m()) return "";
   char text[200] = "";
   if (object.form_case() == v1::Object::kPoints) {
@@ -195,7 +195,7 @@ std::string doubtful_spacing(const v1::Object& object, const ParticleSet& partic
     }
     return text;
   }
-  const double most_m = longest_side_m / kFewestAlong;
+  const double most_m = longest_side_m / kMinCellsAlong;
   if (object.spacing_m() > most_m * (1.0 + 1e-9)) {
     std::snprintf(text, sizeof text,
                   "spacing_m: %.4g m is more than a quarter of its longest side, so that %zu particles are all it is known "

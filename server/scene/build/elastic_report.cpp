@@ -56,8 +56,8 @@ v1::ElasticAccuracy accuracy_message(const ElasticAccuracy& accuracy) {
   message.set_particles(accuracy.particles);
   message.set_bytes(accuracy.bytes);
   message.set_node_substeps(accuracy.node_substeps);
-  message.set_alone_cell_width_m(accuracy.alone_cell_width_m);
-  message.set_alone_reached_youngs_modulus_pa(accuracy.alone_reached_pa);
+  message.set_alone_cell_width_m(accuracy.unbudgeted_cell_width_m);
+  message.set_alone_reached_youngs_modulus_pa(accuracy.unbudgeted_reached_pa);
   return message;
 }
 
@@ -94,12 +94,12 @@ std::vector<std::string> accuracy_warnings(const ElasticAccuracy& accuracy) {
                                    "folds and touches more coarsely than it should; make it smaller, thicker or of several objects",
                                    accuracy.nodes, 1e3 * accuracy.cell_width_m));
   }
-  if (accuracy.alone_cell_width_m > 0) {
+  if (accuracy.unbudgeted_cell_width_m > 0) {
     warnings.push_back(format_text("its part of the scene's elastic budget leaves it cells of %.3g mm and %d substeps; alone it would "
                                    "have cells of %.3g mm and reach %.3g Pa: fewer or smaller elastic objects, or a larger "
                                    "elastic_budget_ms, give it more",
-                                   1e3 * accuracy.cell_width_m, accuracy.substeps, 1e3 * accuracy.alone_cell_width_m,
-                                   accuracy.alone_reached_pa));
+                                   1e3 * accuracy.cell_width_m, accuracy.substeps, 1e3 * accuracy.unbudgeted_cell_width_m,
+                                   accuracy.unbudgeted_reached_pa));
   }
   if (accuracy.sag > kMostSag) {
     warnings.push_back(format_text("too soft to carry itself: its own weight strains it by %.2g, and what is inside may hang through "

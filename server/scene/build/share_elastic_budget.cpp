@@ -14,18 +14,18 @@ void share_elastic_budget(std::span<std::optional<Result<BuiltObject>>> built, c
   if (settings.elastic_solver != ElasticSolver::Cells) return;
   const double budget = settings.elastic_node_substeps;
   std::vector<ElasticBodyDescription*> bodies;
-  std::vector<CellDemand> demands;
+  std::vector<ResolutionRequest> requests;
   for (auto& object : built) {
     auto* elastic = std::get_if<ElasticBodyDescription>(&(**object).body);
     if (!elastic || !check_elastic_body(*elastic)) continue;  // the world says what is wrong with it
     bodies.push_back(elastic);
-    demands.push_back(cell_demand(*elastic, settings.rate_hz, settings.substeps));
-    demands.back().most_node_substeps = budget;
+    requests.push_back(resolution_request(*elastic, settings.rate_hz, settings.substeps));
+    requests.back().max_node_substeps = budget;
   }
-  const double share = std::min(budget, fair_share(demands, budget));
+  const double share = std::min(budget, fair_share(requests, budget));
   for (ElasticBodyDescription* body : bodies) {
-    body->most_node_substeps = share;
-    body->whole_node_substeps = budget;
+    body->max_node_substeps = share;
+    body->scene_node_substeps = budget;
   }
   if (share == budget) return;
   log_warn("the elastic budget, %.3g ms a tick, does for %.3g ms of each of %zu elastic objects: some get wider cells or are less "

@@ -12,13 +12,13 @@ std::optional<std::string> rigid_in_disguise(const ElasticBodyDescription& body,
   const std::vector<double>& volumes_m3 = body.particles.volumes_m3;
   const double volume_m3 = std::accumulate(volumes_m3.begin(), volumes_m3.end(), 0.0);
   if (body.particles.positions_m.empty() || !(volume_m3 > 0.0)) return std::nullopt;
-  const CellDemand demand = cell_demand(body, rate_hz, substeps);
-  const double reached_pa = choose_cells(demand).youngs_modulus_pa;
-  if (!(demand.youngs_modulus_pa > kStiffestOverReached * reached_pa)) return std::nullopt;
+  const ResolutionRequest request = resolution_request(body, rate_hz, substeps);
+  const double reached_pa = choose_resolution(request).youngs_modulus_pa;
+  if (!(request.youngs_modulus_pa > kStiffestOverReached * reached_pa)) return std::nullopt;
   char reason[160];
   std::snprintf(reason, sizeof reason,
                 "E* = %.3g Pa is %.0f times what its cells can reach at %g Hz (%.3g Pa): rigid",
-                demand.youngs_modulus_pa, demand.youngs_modulus_pa / reached_pa, rate_hz, reached_pa);
+                request.youngs_modulus_pa, request.youngs_modulus_pa / reached_pa, rate_hz, reached_pa);
   return reason;
 }
 

@@ -33,8 +33,8 @@ CellsBody::CellsBody(const ElasticBodyDescription& description, double rate_hz, 
       object_id_(description.object_id),
       rate_hz_(rate_hz),
       scene_substeps_(substeps),
-      most_node_substeps_(description.cell_width_m > 0.0 ? std::numeric_limits<double>::infinity() : description.most_node_substeps),
-      whole_node_substeps_(description.whole_node_substeps),
+      max_node_substeps_(description.cell_width_m > 0.0 ? std::numeric_limits<double>::infinity() : description.max_node_substeps),
+      scene_node_substeps_(description.scene_node_substeps),
       world_from_object_{description.world_from_object.position_m, description.world_from_object.orientation.normalized()},
       orientation_(world_from_object_.orientation),
       may_rest_(may_sleep),
@@ -49,7 +49,7 @@ CellsBody::CellsBody(const ElasticBodyDescription& description, double rate_hz, 
   }
   set_up_materials();
   choose(description.cell_width_m);
-  lattice_ = build_lattice(extent_, choice_.cell_width_m, description.regions);
+  lattice_ = build_lattice(extent_, resolution_.cell_width_m, description.regions);
   neighbours_ = find_node_neighbours(lattice_.node_coordinates);
   if (const int pieces = piece_count(lattice_), own = description.particles.piece_count; own > 0 && pieces > own) {
     log_warn("object %u: its cells are in %d pieces and its surface in %d: it comes apart; a smaller spacing_m than %.3g m "
@@ -81,27 +81,27 @@ double CellsBody::asked_modulus_pa(size_t material) const {
 }
 
 void CellsBody::choose(double cell_width_m) {
-  CellDemand demand =
-      cell_demand(extent_, {cell_materials_.materials, densities_kg_m3_, {}}, boundary_moved_, rate_hz_, scene_substeps_);
-  demand.cell_width_m = cell_width_m;
-  demand.most_node_substeps = most_node_substeps_;
-  choice_ = choose_cells(demand);
-  alone_.reset();
-  if (most_node_substeps_ < whole_node_substeps_) {
-    demand.most_node_substeps = whole_node_substeps_;
-    const CellChoice alone = choose_cells(demand);
-    if (alone.cell_width_m != choice_.cell_width_m || alone.substeps != choice_.substeps) alone_ = alone;
+  ResolutionRequest request =
+      resolution_request(extent_, {cell_materials_.materials, densities_kg_m3_, {}}, boundary_moved_, rate_hz_, scene_substeps_);
+  request.cell_width_m = cell_width_m;
+  request.max_node_substeps = max_node_substeps_;
+  resolution_ = choose_resolution(request);
+  unbudgeted_.reset();
+  if (max_node_substeps_ < scene_node_substeps_) {
+    request.max_node_substeps = scene_node_substeps_;
+    const LatticeResolution alone = choose_resolution(request);
+    if (alone.cell_width_m != resolution_.cell_width_m || alone.substeps != resolution_.substeps) unbudgeted_ = alone;
   }
   if (!options_.choose) {
-    choice_.substeps = scene_substeps_;
-    choice_.youngs_modulus_pa = demand.youngs_modulus_pa;
-    choice_.clipped = false;
-    choice_.impact_substeps = 1;
-    choice_.courant = std::sqrt(demand.youngs_modulus_pa / demand.density_kg_m3) /
-                      (rate_hz_ * scene_substeps_ * choice_.cell_width_m);
+    resolution_.substeps = scene_substeps_;
+    resolution_.youngs_modulus_pa = request.youngs_modulus_pa;
+    resolution_.clipped = false;
+    resolution_.impact_substeps = 1;
+    resolution_.courant = std::sqrt(request.youngs_modulus_pa / request.density_kg_m3) /
+                      (rate_hz_ * scene_substeps_ * resolution_.cell_width_m);
   }
-  if (!choice_.clipped) return;
-  const double ceiling = choice_.youngs_modulus_pa / demand.density_kg_m3;
+  if (!resolution_.clipped) return;
+  const double ceiling = resolution_.youngs_modulus_pa / request.density_kg_m3;
   for (size_t k = 0; k < densities_kg_m3_.size(); ++k) {
     IsotropicMaterial& one = cell_materials_.materials[k];
     one.youngs_modulus_pa = std::min(one.youngs_modulus_pa, ceiling * densities_kg_m3_[k]);
@@ -173,7 +173,7 @@ void CellsBody::rebuild_cells() {
 // For second-order steps, which motion that is not yet at rest takes. Where the stiffness is clipped, what is simulated is as
 // exact as its own band says; against what was asked for it is the ratio of the two.
 void CellsBody::predict_accuracy() {
-  const double step_s = (options_.second_order ? 2.0 / 3.0 : 1.0) / (rate_hz_ * choice_.substeps);
+  const double step_s = (options_.second_order ? 2.0 / 3.0 : 1.0) / (rate_hz_ * resolution_.substeps);
   const Vector3d cells = (extent_.max_m - extent_.min_m) / lattice_.cell_width_m;
   bands_.clear();
   thin_part_ = thin_part(lattice_, extent_.loose);
@@ -204,8 +204,8 @@ void CellsBody::predict_accuracy() {
 // A thin cell's take the inverse of a matrix of 18 x 18, and a body may be alone and in company by turns.
 const SweepGains& CellsBody::gains_of(double h, bool second_order) {
   const auto alike = [&](double other_s) { return std::abs(h - other_s) <= 1e-9 * h; };
-  const double own_s = 1.0 / (rate_hz_ * choice_.substeps);
-  StepGains& gains = alike(own_s) ? own_gains_ : alike(own_s / choice_.impact_substeps) ? impact_gains_ : neighbour_gains_;
+  const double own_s = 1.0 / (rate_hz_ * resolution_.substeps);
+  StepGains& gains = alike(own_s) ? own_gains_ : alike(own_s / resolution_.impact_substeps) ? impact_gains_ : neighbour_gains_;
   if (!alike(gains.step_s)) gains = {h, {}};
   std::optional<SweepGains>& found = gains.of_order[second_order];
   if (!found) {
@@ -315,15 +315,15 @@ void CellsBody::start_motion(const ElasticBodyDescription& description) {
   for (const Vector3d& position : positions) reach_m_ = std::max(reach_m_, (position - motion_.centre_m).norm());
 }
 
-void CellsBody::may_take(double node_substeps) {
-  if (std::isfinite(most_node_substeps_)) most_node_substeps_ = node_substeps;
+void CellsBody::set_node_substep_budget(double node_substeps) {
+  if (std::isfinite(max_node_substeps_)) max_node_substeps_ = node_substeps;
 }
 
 void CellsBody::set_material(const Material& material) {
   become_elastic();
   material_ = material;
   set_up_materials();
-  choose(choice_.cell_width_m);
+  choose(resolution_.cell_width_m);
   const double before = mass_kg_;
   set_masses();
   // The velocities stay, so momentum follows the mass.
@@ -463,9 +463,9 @@ Eigen::AlignedBox3d CellsBody::bounds_m() const {
 
 ElasticAccuracy CellsBody::accuracy() const {
   ElasticAccuracy accuracy;
-  accuracy.cell_width_m = choice_.cell_width_m;
-  accuracy.substeps = choice_.substeps;
-  accuracy.courant = choice_.courant;
+  accuracy.cell_width_m = resolution_.cell_width_m;
+  accuracy.substeps = resolution_.substeps;
+  accuracy.courant = resolution_.courant;
   const auto tell = [&](size_t k, MaterialAccuracy& of_material) {
     of_material.youngs_modulus_pa = asked_modulus_pa(k);
     of_material.reached_youngs_modulus_pa = cell_materials_.materials[k].youngs_modulus_pa;
@@ -481,12 +481,12 @@ ElasticAccuracy CellsBody::accuracy() const {
     tell(k, accuracy.regions.back());
   }
   accuracy.recovery_count = recovery_count_;
-  accuracy.node_substeps = choice_.node_substeps;
-  if (alone_) {
-    accuracy.alone_cell_width_m = alone_->cell_width_m;
-    accuracy.alone_reached_pa = alone_->youngs_modulus_pa;
+  accuracy.node_substeps = resolution_.node_substeps;
+  if (unbudgeted_) {
+    accuracy.unbudgeted_cell_width_m = unbudgeted_->cell_width_m;
+    accuracy.unbudgeted_reached_pa = unbudgeted_->youngs_modulus_pa;
   }
-  accuracy.over_budget = choice_.over_budget;
+  accuracy.over_budget = resolution_.over_budget;
   accuracy.sag = densities_kg_m3_[0] * kGravity_m_s2 * (extent_.max_m - extent_.min_m).minCoeff() /
                  cell_materials_.materials[0].youngs_modulus_pa;
   accuracy.thin_part = thin_part_;

@@ -54,8 +54,8 @@ class CellsBody final : public ElasticBody {
 
   bool release_region(const std::string& name) override;
   void set_material(const Material& material) override;
-  void may_take(double node_substeps) override;
-  double node_substeps() const override { return choice_.node_substeps; }
+  void set_node_substep_budget(double node_substeps) override;
+  double node_substeps() const override { return resolution_.node_substeps; }
   const Material& material() const override { return material_; }
   bool asleep() const override { return sleep_timer_.asleep(); }
   int recovery_count() const override { return recovery_count_; }
@@ -271,9 +271,9 @@ class CellsBody final : public ElasticBody {
 
   double rate_hz_;
   int scene_substeps_;
-  double most_node_substeps_, whole_node_substeps_;  // a frame; the first is infinite where cells were given
-  CellChoice choice_;
-  std::optional<CellChoice> alone_;  // where the scene's budget left it less than this
+  double max_node_substeps_, scene_node_substeps_;  // a frame; the first is infinite where cells were given
+  LatticeResolution resolution_;
+  std::optional<LatticeResolution> unbudgeted_;  // where the scene's budget left it less than this
   std::vector<ModulusBand> bands_;  // by material, of what is simulated
   double thin_part_ = 0.0;          // ElasticAccuracy
 

@@ -78,7 +78,7 @@ bool CellsBody::limit_energy() {
   const bool touched = std::exchange(touched_last_frame_, touching_) || touching_;
   const double work_j = std::exchange(work_j_, 0.0);
   const bool unknown = driven_ || moved_ || recovering_ || is_separating() || !region_loads_.empty();
-  if (choice_.courant > kMaxCourant || std::max(strain_squared_, bent_squared_) < kMinStrainSquared) {
+  if (resolution_.courant > kMaxCourant || std::max(strain_squared_, bent_squared_) < kMinStrainSquared) {
     energy_limit_j_.reset();
     return true;
   }

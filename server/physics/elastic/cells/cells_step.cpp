@@ -69,8 +69,8 @@ int CellsBody::begin_substep(const SubstepContext& context) {
   // A longer substep than the scene's is taken in several, never stretched: the stiffness was chosen for this one.
   const double longer = std::ceil(context.duration_s * rate_hz_ * scene_substeps_ - 1e-6);
   gather_point_loads(context);
-  const int steps = choice_.substeps / scene_substeps_ * static_cast<int>(std::clamp(longer, 1.0, kMaxSceneSubsteps));
-  return in_impact(context) ? steps * choice_.impact_substeps : steps;
+  const int steps = resolution_.substeps / scene_substeps_ * static_cast<int>(std::clamp(longer, 1.0, kMaxSceneSubsteps));
+  return in_impact(context) ? steps * resolution_.impact_substeps : steps;
 }
 
 // A shock is what a body's own steps are too long for: one sweep each, and the cells in front of it are squashed, turned
@@ -81,7 +81,7 @@ bool CellsBody::in_impact(const SubstepContext& context) {
   if (!context.others.empty() || forced_) return false;
   const bool comes = !touching_ && !(candidates_.empty() && rigid_candidates_.empty());
   const double speed_m_s = touching_ ? deviation_m_s_ : comes ? motion_.velocity_m_s().norm() + deviation_m_s_ : 0.0;
-  if (speed_m_s > kImpactSpeedRatio * choice_.wave_speed_m_s(rate_hz_)) impact_until_s_ = context.start_s + kImpactFrames / rate_hz_;
+  if (speed_m_s > kImpactSpeedRatio * resolution_.wave_speed_m_s(rate_hz_)) impact_until_s_ = context.start_s + kImpactFrames / rate_hz_;
   return context.start_s < impact_until_s_;
 }
 

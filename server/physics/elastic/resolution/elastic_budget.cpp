@@ -7,24 +7,24 @@
 namespace livegs {
 namespace {
 
-double cost_of_all(std::span<const CellDemand> demands, double share) {
+double cost_of_all(std::span<const ResolutionRequest> requests, double share) {
   double sum = 0.0;
-  for (CellDemand demand : demands) {
-    if (demand.cell_width_m <= 0.0) demand.most_node_substeps = std::min(demand.most_node_substeps, share);
-    sum += choose_cells(demand).node_substeps;
+  for (ResolutionRequest request : requests) {
+    if (request.cell_width_m <= 0.0) request.max_node_substeps = std::min(request.max_node_substeps, share);
+    sum += choose_resolution(request).node_substeps;
   }
   return sum;
 }
 
 }  // namespace
 
-double fair_share(std::span<const CellDemand> demands, double budget_node_substeps) {
+double fair_share(std::span<const ResolutionRequest> requests, double budget_node_substeps) {
   constexpr double kStep = 0.9;
   const double whole = std::numeric_limits<double>::infinity();
-  if (demands.empty() || cost_of_all(demands, whole) <= budget_node_substeps) return whole;
-  const double equal = budget_node_substeps / static_cast<double>(demands.size());
+  if (requests.empty() || cost_of_all(requests, whole) <= budget_node_substeps) return whole;
+  const double equal = budget_node_substeps / static_cast<double>(requests.size());
   double share = budget_node_substeps;
-  while (share > equal && cost_of_all(demands, share) > budget_node_substeps) share *= kStep;
+  while (share > equal && cost_of_all(requests, share) > budget_node_substeps) share *= kStep;
   return std::max(share, equal);
 }
 

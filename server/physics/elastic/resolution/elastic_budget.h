@@ -15,6 +15,6 @@ inline constexpr double kNodeSubstep_ms = 26e-6;  // of one core; `elastic_bench
 // The most that each body may cost so that all fit, the same for all: a body that asks for less keeps what it asks for, and
 // what it leaves is the others'. Found from `budget` down in steps of a tenth; at least budget / bodies, also where bodies
 // whose cells were given take more than their part. Infinite where all get what they ask for within the budget.
-double fair_share(std::span<const CellDemand> demands, double budget_node_substeps);
+double fair_share(std::span<const ResolutionRequest> requests, double budget_node_substeps);
 
 }  // namespace livegs

@@ -15,11 +15,11 @@ constexpr double kCellsAlongCompact = 6.0, kLayersCompact = 3.0;
 constexpr double kCellsAlongThin = 8.0;
 constexpr double kThinRatio = 8.0;
 // A thin body's middle side is one cell wide, or this many.
-constexpr double kLeastSplit = 1.8;
+constexpr double kMinSplitCells = 1.8;
 // Cells of a thin body may be this much wider than it is thick.
-constexpr double kWidestOverThickness = 5.0;
+constexpr double kMaxWidthOverThickness = 5.0;
 // Unless it would take more nodes times substeps a frame than it may: then they are wider still.
-constexpr double kWider = 1.2, kFewestAlong = 4.0;
+constexpr double kWidthGrowth = 1.2, kMinCellsAlong = 4.0;
 
 // In a shock the sweep has to carry pressure from cell to cell, whose waves are sqrt((1 - nu) / ((1 + nu)(1 - 2 nu))) times as
 // fast as a bar's. At 0.65 of a cell a step rubber of nu 0.49 that met the floor at its sqrt(E/rho) left it with 2.6 times its
@@ -39,38 +39,38 @@ int scene_multiple(double needed, int substeps) {
   return substeps * static_cast<int>(std::ceil(std::max(1.0, std::min(needed, 1e6) / substeps) - 1e-9));
 }
 
-double limit_of(const CellDemand& demand, double width_m) {
-  return std::min(courant_limit(demand.poisson_ratio, demand.size_m.minCoeff() / width_m), demand.most_courant);
+double limit_of(const ResolutionRequest& request, double width_m) {
+  return std::min(courant_limit(request.poisson_ratio, request.size_m.minCoeff() / width_m), request.max_courant);
 }
 
-Candidate assess(const CellDemand& demand, double width_m) {
-  const double longest = demand.size_m.maxCoeff(), thinnest = demand.size_m.minCoeff();
+Candidate score(const ResolutionRequest& request, double width_m) {
+  const double longest = request.size_m.maxCoeff(), thinnest = request.size_m.minCoeff();
   const bool thin = longest >= kThinRatio * thinnest;
   Candidate candidate{width_m, false, false, 1, 1.0, 0.0};
   // Two layers of which one is hardly entered are a hinge and a lever: a flat bar of 1.2 layers bent the stiff way by 0.81
   // to 0.75 of what it should.
-  const double middle = demand.middle_side_m > 0.0 ? demand.middle_side_m : demand.size_m.sum() - longest - thinnest;
-  candidate.split = thin && middle > (1.0 + 1e-6) * width_m && middle < (kLeastSplit - 1e-6) * width_m;
+  const double middle = request.middle_side_m > 0.0 ? request.middle_side_m : request.size_m.sum() - longest - thinnest;
+  candidate.split = thin && middle > (1.0 + 1e-6) * width_m && middle < (kMinSplitCells - 1e-6) * width_m;
   candidate.detailed = !candidate.split && longest / width_m > (thin ? kCellsAlongThin : kCellsAlongCompact) - 1e-6 &&
                        (thin || thinnest / width_m > kLayersCompact - 1e-6);
-  const double wave_m_s = std::sqrt(demand.youngs_modulus_pa / demand.density_kg_m3);
-  const double limit = limit_of(demand, width_m);
-  candidate.substeps_needed = scene_multiple(wave_m_s / (limit * demand.rate_hz * width_m), demand.substeps);
-  for (int d = 0; d < 3; ++d) candidate.nodes *= std::ceil(demand.size_m[d] / width_m - 1e-6) + 1.0;
+  const double wave_m_s = std::sqrt(request.youngs_modulus_pa / request.density_kg_m3);
+  const double limit = limit_of(request, width_m);
+  candidate.substeps_needed = scene_multiple(wave_m_s / (limit * request.rate_hz * width_m), request.substeps);
+  for (int d = 0; d < 3; ++d) candidate.nodes *= std::ceil(request.size_m[d] / width_m - 1e-6) + 1.0;
   candidate.cost = candidate.substeps_needed * candidate.nodes;
   return candidate;
 }
 
-std::vector<double> candidate_widths(const CellDemand& demand) {
-  if (demand.cell_width_m > 0.0) return {std::max(demand.cell_width_m, 0.5 * demand.particle_edge_m)};
-  const double longest = demand.size_m.maxCoeff(), thinnest = demand.size_m.minCoeff();
-  const double narrowest = 1.5 * demand.particle_edge_m * (1.0 - 1e-6);
+std::vector<double> candidate_widths(const ResolutionRequest& request) {
+  if (request.cell_width_m > 0.0) return {std::max(request.cell_width_m, 0.5 * request.particle_edge_m)};
+  const double longest = request.size_m.maxCoeff(), thinnest = request.size_m.minCoeff();
+  const double narrowest = 1.5 * request.particle_edge_m * (1.0 - 1e-6);
   std::vector<double> widths;  // from wide to narrow
   // Of what is so wide that sixteen cells along are wider than this.
-  if (const double widest = kWidestOverThickness * thinnest; longest > 16.0 * widest && widest >= narrowest) widths.push_back(widest);
+  if (const double widest = kMaxWidthOverThickness * thinnest; longest > 16.0 * widest && widest >= narrowest) widths.push_back(widest);
   for (int along = 6; along <= 16; ++along) {
     const double width = longest / along;
-    if (width > thinnest * (1.0 + 1e-6) && width <= kWidestOverThickness * thinnest && width >= narrowest) {
+    if (width > thinnest * (1.0 + 1e-6) && width <= kMaxWidthOverThickness * thinnest && width >= narrowest) {
       widths.push_back(width);
     }
   }
@@ -90,25 +90,25 @@ double courant_limit(double poisson_ratio, double cells_across) {
   return cells_across < 1.5 ? std::min(limit, 0.5) : limit;
 }
 
-CellChoice choose_cells(const CellDemand& demand) {
-  int cap = std::max(demand.substeps, kMaxBodySubsteps / demand.substeps * demand.substeps);
+LatticeResolution choose_resolution(const ResolutionRequest& request) {
+  int cap = std::max(request.substeps, kMaxBodySubsteps / request.substeps * request.substeps);
   std::vector<Candidate> candidates;
-  for (const double width : candidate_widths(demand)) candidates.push_back(assess(demand, width));
+  for (const double width : candidate_widths(request)) candidates.push_back(score(request, width));
   const auto costs_too_much = [&](const Candidate& candidate) {
-    return candidate.nodes * std::min(candidate.substeps_needed, cap) > demand.most_node_substeps;
+    return candidate.nodes * std::min(candidate.substeps_needed, cap) > request.max_node_substeps;
   };
   const bool over_budget = std::all_of(candidates.begin(), candidates.end(), costs_too_much);
   if (over_budget) {
-    const double longest = demand.size_m.maxCoeff();
+    const double longest = request.size_m.maxCoeff();
     Candidate wider = *std::max_element(candidates.begin(), candidates.end(),
                                         [](const Candidate& a, const Candidate& b) { return a.width_m < b.width_m; });
-    while (demand.cell_width_m <= 0.0 && costs_too_much(wider) && kWider * wider.width_m <= longest / kFewestAlong) {
-      wider = assess(demand, kWider * wider.width_m);
+    while (request.cell_width_m <= 0.0 && costs_too_much(wider) && kWidthGrowth * wider.width_m <= longest / kMinCellsAlong) {
+      wider = score(request, kWidthGrowth * wider.width_m);
     }
     candidates = {wider};
     if (costs_too_much(wider)) {
-      const double affordable = std::max(1.0, demand.most_node_substeps / wider.nodes / demand.substeps);
-      cap = std::min(cap, static_cast<int>(std::min<double>(affordable, kMaxBodySubsteps)) * demand.substeps);
+      const double affordable = std::max(1.0, request.max_node_substeps / wider.nodes / request.substeps);
+      cap = std::min(cap, static_cast<int>(std::min<double>(affordable, kMaxBodySubsteps)) * request.substeps);
     }
   }
   std::erase_if(candidates, [&](const Candidate& candidate) { return !over_budget && costs_too_much(candidate); });
@@ -128,21 +128,21 @@ CellChoice choose_cells(const CellDemand& demand) {
   }
   if (!chosen) chosen = &candidates.front();
 
-  CellChoice choice;
-  choice.cell_width_m = chosen->width_m;
-  choice.substeps = std::min(chosen->substeps_needed, cap);
-  choice.node_substeps = chosen->nodes * choice.substeps;
-  const double reach = limit_of(demand, chosen->width_m) * demand.rate_hz * choice.substeps * chosen->width_m;
-  const double ceiling_pa = demand.density_kg_m3 * reach * reach;
-  choice.clipped = chosen->substeps_needed > cap;
-  choice.over_budget = over_budget && chosen->width_m > 1.0001 * kWidestOverThickness * demand.size_m.minCoeff();
-  choice.youngs_modulus_pa = choice.clipped ? ceiling_pa : demand.youngs_modulus_pa;
-  choice.courant = std::sqrt(choice.youngs_modulus_pa / demand.density_kg_m3) /
-                   (demand.rate_hz * choice.substeps * chosen->width_m);
-  const double nu = demand.poisson_ratio;
-  const double pressure_courant = choice.courant * std::sqrt((1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu)));
-  choice.impact_substeps = std::clamp(static_cast<int>(std::ceil(pressure_courant / kImpactPressureCourant)), 1, kMaxImpactSubsteps);
-  return choice;
+  LatticeResolution resolution;
+  resolution.cell_width_m = chosen->width_m;
+  resolution.substeps = std::min(chosen->substeps_needed, cap);
+  resolution.node_substeps = chosen->nodes * resolution.substeps;
+  const double reach = limit_of(request, chosen->width_m) * request.rate_hz * resolution.substeps * chosen->width_m;
+  const double ceiling_pa = request.density_kg_m3 * reach * reach;
+  resolution.clipped = chosen->substeps_needed > cap;
+  resolution.over_budget = over_budget && chosen->width_m > 1.0001 * kMaxWidthOverThickness * request.size_m.minCoeff();
+  resolution.youngs_modulus_pa = resolution.clipped ? ceiling_pa : request.youngs_modulus_pa;
+  resolution.courant = std::sqrt(resolution.youngs_modulus_pa / request.density_kg_m3) /
+                   (request.rate_hz * resolution.substeps * chosen->width_m);
+  const double nu = request.poisson_ratio;
+  const double pressure_courant = resolution.courant * std::sqrt((1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu)));
+  resolution.impact_substeps = std::clamp(static_cast<int>(std::ceil(pressure_courant / kImpactPressureCourant)), 1, kMaxImpactSubsteps);
+  return resolution;
 }
 
 }  // namespace livegs

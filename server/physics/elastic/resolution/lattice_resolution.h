@@ -17,7 +17,7 @@ namespace livegs {
 // takes impact_substeps times as many.
 inline constexpr int kMaxBodySubsteps = 32;
 
-struct CellDemand {
+struct ResolutionRequest {
   Eigen::Vector3d size_m;       // edges of the body's bounding box, lattice axes
   double middle_side_m = 0;     // of its material, where size_m is larger; 0: of size_m
   double particle_edge_m = 0;   // cells below 1.5 of it would be emptier than the material
@@ -25,14 +25,14 @@ struct CellDemand {
   double rate_hz = 0;
   int substeps = 1;             // the scene's, a frame
   double cell_width_m = 0;      // > 0: given, and only the substeps are chosen
-  double most_node_substeps = kMostNodeSubsteps;  // a frame: wider cells, then fewer substeps, keep to it
-  double most_courant = 1.0;    // below courant_limit where more is asked of it
+  double max_node_substeps = kMaxNodeSubsteps;  // a frame: wider cells, then fewer substeps, keep to it
+  double max_courant = 1.0;    // below courant_limit where more is asked of it
 };
 // Of a body whose whole boundary is moved: where nodes cannot move, colours share a stress unequally by the square of the
 // step, and within this the inside follows within 2 %.
 inline constexpr double kBoundaryCourant = 0.4;
 
-struct CellChoice {
+struct LatticeResolution {
   double cell_width_m = 0;
   int substeps = 1;             // a frame; a multiple of the scene's
   double courant = 0;           // sqrt(E/rho) h / a of the modulus that is simulated
@@ -49,7 +49,7 @@ struct CellChoice {
 // thinnest side `cells_across` cells wide; statics too in bodies of eight cells along or more.
 double courant_limit(double poisson_ratio, double cells_across);
 
-CellChoice choose_cells(const CellDemand& demand);
+LatticeResolution choose_resolution(const ResolutionRequest& request);
 
 // What is known before anything runs about the stiffness that a lattice shows, E_app / E (elastic-study.md 2.4, 3).
 //
@@ -78,7 +78,7 @@ inline constexpr double kMostEndExcess = 0.0405;
 inline constexpr double kMostThinPart = 0.05, kThinBendsFrom = 0.2, kThinBendsTo = 6.5;
 double thin_part(const Lattice& lattice, bool loose);
 
-struct BandDemand {
+struct BandRequest {
   double mean_sweep_compliance = 0.0;  // Ybar
   double poisson_ratio = 0.0;
   double cells_across = 4.0, cells_along = 16.0;  // of the thinnest side and the longest
@@ -95,6 +95,6 @@ struct ModulusBand {
 // bodies; unknown where so few cells along take so long a step that what pulls at the ends never lets them rest. (A
 // body that chooses for itself gets to neither of the last two: it lowers E to what eight cells along would show exactly,
 // and says so.)
-ModulusBand band_of(const BandDemand& demand);
+ModulusBand band_of(const BandRequest& request);
 
 }  // namespace livegs

@@ -97,23 +97,23 @@ double modulus_ceiling_pa(const Lattice& lattice, double density_kg_m3, double s
 
 double end_excess(double courant, double cells_along) { return 2.0 * courant * courant / cells_along; }
 
-ModulusBand band_of(const BandDemand& demand) {
-  const double y = demand.mean_sweep_compliance, ends = end_excess(demand.courant, demand.cells_along);
-  const double few = demand.cells_across < kOneAcross ? kFewInARow : kFew;
-  if (demand.cells_along < few && ends > kRestlessEnds) return {ElasticBand::Unknown, 0.0, 0.0};
-  if (y < kLeastBand && demand.ceiling_ratio < 1.0) {
-    const double most = kMostOfCeiling * (1.0 + kEndsOverCeiling / demand.cells_along);
-    const double most_across = kMostOfCeiling * (1.0 + kEndsOverCeiling / demand.cells_across);
-    return {ElasticBand::Clipped, kLeastOfCeiling * demand.ceiling_ratio, most * demand.ceiling_ratio,
-            most_across * demand.ceiling_ratio};
+ModulusBand band_of(const BandRequest& request) {
+  const double y = request.mean_sweep_compliance, ends = end_excess(request.courant, request.cells_along);
+  const double few = request.cells_across < kOneAcross ? kFewInARow : kFew;
+  if (request.cells_along < few && ends > kRestlessEnds) return {ElasticBand::Unknown, 0.0, 0.0};
+  if (y < kLeastBand && request.ceiling_ratio < 1.0) {
+    const double most = kMostOfCeiling * (1.0 + kEndsOverCeiling / request.cells_along);
+    const double most_across = kMostOfCeiling * (1.0 + kEndsOverCeiling / request.cells_across);
+    return {ElasticBand::Clipped, kLeastOfCeiling * request.ceiling_ratio, most * request.ceiling_ratio,
+            most_across * request.ceiling_ratio};
   }
-  const double ends_across = end_excess(demand.courant, demand.cells_across);
+  const double ends_across = end_excess(request.courant, request.cells_across);
   const double across = 1.0 / (1.0 - std::min(ends_across, kMostEnds));
-  if (y > kLeastExact && y > kLeastExactPerBulk / (1.0 - 2.0 * demand.poisson_ratio) && ends <= kMostEndExcess) {
+  if (y > kLeastExact && y > kLeastExactPerBulk / (1.0 - 2.0 * request.poisson_ratio) && ends <= kMostEndExcess) {
     return {ElasticBand::Exact, 1.0 - kExactWithin, 1.0 + kExactWithin, std::max(across, 1.0 + kExactWithin)};
   }
-  const double inside = stiffest(y, demand.cells_across);
-  return {ElasticBand::Band, softest(y, demand.poisson_ratio), inside / (1.0 - std::min(ends, kMostEnds)), inside * across};
+  const double inside = stiffest(y, request.cells_across);
+  return {ElasticBand::Band, softest(y, request.poisson_ratio), inside / (1.0 - std::min(ends, kMostEnds)), inside * across};
 }
 
 }  // namespace livegs

@@ -30,42 +30,42 @@ std::vector<RegionMaterial> region_materials(std::span<const BodyRegion> regions
   return materials;
 }
 
-CellDemand cell_demand(const BodyExtent& extent, const BodyMaterials& materials, bool boundary_moved, double rate_hz,
+ResolutionRequest resolution_request(const BodyExtent& extent, const BodyMaterials& materials, bool boundary_moved, double rate_hz,
                        int substeps) {
   size_t fastest = 0;
   const auto speed_squared = [&](size_t k) { return materials.elastic[k].youngs_modulus_pa / materials.densities_kg_m3[k]; };
   for (size_t k = 1; k < materials.elastic.size(); ++k) {
     if (speed_squared(k) > speed_squared(fastest)) fastest = k;
   }
-  CellDemand demand;
+  ResolutionRequest request;
   // What voxels do not fill, and is thinner than its particles' cubes, counts as large as those show it, or cells narrow and
   // many would be chosen for a sheet, which bends as it should in wide ones, and which gained energy in narrow ones when it
   // fell on its edge.
-  demand.size_m = extent.max_m - extent.min_m;
-  demand.middle_side_m = demand.size_m.sum() - demand.size_m.maxCoeff() - demand.size_m.minCoeff();
+  request.size_m = extent.max_m - extent.min_m;
+  request.middle_side_m = request.size_m.sum() - request.size_m.maxCoeff() - request.size_m.minCoeff();
   const bool by_voxels = extent.box_edge_m == extent.spacing_m;
-  if (!by_voxels && demand.size_m.minCoeff() < 0.999 * extent.box_edge_m) demand.size_m.array() += extent.box_edge_m;
-  demand.particle_edge_m = extent.box_edge_m;
-  demand.youngs_modulus_pa = materials.elastic[fastest].youngs_modulus_pa;
-  demand.density_kg_m3 = materials.densities_kg_m3[fastest];
+  if (!by_voxels && request.size_m.minCoeff() < 0.999 * extent.box_edge_m) request.size_m.array() += extent.box_edge_m;
+  request.particle_edge_m = extent.box_edge_m;
+  request.youngs_modulus_pa = materials.elastic[fastest].youngs_modulus_pa;
+  request.density_kg_m3 = materials.densities_kg_m3[fastest];
   for (const IsotropicMaterial& one : materials.elastic) {
-    demand.poisson_ratio = std::max(demand.poisson_ratio, one.poisson_ratio);
+    request.poisson_ratio = std::max(request.poisson_ratio, one.poisson_ratio);
   }
-  demand.rate_hz = rate_hz;
-  demand.substeps = substeps;
-  if (boundary_moved) demand.most_courant = kBoundaryCourant;
-  return demand;
+  request.rate_hz = rate_hz;
+  request.substeps = substeps;
+  if (boundary_moved) request.max_courant = kBoundaryCourant;
+  return request;
 }
 
-CellDemand cell_demand(const ElasticBodyDescription& description, double rate_hz, int substeps) {
+ResolutionRequest resolution_request(const ElasticBodyDescription& description, double rate_hz, int substeps) {
   const std::vector<double>& volumes_m3 = description.particles.volumes_m3;
   const BodyMaterials materials = body_materials(description.material, region_materials(description.regions),
                                                  std::accumulate(volumes_m3.begin(), volumes_m3.end(), 0.0));
   const bool boundary_moved = std::any_of(description.regions.begin(), description.regions.end(),
                                           [](const BodyRegion& region) { return region.boundary && region.motion; });
-  CellDemand demand = cell_demand(measure_extent(description.particles), materials, boundary_moved, rate_hz, substeps);
-  demand.cell_width_m = description.cell_width_m;
-  return demand;
+  ResolutionRequest request = resolution_request(measure_extent(description.particles), materials, boundary_moved, rate_hz, substeps);
+  request.cell_width_m = description.cell_width_m;
+  return request;
 }
 
 }  // namespace livegs

@@ -23,9 +23,9 @@ BodyMaterials body_materials(const Material& own, std::span<const RegionMaterial
 std::vector<RegionMaterial> region_materials(std::span<const BodyRegion> regions);
 
 // Of the fastest wave among the materials and the largest Poisson's ratio. `boundary_moved`: all of its outside is.
-CellDemand cell_demand(const BodyExtent& extent, const BodyMaterials& materials, bool boundary_moved, double rate_hz,
+ResolutionRequest resolution_request(const BodyExtent& extent, const BodyMaterials& materials, bool boundary_moved, double rate_hz,
                        int substeps);
 // Of a described body, with the cells it was given, if any. Preconditions: those of measure_extent.
-CellDemand cell_demand(const ElasticBodyDescription& description, double rate_hz, int substeps);
+ResolutionRequest resolution_request(const ElasticBodyDescription& description, double rate_hz, int substeps);
 
 }  // namespace livegs

@@ -129,61 +129,61 @@ TEST(Lattice, MeshVerticesSetTheFacesAndCarryNoMass) {
   for (const LatticeCell& cell : lattice.cells) EXPECT_NEAR(cell.volume_m3, 1.25e-4, 1e-15);
 }
 
-CellDemand bar_demand(double youngs_modulus_pa, double width_m) {
-  CellDemand demand;
-  demand.size_m = {0.4, 0.1, 0.1};
-  demand.particle_edge_m = 0.0125;
-  demand.youngs_modulus_pa = youngs_modulus_pa;
-  demand.poisson_ratio = 0.3;
-  demand.density_kg_m3 = 1000;
-  demand.rate_hz = 60;
-  demand.substeps = 1;
-  demand.cell_width_m = width_m;
-  return demand;
+ResolutionRequest bar_request(double youngs_modulus_pa, double width_m) {
+  ResolutionRequest request;
+  request.size_m = {0.4, 0.1, 0.1};
+  request.particle_edge_m = 0.0125;
+  request.youngs_modulus_pa = youngs_modulus_pa;
+  request.poisson_ratio = 0.3;
+  request.density_kg_m3 = 1000;
+  request.rate_hz = 60;
+  request.substeps = 1;
+  request.cell_width_m = width_m;
+  return request;
 }
 
-TEST(CellChoice, TakesTheSubstepsOfTheStudysRule) {
+TEST(LatticeResolution, TakesTheSubstepsOfTheStudysRule) {
   // elastic-study.md 2.7: ceil( sqrt(E/rho) / (Co* rate a) ), rho 1000, 60 Hz; Co* is 0.6 here, 0.75 there.
-  EXPECT_EQ(choose_cells(bar_demand(1e4, 0.0125)).substeps, 8);   // 7.03
-  EXPECT_EQ(choose_cells(bar_demand(1e5, 0.025)).substeps, 12);   // 11.1
-  EXPECT_EQ(choose_cells(bar_demand(1e6, 0.05)).substeps, 18);    // 17.6
-  EXPECT_FALSE(choose_cells(bar_demand(1e6, 0.05)).clipped);
-  EXPECT_TRUE(choose_cells(bar_demand(1e6, 0.025)).clipped);      // 35.1, more than kMaxBodySubsteps
+  EXPECT_EQ(choose_resolution(bar_request(1e4, 0.0125)).substeps, 8);   // 7.03
+  EXPECT_EQ(choose_resolution(bar_request(1e5, 0.025)).substeps, 12);   // 11.1
+  EXPECT_EQ(choose_resolution(bar_request(1e6, 0.05)).substeps, 18);    // 17.6
+  EXPECT_FALSE(choose_resolution(bar_request(1e6, 0.05)).clipped);
+  EXPECT_TRUE(choose_resolution(bar_request(1e6, 0.025)).clipped);      // 35.1, more than kMaxBodySubsteps
 }
 
-TEST(CellChoice, ClipsAtTheCapAndSaysTheCeiling) {
-  const CellChoice choice = choose_cells(bar_demand(1e9, 0.025));
-  EXPECT_EQ(choice.substeps, kMaxBodySubsteps);
-  EXPECT_TRUE(choice.clipped);
-  EXPECT_NEAR(choice.youngs_modulus_pa, 1000 * std::pow(0.6 * 60 * kMaxBodySubsteps * 0.025, 2), 1e-6);
-  EXPECT_NEAR(choice.courant, 0.6, 1e-12);
+TEST(LatticeResolution, ClipsAtTheCapAndSaysTheCeiling) {
+  const LatticeResolution resolution = choose_resolution(bar_request(1e9, 0.025));
+  EXPECT_EQ(resolution.substeps, kMaxBodySubsteps);
+  EXPECT_TRUE(resolution.clipped);
+  EXPECT_NEAR(resolution.youngs_modulus_pa, 1000 * std::pow(0.6 * 60 * kMaxBodySubsteps * 0.025, 2), 1e-6);
+  EXPECT_NEAR(resolution.courant, 0.6, 1e-12);
 }
 
-TEST(CellChoice, StifferBodiesGetWiderCellsBeforeTheyAreClipped) {
+TEST(LatticeResolution, StifferBodiesGetWiderCellsBeforeTheyAreClipped) {
   double width = 0.0;
   for (const double stiffness : {1e4, 1e6, 1e7, 1e9}) {
-    CellDemand demand = bar_demand(stiffness, 0.0);
-    demand.substeps = 4;
-    const CellChoice choice = choose_cells(demand);
-    EXPECT_GE(choice.cell_width_m, width);
-    EXPECT_EQ(choice.substeps % 4, 0);
-    EXPECT_LE(choice.courant, courant_limit(0.3, 0.1 / choice.cell_width_m) + 1e-12);
-    width = choice.cell_width_m;
+    ResolutionRequest request = bar_request(stiffness, 0.0);
+    request.substeps = 4;
+    const LatticeResolution resolution = choose_resolution(request);
+    EXPECT_GE(resolution.cell_width_m, width);
+    EXPECT_EQ(resolution.substeps % 4, 0);
+    EXPECT_LE(resolution.courant, courant_limit(0.3, 0.1 / resolution.cell_width_m) + 1e-12);
+    width = resolution.cell_width_m;
   }
 }
 
 // A sheet of 2 mm and a metre had 42 050 nodes and 32 substeps, and a tick of 0.2 s.
-TEST(CellChoice, AWideThinSheetGetsWiderCellsThanAFrameHasTimeFor) {
-  CellDemand demand = bar_demand(1e5, 0.0);
-  demand.substeps = 4;
+TEST(LatticeResolution, AWideThinSheetGetsWiderCellsThanAFrameHasTimeFor) {
+  ResolutionRequest request = bar_request(1e5, 0.0);
+  request.substeps = 4;
   for (const double width : {0.3, 1.0, 2.0, 10.0}) {
     for (const double thickness : {1e-4, 1e-3, 2e-3, 2e-2}) {
-      demand.size_m = {width, thickness, width};
-      demand.particle_edge_m = 0.5 * thickness;
-      const CellChoice choice = choose_cells(demand);
-      const double along = std::ceil(width / choice.cell_width_m - 1e-6) + 1.0;
-      EXPECT_LE(2.0 * along * along * choice.substeps, 250e3) << width << " x " << thickness;
-      EXPECT_EQ(choice.over_budget, choice.cell_width_m > 5.0001 * thickness) << width << " x " << thickness;
+      request.size_m = {width, thickness, width};
+      request.particle_edge_m = 0.5 * thickness;
+      const LatticeResolution resolution = choose_resolution(request);
+      const double along = std::ceil(width / resolution.cell_width_m - 1e-6) + 1.0;
+      EXPECT_LE(2.0 * along * along * resolution.substeps, 250e3) << width << " x " << thickness;
+      EXPECT_EQ(resolution.over_budget, resolution.cell_width_m > 5.0001 * thickness) << width << " x " << thickness;
     }
   }
 }

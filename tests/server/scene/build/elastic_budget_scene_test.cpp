@@ -43,13 +43,13 @@ TEST(ElasticBudgetOfAScene, IsSharedAndTold) {
   const Scene one = sheets_and_a_cube(1, 1e6), six = sheets_and_a_cube(6, 1e6);
   const ElasticAccuracy &alone = *one.find("sheet 0")->elastic, &shared = *six.find("sheet 0")->elastic;
   ASSERT_GT(6 * alone.node_substeps, kBudget);
-  EXPECT_EQ(alone.alone_cell_width_m, 0);
+  EXPECT_EQ(alone.unbudgeted_cell_width_m, 0);
   EXPECT_LE(node_substeps(six), kBudget);
   EXPECT_GT(shared.cell_width_m, alone.cell_width_m);
-  EXPECT_EQ(shared.alone_cell_width_m, alone.cell_width_m);
-  EXPECT_EQ(shared.alone_reached_pa, alone.reached_youngs_modulus_pa);
+  EXPECT_EQ(shared.unbudgeted_cell_width_m, alone.cell_width_m);
+  EXPECT_EQ(shared.unbudgeted_reached_pa, alone.reached_youngs_modulus_pa);
   EXPECT_EQ(six.find("cube")->elastic->cell_width_m, one.find("cube")->elastic->cell_width_m);
-  EXPECT_EQ(six.find("cube")->elastic->alone_cell_width_m, 0);
+  EXPECT_EQ(six.find("cube")->elastic->unbudgeted_cell_width_m, 0);
 
   std::string told;
   for (const std::string& warning : six.find("sheet 0")->all_warnings()) told += warning + "\n";
@@ -57,11 +57,11 @@ TEST(ElasticBudgetOfAScene, IsSharedAndTold) {
   const v1::ElasticAccuracy message = accuracy_message(shared);
   EXPECT_EQ(message.alone_cell_width_m(), alone.cell_width_m);
   EXPECT_EQ(message.node_substeps(), shared.node_substeps);
-  EXPECT_EQ(message.alone_reached_youngs_modulus_pa(), shared.alone_reached_pa);
+  EXPECT_EQ(message.alone_reached_youngs_modulus_pa(), shared.unbudgeted_reached_pa);
 
   const Scene roomy = sheets_and_a_cube(6, 1e6, "");
   EXPECT_EQ(roomy.find("sheet 0")->elastic->cell_width_m, alone.cell_width_m);
-  EXPECT_EQ(roomy.find("sheet 0")->elastic->alone_cell_width_m, 0);
+  EXPECT_EQ(roomy.find("sheet 0")->elastic->unbudgeted_cell_width_m, 0);
 }
 
 // Cells stay when a stiffness is edited; the substeps keep to what the others leave, and the object says so.
@@ -70,7 +70,7 @@ TEST(ElasticBudgetOfAScene, AnEditKeepsToWhatTheOthersLeave) {
   const SceneObject& sheet = *scene.find("sheet 0");
   const uint32_t id = sheet.id;
   const double width_m = sheet.elastic->cell_width_m;
-  ASSERT_EQ(sheet.elastic->alone_cell_width_m, 0);
+  ASSERT_EQ(sheet.elastic->unbudgeted_cell_width_m, 0);
   const auto edit = [&](double youngs_modulus_pa) {
     v1::PhysicalParameters physics = scene.find("sheet 0")->physics;
     physics.mutable_youngs_modulus_pa()->set_best(youngs_modulus_pa);
@@ -83,11 +83,11 @@ TEST(ElasticBudgetOfAScene, AnEditKeepsToWhatTheOthersLeave) {
   EXPECT_LE(node_substeps(scene), kBudget);
   EXPECT_GT(stiff.substeps, before.substeps);
   EXPECT_LT(stiff.substeps, kMaxBodySubsteps);
-  EXPECT_EQ(stiff.alone_cell_width_m, width_m);
-  EXPECT_GT(stiff.alone_reached_pa, stiff.reached_youngs_modulus_pa);
+  EXPECT_EQ(stiff.unbudgeted_cell_width_m, width_m);
+  EXPECT_GT(stiff.unbudgeted_reached_pa, stiff.reached_youngs_modulus_pa);
   const ElasticAccuracy back = edit(1e4);
   EXPECT_EQ(back.substeps, before.substeps);
-  EXPECT_EQ(back.alone_cell_width_m, 0);
+  EXPECT_EQ(back.unbudgeted_cell_width_m, 0);
 }
 
 TEST(ElasticBudgetOfAScene, ABudgetOutOfRangeIsRefused) {
