@@ -84,7 +84,7 @@ std::vector<std::string> accuracy_warnings(const ElasticAccuracy& accuracy) {
                                            1e3 * accuracy.cell_width_m, accuracy.substeps));
   };
   warn(accuracy, "");
-  if (accuracy.thin_part > kMostThinPart) {
+  if (accuracy.thin_part > kMaxThinPart) {
     warnings.push_back(format_text("%.0f %% of it is sheets or cords thinner than half a cell of %.3g mm that do not lie along the "
                                    "cells: such things measured %.2g to %.2g of the stiffness they should have in bending",
                                    100.0 * accuracy.thin_part, 1e3 * accuracy.cell_width_m, kThinBendsFrom, kThinBendsTo));

@@ -187,7 +187,7 @@ void CellsBody::predict_accuracy() {
          .cells_along = cells.maxCoeff(),
          .courant = courant,
          .ceiling_ratio = modulus_ceiling_pa(lattice_, densities_kg_m3_[k], step_s) / one.youngs_modulus_pa});
-    if (thin_part_ > kMostThinPart && band.band != ElasticBand::Unknown) {
+    if (thin_part_ > kMaxThinPart && band.band != ElasticBand::Unknown) {
       if (band.band == ElasticBand::Exact) band.band = ElasticBand::Band;
       band.ratio_low *= kThinBendsFrom;
       band.ratio_high *= kThinBendsTo;

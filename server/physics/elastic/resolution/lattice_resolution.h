@@ -70,12 +70,12 @@ double modulus_ceiling_pa(const Lattice& lattice, double density_kg_m3, double s
 // eight cells, nu 0 to .45). In the middle half of four cells or more there is none of it. The same across, by the cells there.
 double end_excess(double courant, double cells_along);
 // With more of it a body is not called exact; Poisson's ratio at .45 is then 0.02 off too.
-inline constexpr double kMostEndExcess = 0.0405;
+inline constexpr double kMaxEndExcess = 0.0405;
 
 // What is thinner than half a cell and lies obliquely in the lattice, or of which only points on its surface are known, bends
 // from so much to so much of what it should: strips and cords in turned lattices, the sample plant and the captured palm
 // (README.md). With more than this part of its volume in such cells a body is not called exact.
-inline constexpr double kMostThinPart = 0.05, kThinBendsFrom = 0.2, kThinBendsTo = 6.5;
+inline constexpr double kMaxThinPart = 0.05, kThinBendsFrom = 0.2, kThinBendsTo = 6.5;
 double thin_part(const Lattice& lattice, bool loose);
 
 struct BandRequest {

@@ -10,15 +10,15 @@
 namespace livegs {
 namespace {
 
-constexpr double kLeastExact = 4.0, kLeastExactPerBulk = 0.9, kLeastBand = 1.1;
+constexpr double kMinExact = 4.0, kMinExactPerBulk = 0.9, kMinBand = 1.1;
 // Of what is predicted; with what is measured beside it, bodies called exact are within 5 % (tests/accuracy/tension_test.cpp).
 constexpr double kExactWithin = 0.04;
 // Of the ceiling: a modulus far above it shows less than one just above it.
-constexpr double kLeastOfCeiling = 0.45, kMostOfCeiling = 1.1;
+constexpr double kMinCeilingRatio = 0.45, kMaxCeilingRatio = 1.1;
 // Of so many cells along a body shows up to this times more than that, measured: 1.4 at 8, 1.7 at 6, 2.1 at 4, 1.8 at 3.
 constexpr double kEndsOverCeiling = 4.5;
 // What pulls at the ends of so few cells in steps so long never lets them rest: there is nothing to tell.
-constexpr double kFew = 4.5, kFewInARow = 3.5, kOneAcross = 1.5, kRestlessEnds = 0.25, kMostEnds = 0.5;
+constexpr double kMinBlockCells = 4.5, kMinRowCells = 3.5, kMaxRowWidth = 1.5, kMaxRestingEndExcess = 0.25, kMaxEndCorrection = 0.5;
 
 // Measured E_app / E against Ybar, with the ends of the band put on: softness from elastic-study.md 3 (each column of
 // Courant numbers turned into Ybar by its thickness), stiffness from this solver, which is stiffer than the study's
@@ -99,21 +99,21 @@ double end_excess(double courant, double cells_along) { return 2.0 * courant * c
 
 ModulusBand band_of(const BandRequest& request) {
   const double y = request.mean_sweep_compliance, ends = end_excess(request.courant, request.cells_along);
-  const double few = request.cells_across < kOneAcross ? kFewInARow : kFew;
-  if (request.cells_along < few && ends > kRestlessEnds) return {ElasticBand::Unknown, 0.0, 0.0};
-  if (y < kLeastBand && request.ceiling_ratio < 1.0) {
-    const double most = kMostOfCeiling * (1.0 + kEndsOverCeiling / request.cells_along);
-    const double most_across = kMostOfCeiling * (1.0 + kEndsOverCeiling / request.cells_across);
-    return {ElasticBand::Clipped, kLeastOfCeiling * request.ceiling_ratio, most * request.ceiling_ratio,
+  const double few = request.cells_across < kMaxRowWidth ? kMinRowCells : kMinBlockCells;
+  if (request.cells_along < few && ends > kMaxRestingEndExcess) return {ElasticBand::Unknown, 0.0, 0.0};
+  if (y < kMinBand && request.ceiling_ratio < 1.0) {
+    const double most = kMaxCeilingRatio * (1.0 + kEndsOverCeiling / request.cells_along);
+    const double most_across = kMaxCeilingRatio * (1.0 + kEndsOverCeiling / request.cells_across);
+    return {ElasticBand::Clipped, kMinCeilingRatio * request.ceiling_ratio, most * request.ceiling_ratio,
             most_across * request.ceiling_ratio};
   }
   const double ends_across = end_excess(request.courant, request.cells_across);
-  const double across = 1.0 / (1.0 - std::min(ends_across, kMostEnds));
-  if (y > kLeastExact && y > kLeastExactPerBulk / (1.0 - 2.0 * request.poisson_ratio) && ends <= kMostEndExcess) {
+  const double across = 1.0 / (1.0 - std::min(ends_across, kMaxEndCorrection));
+  if (y > kMinExact && y > kMinExactPerBulk / (1.0 - 2.0 * request.poisson_ratio) && ends <= kMaxEndExcess) {
     return {ElasticBand::Exact, 1.0 - kExactWithin, 1.0 + kExactWithin, std::max(across, 1.0 + kExactWithin)};
   }
   const double inside = stiffest(y, request.cells_across);
-  return {ElasticBand::Band, softest(y, request.poisson_ratio), inside / (1.0 - std::min(ends, kMostEnds)), inside * across};
+  return {ElasticBand::Band, softest(y, request.poisson_ratio), inside / (1.0 - std::min(ends, kMaxEndCorrection)), inside * across};
 }
 
 }  // namespace livegs

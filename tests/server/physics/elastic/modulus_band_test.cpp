@@ -51,7 +51,7 @@ TEST(ModulusBand, ABodyOfFewCellsIsExactInShorterSteps) {
     return band_of({.mean_sweep_compliance = 8, .cells_along = cells_along, .courant = courant * 2 / 3});
   };
   for (const double cells_along : {1, 2, 3, 6}) {
-    const double exact_to = 1.5 * std::sqrt(0.5 * kMostEndExcess * cells_along);
+    const double exact_to = 1.5 * std::sqrt(0.5 * kMaxEndExcess * cells_along);
     EXPECT_EQ(band(cells_along, exact_to - 1e-6).band, ElasticBand::Exact) << cells_along;
     EXPECT_EQ(band(cells_along, exact_to + 1e-3).band, ElasticBand::Band) << cells_along;
   }
@@ -120,7 +120,7 @@ TEST(ModulusBand, CurvedThinShellsAreNotCalledExact) {
     const auto made = make_elastic_body(body, ElasticSolver::Cells, 60, 4, false);
     ASSERT_TRUE(made) << made.error().message;
     const ElasticAccuracy accuracy = (*made)->accuracy();
-    EXPECT_EQ(accuracy.thin_part > kMostThinPart, thin) << accuracy.thin_part;
+    EXPECT_EQ(accuracy.thin_part > kMaxThinPart, thin) << accuracy.thin_part;
     EXPECT_EQ(accuracy.band == ElasticBand::Exact, !thin) << name_of(accuracy.band);
     if (thin) {
       EXPECT_LE(accuracy.modulus_ratio_low, kThinBendsFrom);
