@@ -181,7 +181,7 @@ SurfaceSample swept_surface(const ColliderProbe& collider, const Vector3d& from_
   }
   if (!fast) return at;
   const auto sample = [&](const Vector3d& point) { return collider.sample(point); };
-  const auto hit = sweep_sphere(sample, from_m, displacement, 0.0, tolerance);
+  const auto hit = cast_sphere(sample, from_m, displacement, 0.0, tolerance);
   if (!hit) return at;
   return {hit->separation_m + hit->normal.dot(displacement), hit->normal};
 }

@@ -81,7 +81,7 @@ DistanceField::Sample swept_gap(const RigidShape& shape, const Vector3d& from_m,
       const DistanceField::Sample found = shape.sample(point);
       return SurfaceSample{found.distance_m, found.gradient};
     };
-    const auto hit = sweep_sphere(sample, from_m, displacement, 0.0, 0.01 * smallest);
+    const auto hit = cast_sphere(sample, from_m, displacement, 0.0, 0.01 * smallest);
     if (hit) return {hit->separation_m + hit->normal.dot(displacement), hit->normal};
   }
   return shape.sample(to_m);

@@ -124,7 +124,7 @@ CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> in
     return true;
   });
   result.full_inverse_mass = heaviest_inverse_mass(inverse_masses);
-  for (int colour = 0; colour < kSweepColours; ++colour) {
+  for (int colour = 0; colour < kCellColours; ++colour) {
     result.colours.full_begin[colour] = result.full.size();
     result.colours.cut_begin[colour] = result.cut.size();
     result.colours.thin_begin[colour] = result.thin.size();
@@ -165,9 +165,9 @@ CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> in
       }
     }
   }
-  result.colours.full_begin[kSweepColours] = result.full.size();
-  result.colours.cut_begin[kSweepColours] = result.cut.size();
-  result.colours.thin_begin[kSweepColours] = result.thin.size();
+  result.colours.full_begin[kCellColours] = result.full.size();
+  result.colours.cut_begin[kCellColours] = result.cut.size();
+  result.colours.thin_begin[kCellColours] = result.thin.size();
   return result;
 }
 
@@ -188,7 +188,7 @@ static void set_thin_gains(ThinGains& eight, int lane, const LatticeCell& cell, 
   eight.relief[lane] = static_cast<float>(std::min(1.0, bare.topLeftCorner<6, 6>().trace() / gain.topLeftCorner<6, 6>().trace()));
 }
 
-static void set_cell_gains(SweepGains& gains, const Lattice& lattice, const CellBatches& batches, size_t index,
+static void set_cell_gains(GaussSeidelGains& gains, const Lattice& lattice, const CellBatches& batches, size_t index,
                     std::span<const double> inverse_masses, const CellMaterials& materials, bool compensate,
                     double step_s) {
   const CellPlace& at = batches.places[index];
@@ -222,9 +222,9 @@ static void set_cell_gains(SweepGains& gains, const Lattice& lattice, const Cell
   }
 }
 
-SweepGains make_sweep_gains(const Lattice& lattice, const CellBatches& batches, std::span<const double> inverse_masses,
+GaussSeidelGains make_gauss_seidel_gains(const Lattice& lattice, const CellBatches& batches, std::span<const double> inverse_masses,
                             const CellMaterials& materials, bool compensate, double step_s) {
-  SweepGains result;
+  GaussSeidelGains result;
   CutGains nothing;
   std::memset(static_cast<void*>(&nothing), 0, sizeof nothing);
   nothing.volume_compliance = all_lanes(1.0f);

@@ -27,7 +27,7 @@ struct CellBatches {
   std::vector<FullCells> full;
   std::vector<CutCells> cut;
   std::vector<ThinCells> thin;
-  SweepColours colours{};
+  CellColours colours{};
   std::vector<CellPlace> places;  // by cell of the lattice
   double full_inverse_mass = 0.0; // of the nodes around full cells
   bool paired = false;            // corners 2k and 2k + 1 are consecutive nodes in every cell
@@ -51,13 +51,13 @@ CellBatches make_cell_batches(const Lattice& lattice, std::span<const double> in
                               bool may_be_thin);
 
 // Gains of all cells for a step that divides by `step_s`.
-struct SweepGains {
+struct GaussSeidelGains {
   FullGains full{};
   std::vector<CutGains> cut;
   std::vector<ThinGains> thin;
   size_t bytes() const { return cut.capacity() * sizeof(CutGains) + thin.capacity() * sizeof(ThinGains); }
 };
-SweepGains make_sweep_gains(const Lattice& lattice, const CellBatches& batches, std::span<const double> inverse_masses,
+GaussSeidelGains make_gauss_seidel_gains(const Lattice& lattice, const CellBatches& batches, std::span<const double> inverse_masses,
                             const CellMaterials& materials, bool compensate, double step_s);
 
 }  // namespace livegs

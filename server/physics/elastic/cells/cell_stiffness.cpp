@@ -17,7 +17,7 @@ constexpr double kNoVolumeRow = 1e12;  // alpha_lambda over A0 of a material wit
 
 // One Gauss-Seidel sweep from zero multipliers leaves a cell softer by k A0, because its neighbours undo part of its
 // correction. k depends on Y, the material's compliance in units of the nodes' own: fitted on tension (study 2.4).
-double sweep_compliance(double y_ratio) {
+double pass_compliance(double y_ratio) {
   if (y_ratio < 1.1) return std::min(y_ratio, 1.08);
   const double q = y_ratio - 0.48;
   const double b = 2.0 - 2.5 * q, c = 1.2 - 2.0 * q;
@@ -34,7 +34,7 @@ Compliances compliances(const LatticeCell& cell, const CellBlock& block, const I
   const double volume_step = cell.volume_m3 * step_s * step_s;
   const double own_mobility = block.mobility.trace() / 3.0;
   const double y_ratio = 1.0 / std::max(material.youngs_modulus_pa * volume_step * own_mobility, 1e-300);
-  const double softening = compensate ? own_mobility * sweep_compliance(y_ratio) : 0.0;
+  const double softening = compensate ? own_mobility * pass_compliance(y_ratio) : 0.0;
   const auto compensated = [&](double modulus) {
     const double compliance = 1.0 / (modulus * volume_step);
     return std::max(compliance - softening, kLeastCompliance * compliance);

@@ -181,7 +181,7 @@ void CellsBody::predict_accuracy() {
     const IsotropicMaterial& one = cell_materials_.materials[k];
     const double courant = std::sqrt(one.youngs_modulus_pa / densities_kg_m3_[k]) * step_s / lattice_.cell_width_m;
     ModulusBand band = band_of(
-        {.mean_sweep_compliance = mean_sweep_compliance(lattice_, inverse_masses_, one.youngs_modulus_pa, step_s),
+        {.mean_pass_compliance = mean_pass_compliance(lattice_, inverse_masses_, one.youngs_modulus_pa, step_s),
          .poisson_ratio = one.poisson_ratio,
          .cells_across = cells.minCoeff(),
          .cells_along = cells.maxCoeff(),
@@ -202,14 +202,14 @@ void CellsBody::predict_accuracy() {
 }
 
 // A thin cell's take the inverse of a matrix of 18 x 18, and a body may be alone and in company by turns.
-const SweepGains& CellsBody::gains_of(double h, bool second_order) {
+const GaussSeidelGains& CellsBody::gains_of(double h, bool second_order) {
   const auto alike = [&](double other_s) { return std::abs(h - other_s) <= 1e-9 * h; };
   const double own_s = 1.0 / (rate_hz_ * resolution_.substeps);
   StepGains& gains = alike(own_s) ? own_gains_ : alike(own_s / resolution_.impact_substeps) ? impact_gains_ : neighbour_gains_;
   if (!alike(gains.step_s)) gains = {h, {}};
-  std::optional<SweepGains>& found = gains.of_order[second_order];
+  std::optional<GaussSeidelGains>& found = gains.of_order[second_order];
   if (!found) {
-    found = make_sweep_gains(lattice_, batches_, inverse_masses_, cell_materials_, options_.compensate,
+    found = make_gauss_seidel_gains(lattice_, batches_, inverse_masses_, cell_materials_, options_.compensate,
                              second_order ? 2.0 * h / 3.0 : h);
   }
   return *found;

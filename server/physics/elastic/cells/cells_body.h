@@ -162,7 +162,7 @@ class CellsBody final : public ElasticBody {
   void rebuild_cells();
   void predict_accuracy();
   double asked_modulus_pa(size_t material) const;
-  const SweepGains& gains_of(double h, bool second_order);
+  const GaussSeidelGains& gains_of(double h, bool second_order);
   void start_motion(const ElasticBodyDescription& description);
   std::vector<Eigen::Vector3d> node_velocities(std::span<const Eigen::Vector3d> velocities_m_s,
                                                const Eigen::Vector3d& rest_centre_m, const Eigen::Matrix3d& world_from_rest) const;
@@ -285,7 +285,7 @@ class CellsBody final : public ElasticBody {
   // What steps of one length multiply by, first-order and second-order ones; each made when it is first asked for.
   struct StepGains {
     double step_s = 0.0;  // h; 0: none
-    std::optional<SweepGains> of_order[2];
+    std::optional<GaussSeidelGains> of_order[2];
   };
   // Of its own steps, of those while it is struck, and of those that it last took beside bodies that need others.
   StepGains own_gains_, impact_gains_, neighbour_gains_;

@@ -150,7 +150,7 @@ void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& contex
   predict(h, context);
   if (moved_) move_regions(time_s, h);
 
-  SweepArrays sweep;
+  GaussSeidelArrays sweep;
   sweep.predicted = nodes_.predicted();
   sweep.corrections = nodes_.corrections();
   sweep.full = batches_.full.data();
@@ -158,14 +158,14 @@ void CellsBody::begin_step(const SubstepPart& part, const SubstepContext& contex
   sweep.thin = batches_.thin.data();
   sweep.plastic = plastic_.empty() ? nullptr : plastic_.data();
   sweep.thin_plastic = plastic_parts_.empty() ? nullptr : thin_plastic_.data();
-  const SweepGains& gains = gains_of(h, second_order_);
+  const GaussSeidelGains& gains = gains_of(h, second_order_);
   sweep.gains = gains.cut.data();
   sweep.thin_gains = gains.thin.data();
   sweep.full_gains = gains.full;
   sweep.inverse_four_widths = static_cast<float>(0.25 / lattice_.cell_width_m);
   sweep.backward = backward_;
   sweep.paired = batches_.paired;
-  const SweepReport report = sweep_cells(sweep, batches_.colours);
+  const GaussSeidelReport report = gauss_seidel_pass(sweep, batches_.colours);
   strain_squared_ = report.strain_squared;
   bent_squared_ = report.bent_squared;
   strained_ = report.strain_squared > kFirstOrderStrainSquared || report.volume_ratio < kFirstOrderVolumeRatio;

@@ -57,7 +57,7 @@ LatticeResolution choose_resolution(const ResolutionRequest& request);
 // third of the trace of G = sum w_i g_i g_iᵀ. It covers thickness and the placing of the lattice in one number: 2 / Co²
 // (Co with h_e) inside a wide body, a quarter of it one cell across. Cells that are held do not count. Infinite for a
 // lattice without any other.
-double mean_sweep_compliance(const Lattice& lattice, std::span<const double> inverse_masses_per_kg,
+double mean_pass_compliance(const Lattice& lattice, std::span<const double> inverse_masses_per_kg,
                              double youngs_modulus_pa, double step_s);
 
 // The most that one compensated sweep a substep reaches: 4.15 rho a² (cells / nodes) / h_e². Just above it; a modulus far above
@@ -79,7 +79,7 @@ inline constexpr double kMaxThinPart = 0.05, kThinBendsFrom = 0.2, kThinBendsTo 
 double thin_part(const Lattice& lattice, bool loose);
 
 struct BandRequest {
-  double mean_sweep_compliance = 0.0;  // Ybar
+  double mean_pass_compliance = 0.0;  // Ybar
   double poisson_ratio = 0.0;
   double cells_across = 4.0, cells_along = 16.0;  // of the thinnest side and the longest
   double courant = 0.0;                // with h_e

@@ -60,7 +60,7 @@ double stiffest(double y, double cells_across) {
 
 }  // namespace
 
-double mean_sweep_compliance(const Lattice& lattice, std::span<const double> inverse_masses_per_kg,
+double mean_pass_compliance(const Lattice& lattice, std::span<const double> inverse_masses_per_kg,
                              double youngs_modulus_pa, double step_s) {
   double volume = 0.0, sum = 0.0;
   for (const LatticeCell& cell : lattice.cells) {
@@ -98,7 +98,7 @@ double modulus_ceiling_pa(const Lattice& lattice, double density_kg_m3, double s
 double end_excess(double courant, double cells_along) { return 2.0 * courant * courant / cells_along; }
 
 ModulusBand band_of(const BandRequest& request) {
-  const double y = request.mean_sweep_compliance, ends = end_excess(request.courant, request.cells_along);
+  const double y = request.mean_pass_compliance, ends = end_excess(request.courant, request.cells_along);
   const double few = request.cells_across < kMaxRowWidth ? kMinRowCells : kMinBlockCells;
   if (request.cells_along < few && ends > kMaxRestingEndExcess) return {ElasticBand::Unknown, 0.0, 0.0};
   if (y < kMinBand && request.ceiling_ratio < 1.0) {

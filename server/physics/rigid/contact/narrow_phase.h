@@ -47,7 +47,7 @@ void ball_candidates(const Eigen::Vector3d& centre_m, double radius_m, const Sam
     if (surface.distance_m > 0.0) surface.distance_m = radius_m + marching * (surface.distance_m - radius_m);
     return surface;
   };
-  const auto hit = sweep_sphere(bounded, centre_m, displacement, radius_m, 0.1 * search.margin_m);
+  const auto hit = cast_sphere(bounded, centre_m, displacement, radius_m, 0.1 * search.margin_m);
   if (!hit) return;
   if (!candidates.empty() && hit->normal.dot(candidates.front().normal) > 0.866) return;
   candidates.push_back({kAheadFeature, centre_m - radius_m * hit->normal, hit->normal, hit->separation_m});
@@ -86,7 +86,7 @@ std::optional<ContactCandidate> point_candidate(uint64_t id, const Eigen::Vector
     if (surface.distance_m > 0.0) surface.distance_m *= marching;
     return surface;
   };
-  const auto hit = sweep_sphere(bounded, point_m, displacement_m, 0.0, 0.1 * search.margin_m);
+  const auto hit = cast_sphere(bounded, point_m, displacement_m, 0.0, 0.1 * search.margin_m);
   if (!hit) return std::nullopt;
   return ContactCandidate{id, point_m, hit->normal, hit->separation_m};
 }

@@ -227,7 +227,7 @@ TEST(ThinCell, AWildlyStretchedCellWithLightCornersComesBack) {
       std::vector<double> inverse_masses(count, 1.0 / 0.011);
       for (size_t node = 0; node < light; ++node) inverse_masses[node] = 1.0 / 2e-5;
       CellBatches batches = make_cell_batches(lattice, inverse_masses, rotations, static_cast<uint32_t>(count), false, true);
-      const SweepGains gains = make_sweep_gains(lattice, batches, inverse_masses, {{{kE, 0.3}}}, true, kStep_s);
+      const GaussSeidelGains gains = make_gauss_seidel_gains(lattice, batches, inverse_masses, {{{kE, 0.3}}}, true, kStep_s);
       ASSERT_EQ(batches.thin.size(), 1u);
       std::vector<NodeLanes> at(count + 8, NodeLanes{});
       for (size_t node = 0; node < count; ++node) {
@@ -244,13 +244,13 @@ TEST(ThinCell, AWildlyStretchedCellWithLightCornersComesBack) {
         for (size_t node = 0; node < count; ++node) {
           for (int d = 0; d < 3; ++d) predicted[node][d] += at[node][d] - last[node][d];
         }
-        SweepArrays sweep;
+        GaussSeidelArrays sweep;
         sweep.predicted = predicted.data();
         sweep.corrections = corrections.data();
         sweep.thin = batches.thin.data();
         sweep.thin_gains = gains.thin.data();
         sweep.inverse_four_widths = static_cast<float>(0.25 / kWidth_m);
-        end = std::sqrt(sweep_cells(sweep, batches.colours).bent_squared);
+        end = std::sqrt(gauss_seidel_pass(sweep, batches.colours).bent_squared);
         if (step == 0) start = end;
         most = std::max(most, end / start);
         last = at;

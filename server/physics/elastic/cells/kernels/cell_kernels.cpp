@@ -143,7 +143,7 @@ LIVEGS_INLINE void pull_corners(const Matrix& r, const Matrix& stress, const Lan
 }
 
 template <bool kPaired>
-LIVEGS_INLINE void solve_full(FullCells& cells, const FullGains& gains, const SweepArrays& arrays, Worst& worst) {
+LIVEGS_INLINE void solve_full(FullCells& cells, const FullGains& gains, const GaussSeidelArrays& arrays, Worst& worst) {
   Lanes position[3][8], inverse_mass[8];
   gather<kPaired>(cells.nodes, arrays.predicted, arrays.corrections, position, inverse_mass);
   const Lanes q4 = all_lanes(arrays.inverse_four_widths);
@@ -187,7 +187,7 @@ LIVEGS_INLINE void solve_full(FullCells& cells, const FullGains& gains, const Sw
 
 template <bool kPaired, bool kPlastic>
 LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const CutGains& gains,
-                             const SweepArrays& arrays, Worst& worst) {
+                             const GaussSeidelArrays& arrays, Worst& worst) {
   Lanes position[3][8], inverse_mass[8];
   gather<kPaired>(cells.nodes, arrays.predicted, arrays.corrections, position, inverse_mass);
   const Lanes q4 = all_lanes(arrays.inverse_four_widths);
@@ -245,7 +245,7 @@ constexpr float kFewStrained = 0.25f, kAllStrained = 1.0f;
 // All eighteen measures at once; the energy is quadratic in them, so there is no volume row.
 template <bool kPaired, bool kPlastic>
 LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, const ThinGains& gains,
-                              const SweepArrays& arrays, Worst& worst) {
+                              const GaussSeidelArrays& arrays, Worst& worst) {
   Lanes position[3][8], inverse_mass[8];
   gather<kPaired>(cells.nodes, arrays.predicted, arrays.corrections, position, inverse_mass);
   const Lanes q4 = all_lanes(arrays.inverse_four_widths);
@@ -330,10 +330,10 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, con
 
 }  // namespace
 
-SweepReport sweep_cells(const SweepArrays& arrays, const SweepColours& colours) {
+GaussSeidelReport gauss_seidel_pass(const GaussSeidelArrays& arrays, const CellColours& colours) {
   Worst worst{all_lanes(0.0f), all_lanes(0.0f), all_lanes(1.0f)};
-  for (int i = 0; i < kSweepColours; ++i) {
-    const int colour = arrays.backward ? kSweepColours - 1 - i : i;
+  for (int i = 0; i < kCellColours; ++i) {
+    const int colour = arrays.backward ? kCellColours - 1 - i : i;
     for (size_t k = colours.full_begin[colour]; k < colours.full_begin[colour + 1]; ++k) {
       if (arrays.paired) {
         solve_full<true>(arrays.full[k], arrays.full_gains, arrays, worst);

@@ -56,12 +56,12 @@ struct ThinGains {
 };
 
 // One colour after another, or from the last to the first: a sweep in a fixed order pulls a body sideways.
-inline constexpr int kSweepColours = 16;  // parities, and more for cells that stand at one place
-struct SweepColours {
+inline constexpr int kCellColours = 16;  // parities, and more for cells that stand at one place
+struct CellColours {
   // Eights of cells by colour.
-  size_t full_begin[kSweepColours + 1], cut_begin[kSweepColours + 1], thin_begin[kSweepColours + 1];
+  size_t full_begin[kCellColours + 1], cut_begin[kCellColours + 1], thin_begin[kCellColours + 1];
 };
-struct SweepArrays {
+struct GaussSeidelArrays {
   const NodeLanes* predicted = nullptr;
   NodeLanes* corrections = nullptr;
   FullCells* full = nullptr;
@@ -77,12 +77,12 @@ struct SweepArrays {
   bool paired = false;  // nodes[2k + 1] is nodes[2k] + 1 in every place
 };
 // How far from rest the worst cell was.
-struct SweepReport {
+struct GaussSeidelReport {
   float strain_squared = 0;  // |S - I|², of thin cells with bending
   float bent_squared = 0;    // with bending, counted as the strain of a full cell's faces
   float volume_ratio = 1;    // least det F
 };
-SweepReport sweep_cells(const SweepArrays& arrays, const SweepColours& colours);
+GaussSeidelReport gauss_seidel_pass(const GaussSeidelArrays& arrays, const CellColours& colours);
 
 // What full cells of one material store, J (cell_energy of cell_stiffness.h), of nodes where they are between steps. Strains
 // of 1e-6 and less are lost in rounding.
