@@ -30,10 +30,10 @@ struct FieldShape {
   // Of a surface that has no inside: the field is the distance to it on either side, the triangles give it near by, and
   // what is nearer than this is solid.
   std::shared_ptr<const TriangleTree> sheet = nullptr;
-  double half_wall_m = 0.0;
+  double half_thickness_m = 0.0;
 };
 // What a point can jump over without being seen inside.
-double thinnest_m(const FieldShape& shape);
+double min_thickness_m(const FieldShape& shape);
 
 // A sphere trace advances by this part of a field's distance. Beyond its grid a field's distance is the way to the grid
 // and on from there, which may exceed the straight line by a factor of sqrt(2). Larger: a trace may pass through a wall.

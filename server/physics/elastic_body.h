@@ -74,7 +74,7 @@ struct PointForce {
 class ElasticBody;
 struct ElasticNeighbour {
   ElasticBody* body;
-  uint64_t contact_id;  // as RigidProxy
+  uint64_t body_id;  // as RigidProxy
 };
 
 // What acts on a body in one substep. Moving bodies and neighbours get, at once, the opposite of every impulse that this
@@ -183,15 +183,15 @@ class ElasticBody {
   virtual void prepare_for_contact() {}                // something is near: its surface must be where it is drawn
   // Elements of the surface within a box: in the middle of a step where it has come to, between steps where it stands.
   virtual void surface_elements(const Eigen::AlignedBox3d& within, std::vector<SurfaceElement>& elements) const;
-  virtual double element_reach_m() const { return 0.0; }  // see ElementGrid
+  virtual double element_reach_m() const { return 0.0; }  // see PointSurface
   // The material point at `point_m`, near an element, at the same moment.
   virtual ContactAnchor anchor_at(uint32_t element, const Eigen::Vector3d& point_m) const;
   // Takes impulses in a step of `step_s`: in the middle of its own, or as a sleeper, which wakes. Valid for that step.
   virtual ContactParticipant& contact_participant(double step_s);  // is not asked of a body without elements
 
-  // Whether it is stuck on that body, by RigidProxy::contact_id, and comes off without contact meanwhile.
-  virtual bool is_separating(uint64_t contact_id) const {
-    (void)contact_id;
+  // Whether it is stuck on that body, by RigidProxy::body_id, and comes off without contact meanwhile.
+  virtual bool is_separating(uint64_t body_id) const {
+    (void)body_id;
     return false;
   }
   // An impulse to all of it alike, which deforms nothing; in a step of `step_s` or between two.

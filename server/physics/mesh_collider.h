@@ -11,12 +11,12 @@ namespace livegs {
 // of what lies on them. In the mesh's frame.
 struct RidgePoints {
   std::vector<Eigen::Vector3d> points_m;
-  PointTree tree;  // of points_m
+  BoundingSphereTree tree;  // of points_m
 };
 // Along edges that turn by more than 30 degrees and those of one triangle only, at most `spacing_m` apart. A groove is a
 // ridge from behind, where there is a behind.
-enum class Grooves { AreNot, AreRidges };
-RidgePoints ridge_points(const TriangleMesh& mesh, double spacing_m, Grooves grooves = Grooves::AreNot);
+enum class ConcaveEdges { Skip, Include };
+RidgePoints ridge_points(const TriangleMesh& mesh, double spacing_m, ConcaveEdges concave_edges = ConcaveEdges::Skip);
 
 // Both: a distance field of 64 cells along the longest side, and ridges at half a cell. Precondition: a triangle with an
 // area.

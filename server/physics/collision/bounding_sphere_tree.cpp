@@ -11,12 +11,12 @@ constexpr uint32_t kLeafPoints = 6;
 
 }  // namespace
 
-PointTree::PointTree(std::span<const Eigen::Vector3d> points_m) : order_(points_m.size()) {
+BoundingSphereTree::BoundingSphereTree(std::span<const Eigen::Vector3d> points_m) : order_(points_m.size()) {
   std::iota(order_.begin(), order_.end(), 0u);
   if (!order_.empty()) add_group(points_m, 0, static_cast<uint32_t>(order_.size()));
 }
 
-void PointTree::add_group(std::span<const Eigen::Vector3d> points_m, uint32_t begin, uint32_t end) {
+void BoundingSphereTree::add_group(std::span<const Eigen::Vector3d> points_m, uint32_t begin, uint32_t end) {
   Eigen::AlignedBox3d box;
   for (uint32_t i = begin; i < end; ++i) box.extend(points_m[order_[i]]);
   const Eigen::Vector3d centre = box.center();

@@ -11,10 +11,10 @@ namespace livegs {
 
 // Points in nested groups, each within a ball, so that those far from a surface are passed over many at a time. Holds
 // indices only; immutable after building, any thread may ask.
-class PointTree {
+class BoundingSphereTree {
  public:
-  PointTree() = default;
-  explicit PointTree(std::span<const Eigen::Vector3d> points_m);
+  BoundingSphereTree() = default;
+  explicit BoundingSphereTree(std::span<const Eigen::Vector3d> points_m);
 
   // Appends to `found` the indices, in ascending order, of all points that may lie within `reach_m` of a surface, and of
   // some that do not. `clearance_m(p)`, in the frame of the points, is never more than the distance to it.

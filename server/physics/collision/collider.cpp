@@ -43,11 +43,11 @@ SurfaceSample sample(const FieldShape& shape, const Vector3d& point) {
     const TriangleTree::Nearest nearest = shape.sheet->nearest(point);
     const Vector3d away = point - nearest.foot_m;
     const bool beside = nearest.distance_m > 1e-6 * shape.field->cell_m();
-    return {nearest.distance_m - shape.half_wall_m, beside ? Vector3d(away / nearest.distance_m) : nearest.normal};
+    return {nearest.distance_m - shape.half_thickness_m, beside ? Vector3d(away / nearest.distance_m) : nearest.normal};
   }
   const double length = found.gradient.norm();
   // The gradient of an interpolated field vanishes on the medial axis.
-  return {found.distance_m - shape.half_wall_m, length > 1e-9 ? Vector3d(found.gradient / length) : Vector3d::UnitY()};
+  return {found.distance_m - shape.half_thickness_m, length > 1e-9 ? Vector3d(found.gradient / length) : Vector3d::UnitY()};
 }
 
 }  // namespace
@@ -69,8 +69,8 @@ SurfaceSample sample_surface(const Collider& collider, const Vector3d& point_m) 
   return ColliderProbe(collider).sample(point_m);
 }
 
-double thinnest_m(const FieldShape& shape) {
-  return shape.sheet ? 2.0 * shape.half_wall_m : shape.field->thinnest_m();
+double min_thickness_m(const FieldShape& shape) {
+  return shape.sheet ? 2.0 * shape.half_thickness_m : shape.field->thinnest_m();
 }
 
 double mixed_friction(double a, double b) { return std::sqrt(std::max(0.0, a) * std::max(0.0, b)); }

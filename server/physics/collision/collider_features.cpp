@@ -51,12 +51,12 @@ void ridge_features(const FieldShape& shape, const Collider& collider, const Eig
   const RidgePoints& ridges = *shape.ridges;
   const Eigen::Vector3d local = collider.world_from_collider.inverse() * centre;
   std::vector<uint32_t> near;
-  reach += shape.half_wall_m;
+  reach += shape.half_thickness_m;
   ridges.tree.near([&](const Eigen::Vector3d& point) { return (point - local).norm(); }, reach, near);
   for (const uint32_t i : near) {
     const Eigen::Vector3d& point = ridges.points_m[i];
     if ((point - local).norm() > reach) continue;
-    features.push_back({kRidgeFeature + i, collider.world_from_collider * point, shape.half_wall_m});
+    features.push_back({kRidgeFeature + i, collider.world_from_collider * point, shape.half_thickness_m});
   }
 }
 

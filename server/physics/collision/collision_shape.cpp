@@ -162,7 +162,7 @@ RigidShape mesh_shape(const TriangleMesh& object_mesh, const Eigen::Vector3d& ce
     shape.contact_spacing_m *= 1.2;
     shape.contact_points_m = contact_points(shape.mesh, shape.contact_spacing_m, detail.max_points);
   }
-  shape.contact_tree = PointTree(shape.contact_points_m);
+  shape.contact_tree = BoundingSphereTree(shape.contact_points_m);
   shape.inner_radius_m = inner_radius_m(shape);
   return shape;
 }

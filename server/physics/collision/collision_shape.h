@@ -29,7 +29,7 @@ struct RigidShape {
   double sphere_radius_m = 0.0;  // > 0: a ball, and nothing below is filled but the bounds
   TriangleMesh mesh;
   std::vector<Eigen::Vector3d> contact_points_m;
-  PointTree contact_tree;  // of contact_points_m
+  BoundingSphereTree contact_tree;  // of contact_points_m
   double contact_spacing_m = 0.0;
   // Where the mesh is one: exact, and used in place of the field. Both are shared by copies.
   std::shared_ptr<const ConvexPolyhedron> convex;

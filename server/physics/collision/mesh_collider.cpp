@@ -74,11 +74,11 @@ TriangleMesh both_ways(const TriangleMesh& mesh) {
   return both;
 }
 
-RidgePoints affordable_ridges(const TriangleMesh& mesh, double cell_m, Grooves grooves) {
+RidgePoints affordable_ridges(const TriangleMesh& mesh, double cell_m, ConcaveEdges concave_edges) {
   RidgePoints ridges;
   double spacing_m = kRidgeCells * cell_m;
   do {
-    ridges = ridge_points(mesh, spacing_m, grooves);
+    ridges = ridge_points(mesh, spacing_m, concave_edges);
     spacing_m *= 2.0;
   } while (ridges.points_m.size() > kMostRidgePoints && spacing_m < kFieldCells * cell_m);
   return ridges;
@@ -86,7 +86,7 @@ RidgePoints affordable_ridges(const TriangleMesh& mesh, double cell_m, Grooves g
 
 }  // namespace
 
-RidgePoints ridge_points(const TriangleMesh& mesh, double spacing_m, Grooves grooves) {
+RidgePoints ridge_points(const TriangleMesh& mesh, double spacing_m, ConcaveEdges concave_edges) {
   const TriangleMesh welded = weld_vertices(mesh);
   const auto& at = welded.vertices_m;
   std::map<std::pair<uint32_t, uint32_t>, Corner> sides;  // by directed edge
@@ -105,7 +105,7 @@ RidgePoints ridge_points(const TriangleMesh& mesh, double spacing_m, Grooves gro
       const Eigen::Vector3d& normal = other->second.normal;
       if (one.normal.dot(normal) > kSmooth * one.normal.norm() * normal.norm()) continue;
       const bool groove = one.normal.dot(at[other->second.opposite] - at[a]) >= 0.0;
-      if (groove && grooves == Grooves::AreNot) continue;
+      if (groove && concave_edges == ConcaveEdges::Skip) continue;
     }
     is_corner[a] = is_corner[b] = 1;
     const int parts = static_cast<int>(std::ceil((at[b] - at[a]).norm() / spacing_m));
@@ -114,7 +114,7 @@ RidgePoints ridge_points(const TriangleMesh& mesh, double spacing_m, Grooves gro
   for (size_t i = 0; i < at.size(); ++i) {
     if (is_corner[i]) ridges.points_m.push_back(at[i]);
   }
-  ridges.tree = PointTree(ridges.points_m);
+  ridges.tree = BoundingSphereTree(ridges.points_m);
   return ridges;
 }
 
@@ -123,7 +123,7 @@ FieldShape mesh_collider(const TriangleMesh& mesh) {
   const double cell_m = mesh_bounds_m(solid).sizes().maxCoeff() / kFieldCells;
   FieldShape shape;
   shape.field = std::make_shared<const DistanceField>(solid, cell_m, 2.0 * cell_m, DistanceField::Thin::Exact);
-  shape.ridges = std::make_shared<const RidgePoints>(affordable_ridges(solid, cell_m, Grooves::AreNot));
+  shape.ridges = std::make_shared<const RidgePoints>(affordable_ridges(solid, cell_m, ConcaveEdges::Skip));
   return shape;
 }
 
@@ -132,9 +132,9 @@ FieldShape wall_collider(const TriangleMesh& mesh) {
   const double cell_m = mesh_bounds_m(surface).sizes().maxCoeff() / kFieldCells;
   FieldShape shape;
   shape.field = std::make_shared<const DistanceField>(both_ways(surface), cell_m, 2.0 * cell_m);
-  shape.ridges = std::make_shared<const RidgePoints>(affordable_ridges(surface, cell_m, Grooves::AreRidges));
+  shape.ridges = std::make_shared<const RidgePoints>(affordable_ridges(surface, cell_m, ConcaveEdges::Include));
   shape.sheet = std::make_shared<const TriangleTree>(surface);
-  shape.half_wall_m = 0.5 * wall_thickness_m(kFieldCells * cell_m);
+  shape.half_thickness_m = 0.5 * wall_thickness_m(kFieldCells * cell_m);
   return shape;
 }
 

@@ -28,7 +28,7 @@ constexpr int kMostMarches = 32;
 double thickness_m(const Collider& collider) {
   if (const auto* box = std::get_if<BoxShape>(&collider.shape)) return box->size_m.minCoeff();
   if (const auto* sphere = std::get_if<SphereShape>(&collider.shape)) return 2.0 * sphere->radius_m;
-  if (const auto* field = std::get_if<FieldShape>(&collider.shape)) return thinnest_m(*field);
+  if (const auto* field = std::get_if<FieldShape>(&collider.shape)) return min_thickness_m(*field);
   return INFINITY;
 }
 

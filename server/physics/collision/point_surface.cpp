@@ -28,7 +28,7 @@ bool faces(std::span<const SurfaceElement> own, const Vector3d& normal) {
 
 }  // namespace
 
-ElementGrid::ElementGrid(const std::vector<SurfaceElement>& elements, double reach_m)
+PointSurface::PointSurface(const std::vector<SurfaceElement>& elements, double reach_m)
     : elements_(elements), reach_m_(reach_m) {
   low_m_.setConstant(INFINITY);
   Vector3d high = -low_m_;
@@ -52,7 +52,7 @@ ElementGrid::ElementGrid(const std::vector<SurfaceElement>& elements, double rea
   for (uint32_t i = 0; i < elements.size(); ++i) sorted_[next[cell_of(elements[i].position_m)]++] = i;
 }
 
-std::optional<SurfaceDepth> ElementGrid::depth(const Vector3d& point_m, std::span<const SurfaceElement> own) const {
+std::optional<SurfaceDepth> PointSurface::depth(const Vector3d& point_m, std::span<const SurfaceElement> own) const {
   if (elements_.empty()) return std::nullopt;
   const Vector3d low = (point_m - low_m_).array() - reach_m_, high = (point_m - low_m_).array() + reach_m_;
   const Eigen::Array3i first = (low / cell_m_).array().floor().max(-1.0).min(1e6).cast<int>().max(0);
@@ -128,7 +128,7 @@ std::optional<SurfaceDepth> ElementGrid::depth(const Vector3d& point_m, std::spa
   return facing;
 }
 
-std::optional<SurfaceDepth> ElementGrid::swept_depth(const Vector3d& end_m, const Vector3d& displacement_m,
+std::optional<SurfaceDepth> PointSurface::swept_depth(const Vector3d& end_m, const Vector3d& displacement_m,
                                                          std::span<const SurfaceElement> own) const {
   const double length = displacement_m.norm();
   if (length > 0.5 * reach_m_) {

@@ -31,10 +31,10 @@ struct SurfaceDepth {
 };
 
 // Elements in a regular grid. Immutable after building.
-class ElementGrid {
+class PointSurface {
  public:
   // `reach_m`: how far from an element it speaks for the surface; 1.5 spacings leave no gap. Keeps a view of `elements`.
-  ElementGrid(const std::vector<SurfaceElement>& elements, double reach_m);
+  PointSurface(const std::vector<SurfaceElement>& elements, double reach_m);
 
   // Nothing where no element is within reach. `own` are the faces of the asking point, if it lies on a surface: inside
   // an edge the face it is measured from is one that they look at, and there is nothing where they look at none.

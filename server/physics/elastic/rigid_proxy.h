@@ -14,7 +14,7 @@ namespace livegs {
 // every impulse it gets, so that bodies stepped after each other share it. A sleeping one takes impulses as if awake;
 // who owns it wakes it when there were any. World frame; the centre is that of mass.
 struct RigidProxy final : ContactParticipant {
-  uint64_t contact_id = 0;  // unique in the world
+  uint64_t body_id = 0;  // unique in the world
   const RigidShape* shape = nullptr;
   Pose start;                        // world from body, at the start of the substep
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero(), spin_rad_s = Eigen::Vector3d::Zero();

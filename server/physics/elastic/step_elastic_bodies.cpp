@@ -20,7 +20,7 @@ void step_elastic_bodies(std::span<SteppedBody> bodies) {
     moving.insert(moving.end(), stepped.context.bodies.begin(), stepped.context.bodies.end());
   }
   std::sort(moving.begin(), moving.end(),
-            [](const RigidProxy* a, const RigidProxy* b) { return a->contact_id < b->contact_id; });
+            [](const RigidProxy* a, const RigidProxy* b) { return a->body_id < b->body_id; });
   moving.erase(std::unique(moving.begin(), moving.end()), moving.end());
 
   const double substep_s = bodies.front().context.duration_s;

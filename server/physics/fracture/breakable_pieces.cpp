@@ -198,7 +198,7 @@ RigidShape joined_shape(const BreakablePieces& pieces, std::span<const uint32_t>
       left -= count;
     }
   }
-  shape.contact_tree = PointTree(shape.contact_points_m);
+  shape.contact_tree = BoundingSphereTree(shape.contact_points_m);
   shape.contact_spacing_m = kContactPointSpacing * (shape.max_m - shape.min_m).maxCoeff();
   shape.inner_radius_m = inner_radius_m(shape);
   return shape;

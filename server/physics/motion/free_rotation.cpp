@@ -10,7 +10,7 @@ namespace {
 
 // The part of the motion that is split off turns by no more than this in a step, rad; beyond so many steps it is faster
 // than anything that is looked at.
-constexpr double kLargestUnlike = 0.05, kMostSteps = 64.0;
+constexpr double kMaxSplitTurn_rad = 0.05, kMostSteps = 64.0;
 
 }  // namespace
 
@@ -45,11 +45,11 @@ PrincipalAxes principal_axes(const Eigen::Matrix3d& inertia) {
   return principal;
 }
 
-Eigen::Quaterniond turned_freely(const Eigen::Quaterniond& orientation, const PrincipalAxes& axes,
+Eigen::Quaterniond rotate_freely(const Eigen::Quaterniond& orientation, const PrincipalAxes& axes,
                                  const Eigen::Vector3d& momentum, double duration_s) {
   const double reference = axes.inverse_moments.z();
   const double spin = axes.inverse_moments.x() - reference, unlike = axes.inverse_moments.y() - reference;
-  const double parts = std::ceil(duration_s * momentum.norm() * std::abs(unlike) / kLargestUnlike);
+  const double parts = std::ceil(duration_s * momentum.norm() * std::abs(unlike) / kMaxSplitTurn_rad);
   const int steps = static_cast<int>(std::clamp(parts, 1.0, kMostSteps));
   const double step_s = duration_s / steps;
   const Eigen::Quaterniond ball = rotation_exp(step_s * reference * momentum);

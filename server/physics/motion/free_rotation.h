@@ -29,7 +29,7 @@ PrincipalAxes principal_axes(const Eigen::Matrix3d& inertia);
 // exact, energy within 1e-3 of what it was up to 400 rad/s and moments five thousandfold apart (tested), however long; exact
 // where two moments are equal. Implicit midpoint, which stood here before, gave a spinning needle 36 times its energy in two
 // seconds, since two iterations do not converge where moments differ a thousandfold.
-Eigen::Quaterniond turned_freely(const Eigen::Quaterniond& orientation, const PrincipalAxes& axes,
+Eigen::Quaterniond rotate_freely(const Eigen::Quaterniond& orientation, const PrincipalAxes& axes,
                                  const Eigen::Vector3d& momentum, double duration_s);
 
 }  // namespace livegs

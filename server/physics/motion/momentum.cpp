@@ -13,11 +13,11 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-Vector3d MassMotion::angular_velocity_rad_s() const { return solve_inertia(inertia, angular_momentum); }
+Vector3d BodyMomentum::angular_velocity_rad_s() const { return solve_inertia(inertia, angular_momentum); }
 
-MassMotion mass_motion(std::span<const Vector3d> positions_m, std::span<const Vector3d> velocities_m_s,
+BodyMomentum body_momentum(std::span<const Vector3d> positions_m, std::span<const Vector3d> velocities_m_s,
                        std::span<const double> masses_kg) {
-  MassMotion motion;
+  BodyMomentum motion;
   for (size_t i = 0; i < masses_kg.size(); ++i) {
     motion.mass_kg += masses_kg[i];
     motion.centre_m += masses_kg[i] * positions_m[i];

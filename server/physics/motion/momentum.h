@@ -9,7 +9,7 @@
 
 namespace livegs {
 
-struct MassMotion {
+struct BodyMomentum {
   double mass_kg = 0.0;
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d momentum = Eigen::Vector3d::Zero();          // kg m/s
@@ -20,7 +20,7 @@ struct MassMotion {
   Eigen::Vector3d angular_velocity_rad_s() const;
 };
 
-MassMotion mass_motion(std::span<const Eigen::Vector3d> positions_m, std::span<const Eigen::Vector3d> velocities_m_s,
+BodyMomentum body_momentum(std::span<const Eigen::Vector3d> positions_m, std::span<const Eigen::Vector3d> velocities_m_s,
                        std::span<const double> masses_kg);
 
 // The angular velocity with angular momentum `l`. Turning about an axis that all masses lie on is nothing: such

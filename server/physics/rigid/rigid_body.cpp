@@ -57,7 +57,7 @@ Eigen::Vector3d RigidBody::mean_velocity(double duration_s) const {
 
 Eigen::Quaterniond RigidBody::orientation_after(double duration_s) const {
   const Eigen::Quaterniond& now = world_from_body.orientation;
-  if (!shape.is_ball()) return turned_freely(now, unit_axes, angular_momentum / mass_kg, duration_s);
+  if (!shape.is_ball()) return rotate_freely(now, unit_axes, angular_momentum / mass_kg, duration_s);
   return (rotation_exp(duration_s * angular_velocity_rad_s) * now).normalized();
 }
 

@@ -70,7 +70,7 @@ struct RigidBody {
   double tick_energy_j = 0.0;  // of its motion and its weight, at the start of the tick
 
   // Unique in a world and ascending as its list of bodies; below kColliderBit.
-  uint64_t contact_id() const { return contact_id_of(object_id, body_index); }
+  uint64_t body_id() const { return body_id_of(object_id, body_index); }
 
   // Where a material point (object frame, at rest) is, from the centre of mass, world axes.
   Eigen::Vector3d arm_of(const Eigen::Vector3d& rest_point_m) const {

@@ -37,7 +37,7 @@ void body_box(const RigidBody& body, double margin_m, double time_s, double grav
 
 bool owns_pair(const RigidBody& a, const RigidBody& b) {
   if (a.shape.is_ball() != b.shape.is_ball()) return a.shape.is_ball();
-  return a.contact_id() < b.contact_id();
+  return a.body_id() < b.body_id();
 }
 
 void RigidBroadPhase::update(std::span<RigidBody* const> bodies, double gravity_m_s2, double duration_s) {
@@ -94,7 +94,7 @@ void RigidBroadPhase::find_pairs() {
   }
   for (const Box& box : boxes_) {
     std::sort(box.body->near.begin(), box.body->near.end(),
-              [](const RigidBody* a, const RigidBody* b) { return a->contact_id() < b->contact_id(); });
+              [](const RigidBody* a, const RigidBody* b) { return a->body_id() < b->body_id(); });
   }
 }
 

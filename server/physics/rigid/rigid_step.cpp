@@ -382,7 +382,7 @@ void update_sleep(std::span<RigidBody* const> bodies, double tick_s, RigidBroadP
     if (!still) continue;
     for (RigidBody* body : island.bodies) {
       body->asleep = true;
-      body->sleep_group = island.bodies.front()->contact_id() + 1;
+      body->sleep_group = island.bodies.front()->body_id() + 1;
       body->velocity_m_s.setZero();
       body->angular_momentum.setZero();
       body->substep_velocity_m_s.setZero();

@@ -189,7 +189,7 @@ void World::remove(uint32_t object_id) {
   }
   if (const ElasticObject* elastic = found->second.elastic()) {
     for (const uint64_t id : elastic->contacts_last_tick) {
-      if (WorldObject* other = state_->find(object_of(id))) other->wake();
+      if (WorldObject* other = state_->find(object_of_body(id))) other->wake();
     }
   }
   state_->objects.erase(found);
@@ -200,11 +200,11 @@ void World::remove(uint32_t object_id) {
   std::erase_if(state_->grabs, on_it);
   state_->list_bodies();
   for (ElasticObject* elastic : state_->elastic_objects) {
-    const auto was = [&](uint64_t id) { return object_of(id) == object_id; };
+    const auto was = [&](uint64_t id) { return object_of_body(id) == object_id; };
     if (std::erase_if(elastic->contacts_last_tick, was) > 0) elastic->body->wake();
   }
   const auto gone = [&](const ContactManifold& manifold) {
-    return manifold.other_id < kColliderBit && object_of(manifold.other_id) == object_id;
+    return manifold.other_id < kColliderBit && object_of_body(manifold.other_id) == object_id;
   };
   for (RigidBody* body : state_->rigid_bodies) {
     if (std::erase_if(body->manifolds, gone) > 0) body->wake();

@@ -56,7 +56,7 @@ std::vector<std::vector<World::State::CoupledBodies>> World::State::build_elasti
     const RigidBody& body = *rigid_bodies[i];
     RigidProxy& copy = rigid_proxies[i];
     copy = RigidProxy{};
-    copy.contact_id = body.contact_id();
+    copy.body_id = body.body_id();
     copy.shape = &body.shape;
     copy.start = copy.before = body.world_from_body;
     copy.velocity_m_s = body.velocity_m_s;
@@ -115,8 +115,8 @@ std::vector<std::vector<World::State::CoupledBodies>> World::State::build_elasti
       if (!may_meet(body, *other.body, elastic_boxes[k], room)) continue;
       elastic.body->prepare_for_contact();
       other.body->prepare_for_contact();
-      elastic.near_elastic.push_back({other.body.get(), contact_id_of(other.object_id)});
-      other.near_elastic.push_back({elastic.body.get(), contact_id_of(elastic.object_id)});
+      elastic.near_elastic.push_back({other.body.get(), body_id_of(other.object_id)});
+      other.near_elastic.push_back({elastic.body.get(), body_id_of(elastic.object_id)});
       together.join(static_cast<uint32_t>(i), static_cast<uint32_t>(k));
       sets.join(static_cast<uint32_t>(i), static_cast<uint32_t>(k));
     }
@@ -166,14 +166,14 @@ void World::State::apply_elastic_impulses(double duration_s) {
 
 // Wakes a body if it sleeps, when `awake` says that one of its company is awake. Returns whether it is awake now; what is
 // no body never is.
-bool World::State::wake_body(uint64_t contact_id, bool awake) {
-  const auto found = std::lower_bound(rigid_bodies.begin(), rigid_bodies.end(), contact_id,
-                                      [](const RigidBody* body, uint64_t id) { return body->contact_id() < id; });
-  if (found != rigid_bodies.end() && (*found)->contact_id() == contact_id) {
+bool World::State::wake_body(uint64_t body_id, bool awake) {
+  const auto found = std::lower_bound(rigid_bodies.begin(), rigid_bodies.end(), body_id,
+                                      [](const RigidBody* body, uint64_t id) { return body->body_id() < id; });
+  if (found != rigid_bodies.end() && (*found)->body_id() == body_id) {
     if (awake && (*found)->asleep) (*found)->wake();
     return !(*found)->asleep;
   }
-  WorldObject* object = find(object_of(contact_id));
+  WorldObject* object = find(object_of_body(body_id));
   if (!object || !object->elastic()) return false;
   if (awake && object->asleep()) object->wake();
   return !object->asleep();
@@ -209,8 +209,8 @@ void World::State::sleep_islands(double tick_s) {
     return;
   }
   std::vector<uint64_t> ids;
-  for (const RigidBody* body : rigid_bodies) ids.push_back(body->contact_id());
-  for (const ElasticObject* elastic : elastic_objects) ids.push_back(contact_id_of(elastic->object_id));
+  for (const RigidBody* body : rigid_bodies) ids.push_back(body->body_id());
+  for (const ElasticObject* elastic : elastic_objects) ids.push_back(body_id_of(elastic->object_id));
   std::sort(ids.begin(), ids.end());
   const auto place_of = [&](uint64_t id) { return std::lower_bound(ids.begin(), ids.end(), id) - ids.begin(); };
   DisjointSets sets(ids.size());
@@ -221,7 +221,7 @@ void World::State::sleep_islands(double tick_s) {
       elastic->contacts_last_tick.swap(elastic->contacts_this_tick);
     }
     elastic->contacts_this_tick.clear();
-    const auto own = place_of(contact_id_of(elastic->object_id));
+    const auto own = place_of(body_id_of(elastic->object_id));
     for (const uint64_t id : elastic->contacts_last_tick) {
       const auto other = place_of(id);
       if (other < std::ssize(ids) && ids[other] == id) sets.join(static_cast<uint32_t>(own), static_cast<uint32_t>(other));
@@ -230,18 +230,18 @@ void World::State::sleep_islands(double tick_s) {
   const auto root_of = [&](uint64_t id) { return sets.find(static_cast<uint32_t>(place_of(id))); };
   std::vector<char> is_awake(ids.size(), 0), in_island(ids.size(), 0);
   for (const ElasticObject* elastic : elastic_objects) {
-    if (!elastic->body->can_sleep()) is_awake[root_of(contact_id_of(elastic->object_id))] = 1;
+    if (!elastic->body->can_sleep()) is_awake[root_of(body_id_of(elastic->object_id))] = 1;
   }
   for (uint32_t i = 0; i < ids.size(); ++i) {
     if (sets.find(i) != i) in_island[sets.find(i)] = 1;
   }
-  for (RigidBody* body : rigid_bodies) body->island_awake = is_awake[root_of(body->contact_id())] != 0;
+  for (RigidBody* body : rigid_bodies) body->island_awake = is_awake[root_of(body->body_id())] != 0;
   update_sleep(rigid_bodies, tick_s, broad_phase);
   for (const RigidBody* body : rigid_bodies) {
-    if (!body->asleep) is_awake[root_of(body->contact_id())] = 1;
+    if (!body->asleep) is_awake[root_of(body->body_id())] = 1;
   }
   for (ElasticObject* elastic : elastic_objects) {
-    const uint32_t root = root_of(contact_id_of(elastic->object_id));
+    const uint32_t root = root_of(body_id_of(elastic->object_id));
     elastic->body->defer_sleep(in_island[root] != 0);
     if (in_island[root] && !is_awake[root] && !elastic->body->asleep()) elastic->body->sleep();
   }

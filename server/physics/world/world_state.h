@@ -69,7 +69,7 @@ struct ElasticObject {
   std::vector<RigidProxy*> near_bodies;
   std::vector<ElasticNeighbour> near_elastic;
   std::vector<PointForce> forces;
-  // Bodies it pushed in the last tick it was awake, by contact_id_of, ascending: they sleep and wake together.
+  // Bodies it pushed in the last tick it was awake, by body_id_of, ascending: they sleep and wake together.
   std::vector<uint64_t> contacts_last_tick, contacts_this_tick;
   // Over the tick, from everything it touches.
   double contact_impulse_n_s = 0;
@@ -181,7 +181,7 @@ struct World::State {
   std::vector<std::vector<CoupledBodies>> build_elastic_groups(double duration_s);
   void apply_elastic_impulses(double duration_s);
   void wake_islands();
-  bool wake_body(uint64_t contact_id, bool awake);
+  bool wake_body(uint64_t body_id, bool awake);
   void sleep_islands(double tick_s);
   void report_contacts();
   // Of the motion of a rigid body, and its weight's.

@@ -11,8 +11,8 @@ namespace livegs {
 namespace {
 
 size_t index_of(const std::vector<RigidBody*>& bodies, const RigidBody& body) {
-  const auto at = std::lower_bound(bodies.begin(), bodies.end(), body.contact_id(),
-                                   [](const RigidBody* other, uint64_t id) { return other->contact_id() < id; });
+  const auto at = std::lower_bound(bodies.begin(), bodies.end(), body.body_id(),
+                                   [](const RigidBody* other, uint64_t id) { return other->body_id() < id; });
   return static_cast<size_t>(at - bodies.begin());
 }
 

@@ -308,7 +308,7 @@ void CellsBody::start_motion(const ElasticBodyDescription& description) {
     }
     nodes_.set_motion(i, positions[i], velocities[i]);
   }
-  motion_ = mass_motion(positions, velocities, masses_kg_);
+  motion_ = body_momentum(positions, velocities, masses_kg_);
   momentum_before_ = motion_.momentum;
   angular_before_ = motion_.angular_momentum;
   whole_ = {centre_m(), orientation_};
@@ -339,7 +339,7 @@ void CellsBody::restart_motion() {
     velocities[i] = nodes_.velocity_m_s(i);
     nodes_.set_motion(i, positions[i], velocities[i]);
   }
-  motion_ = mass_motion(positions, velocities, masses_kg_);
+  motion_ = body_momentum(positions, velocities, masses_kg_);
   momentum_before_ = motion_.momentum;
   angular_before_ = motion_.angular_momentum;
   velocity_correction_.setZero();

@@ -77,7 +77,7 @@ class CellsBody final : public ElasticBody {
   double element_reach_m() const override;
   ContactAnchor anchor_at(uint32_t element, const Vector3d& point_m) const override;
   ContactParticipant& contact_participant(double step_s) override;
-  bool is_separating(uint64_t contact_id) const override;
+  bool is_separating(uint64_t body_id) const override;
   void apply_uniform_impulse(const Vector3d& impulse_n_s, double step_s) override;
   void defer_sleep(bool wait) override { sleep_timer_.defer(wait); }
   bool can_sleep() const override { return sleep_timer_.can_sleep(); }
@@ -139,7 +139,7 @@ class CellsBody final : public ElasticBody {
   };
   // A body whose contact pushes this one from opposite sides while it is strained beyond all proportion.
   struct StuckContact {
-    uint64_t contact_id = 0;
+    uint64_t body_id = 0;
     // In this frame: sizes of impulses and their sum, sizes and impulses times points.
     double pushed_n_s = 0.0, apart = 0.0;
     Vector3d net_n_s = Vector3d::Zero(), moment = Vector3d::Zero();
@@ -205,7 +205,7 @@ class CellsBody final : public ElasticBody {
   void collide_rigid_points(RigidProxy& body, ContactParticipant& participant, std::vector<ContactConstraint>& rows);
   void collide_surface_with_elastic(const ElasticNeighbour& other, ContactParticipant& participant, double h, std::vector<ContactConstraint>& rows);
   // cells_impaled.cpp
-  StuckContact& stuck_contact(uint64_t contact_id);
+  StuckContact& stuck_contact(uint64_t body_id);
   bool is_separating() const;  // any
   void update_stuck_contacts(double frame_s);
   void separate(const SubstepPart& part, const SubstepContext& context, size_t begin, std::vector<ContactConstraint>& rows);
@@ -303,7 +303,7 @@ class CellsBody final : public ElasticBody {
   bool boundary_moved_ = false;  // all of its outside is, at first
 
   // The body as a whole, and what acted on it in this substep. Moments are about the origin.
-  MassMotion motion_;
+  BodyMomentum motion_;
   Vector3d momentum_before_ = Vector3d::Zero(), angular_before_ = Vector3d::Zero();  // of the last velocities, here
   Vector3d velocity_correction_ = Vector3d::Zero(), spin_correction_ = Vector3d::Zero();         // to the nodes, by the ledger
   ContactTotal contact_total_;

@@ -238,7 +238,7 @@ void CellsBody::find_rigid_candidates(const SubstepContext& context) {
   for (const RigidProxy* body : context.bodies) speed = std::max(speed, max_node_speed_m_s() + body->fastest_m_s());
   rigid_candidate_margin_m_ = std::max(kCandidateRoom * lattice_.cell_width_m, speed / rate_hz_);
   for (uint32_t k = 0; k < context.bodies.size(); ++k) {
-    rigid_candidate_ids_.push_back(context.bodies[k]->contact_id);
+    rigid_candidate_ids_.push_back(context.bodies[k]->body_id);
     visit_cells_near(*context.bodies[k], rigid_candidate_margin_m_, [&](uint32_t cell) { rigid_candidates_.push_back({cell, k}); });
   }
 }
@@ -278,7 +278,7 @@ void CellsBody::collide_surface_with_rigid(ContactParticipant& participant, cons
       row.normal = frame.from_world.transpose() * found.gradient;
       row.gap_m = found.distance_m;
       row.friction = mixed_friction(material_.friction, body.friction);
-      row.other_body_id = body.contact_id;
+      row.other_body_id = body.body_id;
       rows.push_back(row);
     }
   }
@@ -312,7 +312,7 @@ void CellsBody::collide_rigid_points(RigidProxy& body, ContactParticipant& parti
   std::vector<SurfaceElement> elements;
   surface_elements(AlignedBox3d(box.min() - room, box.max() + room), elements);
   if (elements.empty()) return;
-  const ElementGrid grid(elements, reach + radius);
+  const PointSurface grid(elements, reach + radius);
   // Of a sheet both sides are within reach of a point, and it folds; in a pile on thick blocks the following of one side only, or
   // overlaps that are left, kept everything awake.
   const bool folds = !body.shape->is_ball() && (extent_.max_m - extent_.min_m).minCoeff() < 2.0 * reach;
@@ -337,7 +337,7 @@ void CellsBody::collide_rigid_points(RigidProxy& body, ContactParticipant& parti
     row.normal = -depth->normal;
     row.gap_m = gap;
     row.friction = mixed_friction(material_.friction, body.friction);
-    row.other_body_id = body.contact_id;
+    row.other_body_id = body.body_id;
     rows.push_back(row);
   }
 }
@@ -356,7 +356,7 @@ void CellsBody::collide_surface_with_elastic(const ElasticNeighbour& other, Cont
   std::vector<SurfaceElement> points;
   surface_elements(AlignedBox3d(box.min() - room, box.max() + room), points);
   if (points.empty()) return;
-  const ElementGrid grid(elements, reach);
+  const PointSurface grid(elements, reach);
   const double friction = mixed_friction(material_.friction, other.body->material().friction);
   for (size_t k = 0, end = 0; k < points.size(); k = end) {
     for (end = k; end < points.size() && points[end].index == points[k].index; ++end) {}  // one point's faces
@@ -372,7 +372,7 @@ void CellsBody::collide_surface_with_elastic(const ElasticNeighbour& other, Cont
     row.normal = depth->normal;
     row.gap_m = depth->distance_m;
     row.friction = friction;
-    row.other_body_id = other.contact_id;
+    row.other_body_id = other.body_id;
     rows.push_back(row);
   }
 }
@@ -384,7 +384,7 @@ void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& con
   bool same = rigid_candidate_ids_.size() == context.bodies.size();
   for (size_t k = 0; k < context.bodies.size(); ++k) {
     fastest = std::max(fastest, context.bodies[k]->fastest_m_s());
-    same = same && rigid_candidate_ids_[k] == context.bodies[k]->contact_id;
+    same = same && rigid_candidate_ids_[k] == context.bodies[k]->body_id;
   }
   rigid_candidate_margin_m_ -= 1.5 * part.duration_s * (max_node_speed_m_s() + fastest);
   if (rigid_candidate_margin_m_ <= 0.0 || !same) find_rigid_candidates(context);
@@ -392,7 +392,7 @@ void CellsBody::list_contacts(const SubstepPart& part, const SubstepContext& con
   collide_surface_with_rigid(participant, context, rows);
   for (RigidProxy* body : context.bodies) collide_rigid_points(*body, participant, rows);
   for (const ElasticNeighbour& other : context.others) {
-    if (!other.body->is_separating(contact_id_of(object_id_))) collide_surface_with_elastic(other, participant, part.duration_s, rows);
+    if (!other.body->is_separating(body_id_of(object_id_))) collide_surface_with_elastic(other, participant, part.duration_s, rows);
   }
   if (is_separating()) separate(part, context, begin, rows);
 }

@@ -143,7 +143,7 @@ void CellsBody::recover_shape(double frame_s) {
     for (size_t i = 0; i < was.size(); ++i) {
       now[i] = was[i] + share * (centre + rotation * (lattice_.node_position_m(i) - rest_centre) - was[i]);
     }
-    const Vector3d spin = solve_inertia(mass_motion(now, still, masses_kg_).inertia, l);
+    const Vector3d spin = solve_inertia(body_momentum(now, still, masses_kg_).inertia, l);
     for (size_t i = 0; i < now.size(); ++i) nodes_.set_motion(i, now[i], velocity + spin.cross(now[i] - centre));
   };
   const double before_j = elastic_j();

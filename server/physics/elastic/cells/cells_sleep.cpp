@@ -199,7 +199,7 @@ bool CellsBody::rigid_substep(const SubstepContext& context) {
   }
   rigid_->world_from_body.position_m += h * velocity + 0.5 * h * h * context.gravity_m_s2;
   rigid_->world_from_body.orientation =
-      turned_freely(rigid_->world_from_body.orientation, rigid_->axes, motion_.angular_momentum, h);
+      rotate_freely(rigid_->world_from_body.orientation, rigid_->axes, motion_.angular_momentum, h);
   motion_.momentum += h * mass_kg_ * context.gravity_m_s2;
   motion_.inertia = rotated_tensor(rigid_->world_from_body.orientation, rigid_->inverse_inertia).inverse();
   supported_ = context.gravity_m_s2.squaredNorm() == 0.0;

@@ -26,16 +26,16 @@ constexpr double kMaxSeparation_m_s2 = 20.0;
 
 }  // namespace
 
-CellsBody::StuckContact& CellsBody::stuck_contact(uint64_t contact_id) {
-  const auto at = std::lower_bound(stuck_contacts_.begin(), stuck_contacts_.end(), contact_id,
-                                   [](const StuckContact& one, uint64_t id) { return one.contact_id < id; });
-  if (at != stuck_contacts_.end() && at->contact_id == contact_id) return *at;
-  return *stuck_contacts_.insert(at, {.contact_id = contact_id});
+CellsBody::StuckContact& CellsBody::stuck_contact(uint64_t body_id) {
+  const auto at = std::lower_bound(stuck_contacts_.begin(), stuck_contacts_.end(), body_id,
+                                   [](const StuckContact& one, uint64_t id) { return one.body_id < id; });
+  if (at != stuck_contacts_.end() && at->body_id == body_id) return *at;
+  return *stuck_contacts_.insert(at, {.body_id = body_id});
 }
 
-bool CellsBody::is_separating(uint64_t contact_id) const {
+bool CellsBody::is_separating(uint64_t body_id) const {
   return std::any_of(stuck_contacts_.begin(), stuck_contacts_.end(),
-                     [&](const StuckContact& one) { return one.separating && one.contact_id == contact_id; });
+                     [&](const StuckContact& one) { return one.separating && one.body_id == body_id; });
 }
 
 bool CellsBody::is_separating() const {
@@ -48,7 +48,7 @@ void CellsBody::read_contact_impulses(std::span<const ContactConstraint> rows) {
   StuckContact* last = nullptr;
   for (const ContactConstraint& row : rows) {
     if (!(row.normal_impulse_n_s > 0.0)) continue;
-    if (!last || last->contact_id != row.other_body_id) last = &stuck_contact(row.other_body_id);
+    if (!last || last->body_id != row.other_body_id) last = &stuck_contact(row.other_body_id);
     last->pushed_n_s += row.normal_impulse_n_s;
     const Vector3d push = row.normal_impulse_n_s * row.normal, point = row.point_m - origin_m_;
     last->net_n_s += push;
@@ -66,7 +66,7 @@ void CellsBody::update_stuck_contacts(double frame_s) {
       const bool stuck = (apart > 0.0 || bent_squared_ > kOverstrainSquared) && one.net_n_s.norm() < kMaxNetImpulseRatio * one.pushed_n_s;
       one.stuck_s += stuck ? frame_s : -frame_s;
       one.separating = one.overlaps = one.stuck_s > kStuckTime_s;
-    if (one.separating) log_debug("object %u is stuck on object %u and comes off", object_id_, object_of(one.contact_id));
+    if (one.separating) log_debug("object %u is stuck on object %u and comes off", object_id_, object_of_body(one.body_id));
     } else if (!one.overlaps) {
       one.separating = false;
       one.stuck_s = 0.0;
@@ -116,8 +116,8 @@ void CellsBody::separate(const SubstepPart& part, const SubstepContext& context,
     return std::clamp(lacking, 0.0, most_m_s) / (1.0 / mass_kg_ + other_inverse_mass) * away;
   };
   for (RigidProxy* body : context.bodies) {
-    if (!is_separating(body->contact_id)) continue;
-    StuckContact& one = stuck_contact(body->contact_id);
+    if (!is_separating(body->body_id)) continue;
+    StuckContact& one = stuck_contact(body->body_id);
     const Pose at = body->at_end(), body_from_world = at.inverse();
     // A bar right through it may be near no point of its surface.
     for (uint32_t i = 0; i < lattice_.cells.size() && !one.overlaps; ++i) {
@@ -134,7 +134,7 @@ void CellsBody::separate(const SubstepPart& part, const SubstepContext& context,
     body->record_impulse(anchor, centre, -given);
   }
   for (const ElasticNeighbour& other : context.others) {
-    if (!is_separating(other.contact_id) || !stuck_contact(other.contact_id).overlaps) continue;
+    if (!is_separating(other.body_id) || !stuck_contact(other.body_id).overlaps) continue;
     const Vector3d between = centre - other.body->centre_m();
     const Vector3d given = impulse(between.norm() > 0.0 ? Vector3d(between.normalized()) : Vector3d::UnitY(),
                                    other.body->velocity_m_s(), 1.0 / other.body->mass_kg());

@@ -68,7 +68,7 @@ LivegsV1Body::LivegsV1Body(const ElasticBodyDescription& description, double rat
   }
   predicted_m_ = goals_m_ = positions_m_;
   for (size_t i = 0; i < count; ++i) goals_m_[i] *= cluster_counts_[i];
-  motion_ = mass_motion(positions_m_, velocities_m_s_, masses_kg_);
+  motion_ = body_momentum(positions_m_, velocities_m_s_, masses_kg_);
   for (const Vector3d& x : positions_m_) reach_m_ = std::max(reach_m_, (x - motion_.centre_m).norm());
 }
 
@@ -101,7 +101,7 @@ void LivegsV1Body::set_material(const Material& material) {
     cluster.rest_moment_inverse *= material_.mass_kg / material.mass_kg;
   }
   material_ = material;
-  motion_ = mass_motion(positions_m_, velocities_m_s_, masses_kg_);
+  motion_ = body_momentum(positions_m_, velocities_m_s_, masses_kg_);
   wake();
 }
 

@@ -140,7 +140,7 @@ class LivegsV1Body final : public ElasticBody {
   Pose world_from_object_;                // at the start, which prescribed motions are placed by
   Vector3d origin_m_ = Vector3d::Zero();  // positions are relative to it; it follows the body
   std::vector<Vector3d> positions_m_, predicted_m_, goals_m_, velocities_m_s_;
-  MassMotion motion_;
+  BodyMomentum motion_;
   double reach_m_ = 0.0;
   std::vector<const Collider*> reachable_;
   ContactTotal contact_total_;

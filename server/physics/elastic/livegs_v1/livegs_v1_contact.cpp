@@ -137,7 +137,7 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
       row.normal = normal;
       row.gap_m = gap;
       row.friction = friction;
-      row.other_body_id = body->contact_id;
+      row.other_body_id = body->body_id;
       rows.push_back(row);
     };
     for (const SurfacePoint& point : contact_points_) {
@@ -153,7 +153,7 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
         own.push_back({origin_m_ + predicted_m_[point.particle], Vector3d::Zero(), point.radius_m, point.particle});
       }
     }
-    const ElementGrid grid(own, element_reach_m());
+    const PointSurface grid(own, element_reach_m());
     for (const Vector3d& corner : body->shape->contact_points_m) {
       const Vector3d point = at * corner;
       if (!box.contains(point)) continue;
@@ -166,7 +166,7 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
     const Vector3d room = Vector3d::Constant(other.body->element_reach_m());
     other.body->surface_elements(AlignedBox3d(box.min() - room, box.max() + room), elements);
     if (elements.empty()) continue;
-    const ElementGrid grid(elements, other.body->element_reach_m());
+    const PointSurface grid(elements, other.body->element_reach_m());
     const double friction = mixed_friction(material_.friction, other.body->material().friction);
     for (const SurfacePoint& point : surface_) {
       const Vector3d at = origin_m_ + predicted_m_[point.particle];
@@ -181,7 +181,7 @@ void LivegsV1Body::list_contacts(const SubstepPart& part, const SubstepContext& 
       row.normal = depth->normal;
       row.gap_m = depth->distance_m - point.radius_m;
       row.friction = friction;
-      row.other_body_id = other.contact_id;
+      row.other_body_id = other.body_id;
       rows.push_back(row);
     }
   }

@@ -85,7 +85,7 @@ void LivegsV1Body::end_step(const SubstepPart& part, const SubstepContext& conte
   resolve_contacts(context, h);
   for (size_t i = 0; i < positions_m_.size(); ++i) velocities_m_s_[i] = (predicted_m_[i] - positions_m_[i]) / h;
   std::swap(positions_m_, predicted_m_);
-  motion_ = mass_motion(positions_m_, velocities_m_s_, masses_kg_);
+  motion_ = body_momentum(positions_m_, velocities_m_s_, masses_kg_);
   reach_m_ = 0.0;
   for (const Vector3d& x : positions_m_) reach_m_ = std::max(reach_m_, (x - motion_.centre_m).norm());
   in_step_ = false;

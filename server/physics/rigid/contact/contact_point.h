@@ -46,7 +46,7 @@ struct ContactPoint {
 
 struct ContactManifold {
   RigidBody* other = nullptr;  // nullptr: a collider, which does not move
-  uint64_t other_id = 0;       // RigidBody::contact_id, or kColliderBit + index
+  uint64_t other_id = 0;       // RigidBody::body_id, or kColliderBit + index
   double friction = 0;
   double restitution = 0;
   double restitution_speed_m_s = 0;  // impacts slower than this do not bounce

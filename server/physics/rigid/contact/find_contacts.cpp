@@ -223,7 +223,7 @@ void find_pair_contacts(RigidBody& body, RigidBody& other, double gravity_m_s2, 
 
   ContactPair pair = pair_of(body, &other, other.friction, other.restitution, gravity_m_s2, duration_s);
   pair.other = &other;
-  pair.other_id = other.contact_id();
+  pair.other_id = other.body_id();
   pair.lasts = body.shape.convex && other.shape.convex;
   if (pair.lasts && motion < search.margin_m && reuse_manifold(body, pair, duration_s)) return;
   candidates.clear();

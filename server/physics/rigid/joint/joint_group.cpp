@@ -69,7 +69,7 @@ JointGroup::JointGroup(std::vector<RigidJoint> joints) : joints_(std::move(joint
     }
   }
   std::sort(bodies_.begin(), bodies_.end(),
-            [](const RigidBody* one, const RigidBody* two) { return one->contact_id() < two->contact_id(); });
+            [](const RigidBody* one, const RigidBody* two) { return one->body_id() < two->body_id(); });
   bodies_.erase(std::unique(bodies_.begin(), bodies_.end()), bodies_.end());
   ends_.resize(bodies_.size());
   starts_.resize(bodies_.size());

@@ -61,7 +61,7 @@ class JointGroup {
   explicit JointGroup(std::vector<RigidJoint> joints);  // not empty
 
   const std::vector<RigidJoint>& joints() const { return joints_; }
-  const std::vector<RigidBody*>& bodies() const { return bodies_; }  // ascending contact_id, without the world
+  const std::vector<RigidBody*>& bodies() const { return bodies_; }  // ascending body_id, without the world
 
   bool asleep() const;
   void wake_together();  // if some are awake, all are

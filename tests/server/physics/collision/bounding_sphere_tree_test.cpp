@@ -12,13 +12,13 @@ using Eigen::Vector3d;
 
 // Against the plain loop: nothing within reach of a plane is left out, most of what is far is, and the order is that
 // of the points.
-TEST(PointTree, FindsAllWithinReachOfAPlane) {
+TEST(BoundingSphereTree, FindsAllWithinReachOfAPlane) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> along(-1.0, 1.0);
   std::vector<Vector3d> points;
   for (int i = 0; i < 1000; ++i) points.emplace_back(along(random), along(random), along(random));
   points.resize(1003, Vector3d(0.1, 0.2, 0.3));  // several in one place
-  const PointTree tree(points);
+  const BoundingSphereTree tree(points);
   for (int turn = 0; turn < 20; ++turn) {
     const Vector3d normal = Vector3d(along(random), along(random), along(random)).normalized();
     const double offset = along(random), reach = 0.05;
@@ -36,10 +36,10 @@ TEST(PointTree, FindsAllWithinReachOfAPlane) {
   }
 }
 
-TEST(PointTree, OfNoPointsFindsNone) {
+TEST(BoundingSphereTree, OfNoPointsFindsNone) {
   std::vector<uint32_t> found;
-  PointTree(std::vector<Vector3d>{}).near([](const Vector3d&) { return -1.0; }, 1.0, found);
-  PointTree().near([](const Vector3d&) { return -1.0; }, 1.0, found);
+  BoundingSphereTree(std::vector<Vector3d>{}).near([](const Vector3d&) { return -1.0; }, 1.0, found);
+  BoundingSphereTree().near([](const Vector3d&) { return -1.0; }, 1.0, found);
   EXPECT_TRUE(found.empty());
 }
 

@@ -32,7 +32,7 @@ std::vector<SurfaceElement> cube_elements(double spacing) {
 // Inside a cube the distance is the least to its faces.
 TEST(SurfaceElements, DistanceIsExactUpToTheEdgesOfACube) {
   const auto elements = cube_elements(0.25);
-  const ElementGrid grid(elements, 0.375);
+  const PointSurface grid(elements, 0.375);
   for (const Vector3d& point : {Vector3d(0.98, 0.1, 0.2), {0.93, 0.96, 0.1}, {0.9, -0.95, 0.97}, {0.99, 0.99, 0.2}}) {
     const auto found = grid.depth(point);
     ASSERT_TRUE(found);
@@ -44,7 +44,7 @@ TEST(SurfaceElements, DistanceIsExactUpToTheEdgesOfACube) {
 // A point of a face that comes from above, a little beyond the edge's diagonal.
 TEST(SurfaceElements, PointMeetsTheFaceItLooksAt) {
   const auto elements = cube_elements(0.25);
-  const ElementGrid grid(elements, 0.375);
+  const PointSurface grid(elements, 0.375);
   const SurfaceElement down{{0.95, 0.9, 0.1}, {0, -1, 0}, 0.0, 0};
   const auto found = grid.depth(down.position_m, {&down, 1});
   ASSERT_TRUE(found);

@@ -106,7 +106,7 @@ TEST(ElasticContact, BallGivesWhatTheBodyGets) {
   stage.make(describe(particle_grid(Vector3d::Constant(0.1), 0.0125), 2e4, 0.3));
   const RigidShape shape = ball_shape(0.03);
   RigidProxy ball;
-  ball.contact_id = 2;
+  ball.body_id = 2;
   ball.shape = &shape;
   ball.start.position_m = {0.3, 0.01, 0};
   ball.velocity_m_s = {-3, 0, 0};

@@ -111,7 +111,7 @@ TEST(RigidMotion, DzhanibekovKeepsEnergyAndMomentum) {
       world.step();
       const BodyState state = body_state(world, 1);
       least = std::min(least, (state.world_from_body.orientation.conjugate() * state.angular_velocity_rad_s).y());
-      // A symmetric splitting (turned_freely): the energy error stays bounded. Bar of scene 9.
+      // A symmetric splitting (rotate_freely): the energy error stays bounded. Bar of scene 9.
       ASSERT_NEAR(world.energy().kinetic_j / before.kinetic_j, 1.0, 1e-3);
     }
     EXPECT_LT((world.energy().angular_momentum - before.angular_momentum).norm() / before.angular_momentum.norm(),
