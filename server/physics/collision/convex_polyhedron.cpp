@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kFlat = 1e-5;  // of the size: closer to a plane than this is in it
+constexpr double kPlaneTolerance = 1e-5;  // of the size: closer to a plane than this is in it
 
 struct Welded {
   std::vector<Vector3d> vertices;
@@ -96,7 +96,7 @@ std::optional<ConvexPolyhedron> convex_polyhedron(const TriangleMesh& mesh) {
     low = low.cwiseMin(vertex);
     high = high.cwiseMax(vertex);
   }
-  const double tolerance = kFlat * (high - low).norm();
+  const double tolerance = kPlaneTolerance * (high - low).norm();
   const size_t count = welded->triangles.size();
   DirectedEdges edges;
   for (size_t t = 0; t < count; ++t) {

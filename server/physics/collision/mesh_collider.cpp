@@ -17,9 +17,9 @@ namespace {
 
 constexpr double kFieldCells = 64.0;
 constexpr double kRidgeCells = 0.5;
-constexpr size_t kMostRidgePoints = 32768;
-constexpr double kWall_m = 0.004;
-constexpr double kSmooth = 0.866;  // cosine of 30 degrees
+constexpr size_t kMaxRidgePoints = 32768;
+constexpr double kWallThickness_m = 0.004;
+constexpr double kRidgeCosine = 0.866;  // cosine of 30 degrees
 
 struct Corner {
   Eigen::Vector3d normal;  // of the triangle, not a unit
@@ -80,7 +80,7 @@ RidgePoints affordable_ridges(const TriangleMesh& mesh, double cell_m, ConcaveEd
   do {
     ridges = ridge_points(mesh, spacing_m, concave_edges);
     spacing_m *= 2.0;
-  } while (ridges.points_m.size() > kMostRidgePoints && spacing_m < kFieldCells * cell_m);
+  } while (ridges.points_m.size() > kMaxRidgePoints && spacing_m < kFieldCells * cell_m);
   return ridges;
 }
 
@@ -103,7 +103,7 @@ RidgePoints ridge_points(const TriangleMesh& mesh, double spacing_m, ConcaveEdge
     if (const auto other = sides.find({b, a}); other != sides.end()) {
       if (a > b) continue;
       const Eigen::Vector3d& normal = other->second.normal;
-      if (one.normal.dot(normal) > kSmooth * one.normal.norm() * normal.norm()) continue;
+      if (one.normal.dot(normal) > kRidgeCosine * one.normal.norm() * normal.norm()) continue;
       const bool groove = one.normal.dot(at[other->second.opposite] - at[a]) >= 0.0;
       if (groove && concave_edges == ConcaveEdges::Skip) continue;
     }
@@ -138,6 +138,6 @@ FieldShape wall_collider(const TriangleMesh& mesh) {
   return shape;
 }
 
-double wall_thickness_m(double longest_m) { return std::min(kWall_m, longest_m / kFieldCells); }
+double wall_thickness_m(double longest_m) { return std::min(kWallThickness_m, longest_m / kFieldCells); }
 
 }  // namespace livegs

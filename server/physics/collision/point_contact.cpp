@@ -22,7 +22,7 @@ struct KeyHash {
   }
 };
 
-constexpr int kMostMarches = 32;
+constexpr int kMaxMarches = 32;
 
 // What a point could jump over.
 double thickness_m(const Collider& collider) {
@@ -172,7 +172,7 @@ SurfaceSample swept_surface(const ColliderProbe& collider, const Vector3d& from_
   if (sided && start_m < 0.0) {
     if (at.distance_m < 0.0 && at.normal.dot(side) > 0.0) return at;
     double out = 0.0;
-    for (int march = 0; march < kMostMarches; ++march) {
+    for (int march = 0; march < kMaxMarches; ++march) {
       const double inside = -collider.sample(from_m + out * side).distance_m;
       if (inside <= 0.0) break;
       out += std::max(inside, tolerance);

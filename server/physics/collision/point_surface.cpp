@@ -11,17 +11,17 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-constexpr int kMostCells = 32;       // along an axis
-constexpr int kMostNear = 48;        // elements that speak for one place
-constexpr int kMostFaces = 3;        // that meet at one place
-constexpr double kSameSide = 0.5;    // cosine between normals of one face
-constexpr double kFlat = 1e-3;       // of the reach: how hollow an edge may be and still count as convex
-constexpr double kFacing = -0.3;     // cosine between normals of points that look at each other
-constexpr int kMostProbes = 64;
+constexpr int kMaxCells = 32;       // along an axis
+constexpr int kMaxNeighbours = 48;        // elements that speak for one place
+constexpr int kMaxFaces = 3;        // that meet at one place
+constexpr double kSameFaceCosine = 0.5;    // cosine between normals of one face
+constexpr double kMaxHollow = 1e-3;       // of the reach: how hollow an edge may be and still count as convex
+constexpr double kFacingCosine = -0.3;     // cosine between normals of points that look at each other
+constexpr int kMaxProbes = 64;
 
 bool faces(std::span<const SurfaceElement> own, const Vector3d& normal) {
   for (const SurfaceElement& face : own) {
-    if (face.normal.dot(normal) < kFacing) return true;
+    if (face.normal.dot(normal) < kFacingCosine) return true;
   }
   return false;
 }
@@ -38,7 +38,7 @@ PointSurface::PointSurface(const std::vector<SurfaceElement>& elements, double r
   }
   const Vector3d size = elements.empty() ? Vector3d::Zero().eval() : Vector3d(high - low_m_);
   if (elements.empty()) low_m_.setZero();
-  cell_m_ = std::max(reach_m, size.maxCoeff() / (kMostCells - 1));
+  cell_m_ = std::max(reach_m, size.maxCoeff() / (kMaxCells - 1));
   counts_ = (size / cell_m_).array().floor().cast<int>() + 1;
   const auto cell_of = [&](const Vector3d& p) {
     const Vector3i at = ((p - low_m_) / cell_m_).array().floor().cast<int>().min(counts_.array() - 1).max(0);
@@ -57,8 +57,8 @@ std::optional<SurfaceDepth> PointSurface::depth(const Vector3d& point_m, std::sp
   const Vector3d low = (point_m - low_m_).array() - reach_m_, high = (point_m - low_m_).array() + reach_m_;
   const Eigen::Array3i first = (low / cell_m_).array().floor().max(-1.0).min(1e6).cast<int>().max(0);
   const Eigen::Array3i last = (high / cell_m_).array().floor().max(-1.0).min(1e6).cast<int>().min(counts_.array() - 1);
-  std::array<uint32_t, kMostNear> near;
-  std::array<double, kMostNear> squares;
+  std::array<uint32_t, kMaxNeighbours> near;
+  std::array<double, kMaxNeighbours> squares;
   int count = 0, nearest = -1;
   double least = reach_m_ * reach_m_;
   for (int z = first.z(); z <= last.z(); ++z) {
@@ -69,7 +69,7 @@ std::optional<SurfaceDepth> PointSurface::depth(const Vector3d& point_m, std::sp
           const SurfaceElement& element = elements_[sorted_[k]];
           const double square = (element.position_m - point_m).squaredNorm();
           if (square >= reach_m_ * reach_m_) continue;
-          if (count < kMostNear) {
+          if (count < kMaxNeighbours) {
             near[count] = sorted_[k];
             squares[count] = square;
             if (square < least) {
@@ -95,15 +95,15 @@ std::optional<SurfaceDepth> PointSurface::depth(const Vector3d& point_m, std::sp
   }
   // Faces, the nearest first. Those beyond an edge that is hollow do not count.
   std::optional<SurfaceDepth> deepest, facing;
-  std::array<bool, kMostNear> taken{};
+  std::array<bool, kMaxNeighbours> taken{};
   int leader = nearest;
-  for (int face = 0; face < kMostFaces && leader >= 0; ++face) {
+  for (int face = 0; face < kMaxFaces && leader >= 0; ++face) {
     const SurfaceElement& lead = elements_[near[leader]];
     double weights = 0.0, distance = 0.0;
     Vector3d normal = Vector3d::Zero();
     for (int k = 0; k < count; ++k) {
       const SurfaceElement& element = elements_[near[k]];
-      if (element.normal.dot(lead.normal) < kSameSide) continue;
+      if (element.normal.dot(lead.normal) < kSameFaceCosine) continue;
       taken[k] = true;
       const double part = 1.0 - squares[k] / (reach_m_ * reach_m_), weight = part * part;
       weights += weight;
@@ -111,7 +111,7 @@ std::optional<SurfaceDepth> PointSurface::depth(const Vector3d& point_m, std::sp
       normal += weight * element.normal;
     }
     const Vector3d across = lead.position_m - first_lead.position_m;
-    const bool convex = across.dot(first_lead.normal) <= kFlat * reach_m_ && across.dot(lead.normal) >= -kFlat * reach_m_;
+    const bool convex = across.dot(first_lead.normal) <= kMaxHollow * reach_m_ && across.dot(lead.normal) >= -kMaxHollow * reach_m_;
     if (convex) {
       const double length = normal.norm();
       SurfaceDepth found{distance / weights, normal / length, lead.index};
@@ -132,7 +132,7 @@ std::optional<SurfaceDepth> PointSurface::swept_depth(const Vector3d& end_m, con
                                                          std::span<const SurfaceElement> own) const {
   const double length = displacement_m.norm();
   if (length > 0.5 * reach_m_) {
-    const int probes = static_cast<int>(std::min<double>(kMostProbes, std::ceil(length / (0.5 * reach_m_))));
+    const int probes = static_cast<int>(std::min<double>(kMaxProbes, std::ceil(length / (0.5 * reach_m_))));
     for (int k = 0; k < probes; ++k) {
       const Vector3d rest = (1.0 - static_cast<double>(k) / probes) * displacement_m;
       auto found = depth(end_m - rest, own);

@@ -11,9 +11,9 @@ namespace {
 using Eigen::Vector3d;
 
 // Coordinates beyond this are a mistake of units; inside it every index fits its type.
-constexpr double kFurthest_m = 1e6;
+constexpr double kMaxCoordinate_m = 1e6;
 // The body's extent over a particle's edge: bounds the lattice by the size of the input.
-constexpr double kMostEdges = 1e6;
+constexpr double kMaxExtentInEdges = 1e6;
 
 Error not_physical(const ElasticBodyDescription& description, const std::string& what) {
   return invalid_argument("object " + std::to_string(description.object_id) + ": " + what);
@@ -25,7 +25,7 @@ std::string number(double value) {
   return text;
 }
 
-bool finite(const Vector3d& v) { return v.allFinite() && v.cwiseAbs().maxCoeff() <= kFurthest_m; }
+bool finite(const Vector3d& v) { return v.allFinite() && v.cwiseAbs().maxCoeff() <= kMaxCoordinate_m; }
 
 Result<void> check_particles(const ElasticBodyDescription& d) {
   const ParticleSet& set = d.particles;
@@ -55,7 +55,7 @@ Result<void> check_particles(const ElasticBodyDescription& d) {
   if (!std::isfinite(set.spacing_m) || set.spacing_m < 0.0) return not_physical(d, "spacing_m must be 0 or above");
   const double edge = set.spacing_m > 0.0 ? std::min(set.spacing_m, std::cbrt(volume / count))
                                           : std::cbrt(volume / count);
-  if ((high - low).maxCoeff() > kMostEdges * edge || std::cbrt(volume) > kFurthest_m) {
+  if ((high - low).maxCoeff() > kMaxExtentInEdges * edge || std::cbrt(volume) > kMaxCoordinate_m) {
     return not_physical(d, "the particles are a million times further apart than they are wide; check the spacing");
   }
   return {};

@@ -14,7 +14,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 // The principal axes are taken when their bounding box is smaller than this part of the object axes' one.
-constexpr double kTighter = 0.9;
+constexpr double kPrincipalAxesRatio = 0.9;
 
 struct Bounds {
   Vector3d min = Vector3d::Constant(1e300), max = Vector3d::Constant(-1e300);
@@ -94,7 +94,7 @@ bool voxels_fill(const ParticleSet& particles, double volume, const Matrix3d& la
 // about its own is taken to be full, and what that adds or takes is made up by the others. False, and nothing changed, where
 // full ones are not nearly all.
 bool end_at_faces(const Bounds& surface, double volume, BodyExtent& extent) {
-  constexpr double kAbout = 0.25, kRounding = 1e-6, kNearlyAll = 0.8, kFilled = 0.999;
+  constexpr double kEdgeTolerance = 0.25, kRounding = 1e-6, kMinFullShare = 0.8, kFilled = 0.999;
   // What fills its bounding box has no partial ones: its sections are as wide as they look.
   const bool filled = volume >= kFilled * surface.volume();
   std::vector<MassBox> boxes = extent.boxes;
@@ -112,11 +112,11 @@ bool end_at_faces(const Bounds& surface, double volume, BodyExtent& extent) {
     const double own_m3 = (high - low).prod();
     box.centre_m = 0.5 * (low + high);
     box.half_m = 0.5 * (high - low);
-    full.push_back(filled || std::abs(box.volume_m3 - own_m3) <= kAbout * own_m3);
+    full.push_back(filled || std::abs(box.volume_m3 - own_m3) <= kEdgeTolerance * own_m3);
     if (full.back()) box.volume_m3 = own_m3;
     (full.back() ? full_m3 : partial_m3) += box.volume_m3;
   }
-  if (full_m3 < kNearlyAll * volume) return false;
+  if (full_m3 < kMinFullShare * volume) return false;
   // All of the change falls to the partial ones where they can bear it.
   const bool bearable = partial_m3 > 0.0 && std::abs(volume - full_m3 - partial_m3) < 0.5 * partial_m3;
   for (size_t i = 0; i < boxes.size(); ++i) {
@@ -133,13 +133,13 @@ bool end_at_faces(const Bounds& surface, double volume, BodyExtent& extent) {
 // nothing changed, where they do not make up its volume.
 bool cut_mesh(const ParticleSet& particles, double volume, const Matrix3d& lattice_from_object, const Bounds& surface,
               BodyExtent& extent) {
-  constexpr double kSolid = 0.4, kMadeUp = 0.1;
-  constexpr int kLeastEdge = 6, kMostEdge = 64;
+  constexpr double kSolid = 0.4, kVolumeTolerance = 0.1;
+  constexpr int kMinEdge = 6, kMaxEdge = 64;
   const Vector3d size = surface.max - surface.min;
   if (particles.mesh_triangles.empty() || !(volume > kSolid * size.prod())) return false;
   RegularGrid grid;
   for (int d = 0; d < 3; ++d) {
-    grid.counts[d] = static_cast<int>(std::clamp(std::ceil(size[d] / particles.spacing_m), 1.0 * kLeastEdge, 1.0 * kMostEdge));
+    grid.counts[d] = static_cast<int>(std::clamp(std::ceil(size[d] / particles.spacing_m), 1.0 * kMinEdge, 1.0 * kMaxEdge));
   }
   const Vector3d edge = size.cwiseQuotient(grid.counts.cast<double>());
   grid.origin_m = Vector3d::Constant(0.5);  // in edges of a box
@@ -150,7 +150,7 @@ bool cut_mesh(const ParticleSet& particles, double volume, const Matrix3d& latti
   }
   const std::vector<uint8_t> inside = nodes_inside(mesh, grid);
   const auto count = static_cast<double>(std::count(inside.begin(), inside.end(), 1));
-  if (std::abs(count * edge.prod() - volume) > kMadeUp * volume) return false;
+  if (std::abs(count * edge.prod() - volume) > kVolumeTolerance * volume) return false;
   extent.boxes.clear();
   for (int k = 0; k < grid.counts.z(); ++k) {
     for (int j = 0; j < grid.counts.y(); ++j) {
@@ -173,7 +173,7 @@ BodyExtent measure_extent(const ParticleSet& particles) {
   extent.of_points = particles.mesh_vertices_m.empty();
   Matrix3d lattice_from_object = Matrix3d::Identity();
   const Matrix3d principal = principal_axes(particles).transpose();
-  if (bounds_along(particles, principal).volume() < kTighter * bounds_along(particles, lattice_from_object).volume()) {
+  if (bounds_along(particles, principal).volume() < kPrincipalAxesRatio * bounds_along(particles, lattice_from_object).volume()) {
     lattice_from_object = principal;
   }
   extent.object_from_lattice = Eigen::Quaterniond(Matrix3d(lattice_from_object.transpose()));

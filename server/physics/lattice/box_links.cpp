@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 using Eigen::Vector3i;
 
 // In parts of a box edge: less and jitter opens cracks, more and slits close.
-constexpr double kWidestJoint = 0.5;
+constexpr double kMaxLinkGap = 0.5;
 
 // Boxes by the cubes of space their centres lie in.
 class BoxGrid {
@@ -62,7 +62,7 @@ class BoxGrid {
 
 }  // namespace
 
-std::vector<std::pair<uint32_t, uint32_t>> link_boxes(const BodyExtent& extent, double widest_gap_m) {
+std::vector<std::pair<uint32_t, uint32_t>> link_boxes(const BodyExtent& extent, double max_gap_m) {
   const size_t count = extent.boxes.size();
   // A box stands for the material about it at least as far as half its spacing.
   const double least_half_m = 0.5 * extent.spacing_m;
@@ -83,7 +83,7 @@ std::vector<std::pair<uint32_t, uint32_t>> link_boxes(const BodyExtent& extent, 
     links.emplace_back(std::min(i, j), std::max(i, j));
     parts.join(i, j);
   };
-  double widest_m = kWidestJoint * std::max(extent.box_edge_m, extent.spacing_m);
+  double widest_m = kMaxLinkGap * std::max(extent.box_edge_m, extent.spacing_m);
   const BoxGrid touching(extent, 2.0 * widest_half_m + widest_m);
   for (uint32_t i = 0; i < count; ++i) {
     touching.for_each_near(i, [&](uint32_t j) {
@@ -92,12 +92,12 @@ std::vector<std::pair<uint32_t, uint32_t>> link_boxes(const BodyExtent& extent, 
   }
 
   // Across gaps: the largest part waits for the others to reach it.
-  while (widest_m < widest_gap_m) {
+  while (widest_m < max_gap_m) {
     std::vector<uint32_t> part(count), size(count, 0);
     for (uint32_t i = 0; i < count; ++i) ++size[part[i] = parts.find(i)];
     const auto largest = static_cast<uint32_t>(std::max_element(size.begin(), size.end()) - size.begin());
     if (size[largest] == count) break;
-    widest_m = std::min(2.0 * widest_m, widest_gap_m);
+    widest_m = std::min(2.0 * widest_m, max_gap_m);
     const BoxGrid near(extent, 2.0 * widest_half_m + widest_m);
     for (uint32_t i = 0; i < count; ++i) {
       if (part[i] == largest) continue;

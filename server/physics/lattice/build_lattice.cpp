@@ -19,13 +19,13 @@ using Eigen::Vector3d;
 using Eigen::Vector3i;
 
 // Cells are counted as if the body were shorter by this part of one.
-constexpr double kThinnestLayer = 1e-3;
+constexpr double kMinLayer = 1e-3;
 // A node is never lighter than this part of an inner one.
-constexpr double kLightestNode = 1e-6;
+constexpr double kMinNodeMass = 1e-6;
 // Less than this part of a cell of a material is rounding.
-constexpr double kLeastPart = 1e-9;
+constexpr double kMinMaterialPart = 1e-9;
 // A cell is fixed when all but this part of it is.
-constexpr double kLeastFree = 1e-3;
+constexpr double kMinFreePart = 1e-3;
 
 struct MaterialMoments {
   double volume = 0.0;
@@ -65,7 +65,7 @@ Vector3d lattice_origin(const BodyExtent& extent, double cell_width_m, std::span
   Vector3d origin;
   for (int d = 0; d < 3; ++d) {
     const double length = extent.max_m[d] - extent.min_m[d];
-    const double count = std::max(1.0, std::ceil(length / cell_width_m - kThinnestLayer));
+    const double count = std::max(1.0, std::ceil(length / cell_width_m - kMinLayer));
     origin[d] = 0.5 * (extent.min_m[d] + extent.max_m[d]) - 0.5 * count * cell_width_m;
   }
   if (!along_object_axes(extent)) return origin;
@@ -77,7 +77,7 @@ Vector3d lattice_origin(const BodyExtent& extent, double cell_width_m, std::span
       const double margin = 1e-6 * (extent.max_m[d] - extent.min_m[d]);
       for (const double face : {region.max_m[d], region.min_m[d]}) {
         if (snapped[d] || face <= extent.min_m[d] + margin || face >= extent.max_m[d] - margin) continue;
-        origin[d] = face - cell_width_m * std::ceil((face - extent.min_m[d]) / cell_width_m - kThinnestLayer);
+        origin[d] = face - cell_width_m * std::ceil((face - extent.min_m[d]) / cell_width_m - kMinLayer);
         snapped[d] = 1;
       }
     }
@@ -91,11 +91,11 @@ LatticeCell make_cell(const Moments& moments) {
   cell.centroid = moments.first / moments.volume;
   // The variance of a local coordinate over a full cell is 1/3.
   cell.spread = 3.0 * (moments.second / moments.volume - cell.centroid.cwiseAbs2()).cwiseMax(0.0);
-  cell.fixed = moments.fixed_volume > (1.0 - kLeastFree) * moments.volume;
+  cell.fixed = moments.fixed_volume > (1.0 - kMinFreePart) * moments.volume;
   double parts = 0.0;
   for (const auto& [material, of_material] : moments.materials) {
     const double part = of_material.volume / moments.volume;
-    if (part < kLeastPart) continue;
+    if (part < kMinMaterialPart) continue;
     cell.materials.push_back({material, part});
     parts += part;
   }
@@ -108,12 +108,12 @@ LatticeCell make_cell(const Moments& moments) {
 // uneven stiffness shows neither its modulus nor a mean strain. A cell with cells all around that is about full is; mass
 // stays where the points are.
 void fill_inner_cells(Lattice& lattice) {
-  constexpr double kAboutFull = 0.3;
+  constexpr double kFullTolerance = 0.3;
   const std::vector<uint8_t> cells_around = cells_around_nodes(lattice);
   const double full_m3 = std::pow(lattice.cell_width_m, 3);
   for (LatticeCell& cell : lattice.cells) {
     const bool inner = std::all_of(cell.nodes.begin(), cell.nodes.end(), [&](uint32_t n) { return cells_around[n] == 8; });
-    if (!inner || std::abs(cell.volume_m3 - full_m3) > kAboutFull * full_m3) continue;
+    if (!inner || std::abs(cell.volume_m3 - full_m3) > kFullTolerance * full_m3) continue;
     cell.volume_m3 = full_m3;
     cell.centroid.setZero();
     cell.spread.setOnes();
@@ -123,7 +123,7 @@ void fill_inner_cells(Lattice& lattice) {
 // No node is too light to be moved, and the sum stays the body's volume.
 void set_node_volumes(Lattice& lattice) {
   const size_t count = lattice.node_coordinates.size();
-  const double floor_m3 = kLightestNode * std::pow(lattice.cell_width_m, 3);
+  const double floor_m3 = kMinNodeMass * std::pow(lattice.cell_width_m, 3);
   std::vector<double> volumes(count, 0.0);
   for (const auto& of_material : lattice.material_node_volumes_m3) {
     for (size_t i = 0; i < count; ++i) volumes[i] += of_material[i];

@@ -14,7 +14,7 @@ using Eigen::Vector3i;
 
 // A slice of a box thinner than this part of a cell goes to the neighbouring cell, so that rounding makes no cell of
 // nearly nothing.
-constexpr double kThinnestSlice = 1e-3;
+constexpr double kMinSlice = 1e-3;
 // Cuts nearer than this part of a cell are one.
 constexpr double kSameCut = 1e-9;
 constexpr int kPartsOfStraddling = 4;
@@ -31,9 +31,9 @@ void cut_interval(double low, double high, std::span<const double> cuts, std::ve
                   std::vector<Slice>& slices) {
   const auto snapped = [](double x) {
     const double plane = std::round(x);
-    return std::abs(x - plane) < kThinnestSlice ? plane : x;
+    return std::abs(x - plane) < kMinSlice ? plane : x;
   };
-  if (high - low > 4.0 * kThinnestSlice) {
+  if (high - low > 4.0 * kMinSlice) {
     low = snapped(low);
     high = snapped(high);
   }

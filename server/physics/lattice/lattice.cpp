@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 using Eigen::Vector3i;
 
 // Particles outside every cell ride in the nearest one, at most this far beyond its faces (local coordinates).
-constexpr double kFurthestLocal = 2.0;
+constexpr double kMaxLocal = 2.0;
 
 }  // namespace
 
@@ -88,7 +88,7 @@ EmbeddedPoint Lattice::embed(const Vector3d& object_point_m) const {
   if (least.to_material > 1.0f) {
     for (uint32_t i = 0; i < cells.size(); ++i) consider(i);
   }
-  nearest.local = local_in(cells[nearest.cell]).cwiseMax(-kFurthestLocal).cwiseMin(kFurthestLocal);
+  nearest.local = local_in(cells[nearest.cell]).cwiseMax(-kMaxLocal).cwiseMin(kMaxLocal);
   return nearest;
 }
 

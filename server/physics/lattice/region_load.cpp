@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3d;
 
 // Of a mesh: columns across a face, an edge, and samples in each.
-constexpr int kColumns = 48, kDeep = 16;
+constexpr int kColumns = 48, kDepthSamples = 16;
 
 struct Bounds {
   Vector3d min_m = Vector3d::Constant(1e300), max_m = Vector3d::Constant(-1e300);
@@ -50,7 +50,7 @@ std::vector<LoadPoint> load_mesh(const ParticleSet& particles, const Lattice& la
   if ((size_m.array() <= 0.0).any()) return {};
   RegularGrid grid;
   grid.counts.setConstant(kColumns);
-  grid.counts[face.across] = kDeep;
+  grid.counts[face.across] = kDepthSamples;
   grid.origin_m = Vector3d::Constant(0.5);
   const Vector3d edge_m = size_m.cwiseQuotient(grid.counts.cast<double>());
   TriangleMesh mesh;
@@ -72,14 +72,14 @@ std::vector<LoadPoint> load_mesh(const ParticleSet& particles, const Lattice& la
       at[u] = i;
       at[v] = j;
       int deep = 0;
-      for (at[a] = 0; at[a] < kDeep; ++at[a]) deep += inside[grid.index(at.x(), at.y(), at.z())];
+      for (at[a] = 0; at[a] < kDepthSamples; ++at[a]) deep += inside[grid.index(at.x(), at.y(), at.z())];
       if (deep == 0) continue;
       Vector3d point_m = face.min_m + edge_m.cwiseProduct(at.cast<double>() + grid.origin_m);
       point_m[a] = face.at_m;
       const EmbeddedPoint point = lattice.embed(point_m);
       const int part = (point.local.x() > 0.0) + 2 * (point.local.y() > 0.0) + 4 * (point.local.z() > 0.0);
       Quarter& quarter = quarters[{point.cell, part}];
-      const double area_m2 = edge_m[u] * edge_m[v] * deep / kDeep;
+      const double area_m2 = edge_m[u] * edge_m[v] * deep / kDepthSamples;
       quarter.area_m2 += area_m2;
       quarter.local += area_m2 * point.local;
     }

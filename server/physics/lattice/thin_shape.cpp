@@ -12,13 +12,13 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 // A sheet of at most this part of a cell's width is thin.
-constexpr double kThinnerThan = 0.5;
+constexpr double kMaxThinRatio = 0.5;
 // A cell as full as this holds no thin sheet, however it lies: sqrt(2) times the above, rounded up.
-constexpr double kTooFull = 0.75;
+constexpr double kMaxThinFill = 0.75;
 // The area of a flat piece over the root of the product of its two variances: 12 of a rectangle, 4 pi of an ellipse.
 constexpr double kAreaOverVariance = 12.3;
 // In cells squared: no shape is thinner, so that nothing is divided by zero.
-constexpr double kLeastVariance = 1e-8;
+constexpr double kMinVariance = 1e-8;
 
 // Boxes linked to box i are to[begin[i]] ... to[begin[i + 1]].
 struct Neighbours {
@@ -66,10 +66,10 @@ std::optional<ThinShape> thin_shape(const Moments& moments, double cell_width_m)
   const Matrix3d covariance = moments.second / moments.volume - mean * mean.transpose();
   const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(covariance);
   ThinShape shape;
-  shape.variance_m2 = solver.eigenvalues().cwiseMax(kLeastVariance * cell_width_m * cell_width_m);
+  shape.variance_m2 = solver.eigenvalues().cwiseMax(kMinVariance * cell_width_m * cell_width_m);
   const double area_m2 = kAreaOverVariance * std::sqrt(shape.variance_m2[1] * shape.variance_m2[2]);
   const double thickness_m = moments.volume / area_m2;
-  if (thickness_m >= kThinnerThan * cell_width_m) return std::nullopt;
+  if (thickness_m >= kMaxThinRatio * cell_width_m) return std::nullopt;
   shape.variance_m2[0] = std::min(thickness_m * thickness_m / 12.0, shape.variance_m2[1]);
   shape.axes = solver.eigenvectors();
   for (int k = 0; k < 3; ++k) {  // the sign of an eigenvector is arbitrary: its largest entry is made positive
@@ -89,7 +89,7 @@ void find_thin_shapes(const BodyExtent& extent, std::span<const std::pair<uint32
   std::vector<std::vector<uint32_t>> boxes(lattice.cells.size());  // of each cell that may be thin
   for (size_t e = 0; e < entries.size(); ++e) {
     const uint32_t cell = cell_of_entry[e];
-    if (lattice.cells[cell].volume_m3 < kTooFull * full_m3) boxes[cell].push_back(entries[e].box);
+    if (lattice.cells[cell].volume_m3 < kMaxThinFill * full_m3) boxes[cell].push_back(entries[e].box);
   }
   const Neighbours neighbours(extent.boxes.size(), links);
   std::vector<uint32_t> seen_by(extent.boxes.size(), UINT32_MAX);

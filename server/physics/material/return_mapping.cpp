@@ -15,9 +15,9 @@ using Eigen::Vector3d;
 using EigenSolver = Eigen::SelfAdjointEigenSolver<Matrix3d>;
 
 // A cell with less of its volume than this has no shape to speak of: it recovers first.
-constexpr double kLeastVolume = 0.1;
+constexpr double kMinVolumeRatio = 0.1;
 // A cell stretched a hundredfold is on its way back too.
-constexpr double kLargestStretch = 100.0;
+constexpr double kMaxStretch = 100.0;
 // Strain beyond the yield by less than this part of it is rounding.
 constexpr double kRounding = 1e-13;
 
@@ -82,8 +82,8 @@ YieldSurface yield_surface(double plasticity, double poisson_ratio) {
 PlasticFlow flow_plastically(const YieldSurface& surface, const Matrix3d& elastic_deformation,
                              const Matrix3d& plastic_part) {
   const PlasticFlow none{plastic_part, 0.0, false};
-  if (!(surface.limit > 0.0) || !(elastic_deformation.norm() < kLargestStretch)) return none;
-  if (!(elastic_deformation.determinant() > kLeastVolume)) return none;
+  if (!(surface.limit > 0.0) || !(elastic_deformation.norm() < kMaxStretch)) return none;
+  if (!(elastic_deformation.determinant() > kMinVolumeRatio)) return none;
 
   const Matrix3d stretch = stretch_of(elastic_deformation * plastic_part);
   const Matrix3d strain = deviator(stretch - plastic_part);

@@ -9,11 +9,11 @@
 namespace livegs {
 namespace {
 
-constexpr double kWithinFragment = 1e-5;  // in bounding radii
+constexpr double kFragmentTolerance = 1e-5;  // in bounding radii
 // What lies on a collider or stands against it, and gives a little, is met all the same.
-constexpr double kSunkIn_m = 0.005;
-constexpr double kLeastMarch_m = 0.001;
-constexpr int kMostMarches = 4096;
+constexpr double kSurfaceTolerance_m = 0.005;
+constexpr double kMinMarch_m = 0.001;
+constexpr int kMaxMarches = 4096;
 
 // The way to a collider, or `most_m` where it is not met before. One that holds the ray's start does not stop it: a camera
 // stands behind a wall to look into a room.
@@ -26,10 +26,10 @@ double way_to(const Collider& collider, const Eigen::Vector3d& origin_m, const E
     return nearing > 0.0 ? std::min(most_m, start.distance_m / nearing) : most_m;
   }
   double way = 0.0;
-  for (int march = 0; march < kMostMarches && way < most_m; ++march) {
+  for (int march = 0; march < kMaxMarches && way < most_m; ++march) {
     const double free = probe.sample(origin_m + way * direction).distance_m;
     if (!(free > 0.0)) return way;
-    way += std::max(kFieldMarchFactor * free, kLeastMarch_m);
+    way += std::max(kFieldMarchFactor * free, kMinMarch_m);
   }
   return most_m;
 }
@@ -55,7 +55,7 @@ std::optional<RayHit> World::ray_cast(const Eigen::Vector3d& origin_m, const Eig
         const auto distance = livegs::ray_cast(body, origin_m, direction);
         if (!distance) continue;
         // Of a fragment, a point just within, so that it is told from the pieces beyond its cut faces.
-        const double depth = rigid->fragments.empty() ? 0.0 : kWithinFragment * body.shape.bounding_radius_m;
+        const double depth = rigid->fragments.empty() ? 0.0 : kFragmentTolerance * body.shape.bounding_radius_m;
         const Eigen::Vector3d point = origin_m + (*distance + depth) * direction;
         offer(id, *distance, body.world_from_body.inverse() * point + body.rest_centre_m, rigid, i);
       }
@@ -66,7 +66,7 @@ std::optional<RayHit> World::ray_cast(const Eigen::Vector3d& origin_m, const Eig
     }
   }
   if (!nearest) return nearest;
-  const double before_m = nearest->distance_m - kSunkIn_m;
+  const double before_m = nearest->distance_m - kSurfaceTolerance_m;
   for (const Collider& collider : state_->colliders) {
     if (way_to(collider, origin_m, direction, before_m) < before_m) return std::nullopt;
   }

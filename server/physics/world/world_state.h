@@ -23,7 +23,7 @@
 namespace livegs {
 
 // Events nobody takes are forgotten from the oldest on.
-inline constexpr size_t kMaxKeptEvents = 65536;
+inline constexpr size_t kMaxEvents = 65536;
 
 struct StaticObject {
   Pose world_from_object;

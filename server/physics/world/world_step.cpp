@@ -153,8 +153,8 @@ void World::step() {
   state.sleep_islands(tick_s);
   state.report_contacts();
   state.report_sleep();
-  if (state.events.size() > kMaxKeptEvents) {
-    state.events.erase(state.events.begin(), state.events.end() - static_cast<ptrdiff_t>(kMaxKeptEvents));
+  if (state.events.size() > kMaxEvents) {
+    state.events.erase(state.events.begin(), state.events.end() - static_cast<ptrdiff_t>(kMaxEvents));
   }
   state.times.total_ms = milliseconds_from_ns(now_ns() - begin_ns);
 }

@@ -12,8 +12,8 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 // Subtracted compliance leaves at least this part of a material's own.
-constexpr double kLeastCompliance = 0.02;
-constexpr double kNoVolumeRow = 1e12;  // alpha_lambda over A0 of a material without lambda: its row does nothing
+constexpr double kMinComplianceRatio = 0.02;
+constexpr double kFreeVolumeCompliance = 1e12;  // alpha_lambda over A0 of a material without lambda: its row does nothing
 
 // One Gauss-Seidel sweep from zero multipliers leaves a cell softer by k A0, because its neighbours undo part of its
 // correction. k depends on Y, the material's compliance in units of the nodes' own: fitted on tension (study 2.4).
@@ -37,7 +37,7 @@ Compliances compliances(const LatticeCell& cell, const CellBlock& block, const I
   const double softening = compensate ? own_mobility * pass_compliance(y_ratio) : 0.0;
   const auto compensated = [&](double modulus) {
     const double compliance = 1.0 / (modulus * volume_step);
-    return std::max(compliance - softening, kLeastCompliance * compliance);
+    return std::max(compliance - softening, kMinComplianceRatio * compliance);
   };
   return {compensated(2.0 * material.shear_modulus_pa()),
           compensated(material.youngs_modulus_pa / (1.0 - 2.0 * material.poisson_ratio))};
@@ -121,7 +121,7 @@ CellGains make_cell_gains(const LatticeCell& cell, const CellBlock& block, doubl
     a.col(k) = mandel(0.5 * (product + product.transpose()));
   }
   gains.shear = (a + alpha_mu * Matrix6::Identity()).inverse();
-  gains.volume_compliance = material.poisson_ratio > 0.0 && lambda_step > 0.0 ? 1.0 / lambda_step : kNoVolumeRow * own_mobility;
+  gains.volume_compliance = material.poisson_ratio > 0.0 && lambda_step > 0.0 ? 1.0 / lambda_step : kFreeVolumeCompliance * own_mobility;
 
   const auto stiffness = mode_stiffness(cell, cell_width_m, material);
   for (int j = 0; j < kModeCount; ++j) {

@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 // A cluster is the particles within a voxel and a half along each axis: 27 on a regular grid. Where that finds fewer
 // than four, the nearest eight.
 constexpr double kClusterReach = 1.5;
-constexpr size_t kFewestMembers = 4, kNearestMembers = 8;
+constexpr size_t kMinMembers = 4, kFallbackMembers = 8;
 
 Matrix3d pseudo_inverse(const Matrix3d& symmetric) {
   const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(symmetric);
@@ -66,11 +66,11 @@ void LivegsV1Body::make_clusters() {
         }
       }
     }
-    if (members_.size() - cluster.begin < kFewestMembers) {
+    if (members_.size() - cluster.begin < kMinMembers) {
       members_.resize(cluster.begin);
       nearest.clear();
       for (uint32_t j = 0; j < rest_m_.size(); ++j) nearest.emplace_back((rest_m_[j] - rest_m_[i]).squaredNorm(), j);
-      const size_t take = std::min(kNearestMembers, nearest.size());
+      const size_t take = std::min(kFallbackMembers, nearest.size());
       std::partial_sort(nearest.begin(), nearest.begin() + static_cast<ptrdiff_t>(take), nearest.end());
       for (size_t k = 0; k < take; ++k) members_.push_back(nearest[k].second);
     }

@@ -64,9 +64,9 @@ LIVEGS_INLINE Lanes determinant(const Matrix& a) {
 }
 
 // A turn of R that makes Rᵀ F more symmetric, in R's own frame: Newton's step where the stretch is upright, the
-// bounded step of Müller et al. 2016 where it is not (flattened, inverted). Never more than kLargestTurn.
-constexpr float kLargestTurn = 0.5f;
-constexpr float kConverged = 0.05f;  // rad; the error left is about its cube
+// bounded step of Müller et al. 2016 where it is not (flattened, inverted). Never more than kMaxTurn_rad.
+constexpr float kMaxTurn_rad = 0.5f;
+constexpr float kTurnTolerance_rad = 0.05f;  // rad; the error left is about its cube
 constexpr int kMaxTurns = 8;
 
 LIVEGS_INLINE Lanes turn(Lanes (&q)[4], const Matrix& m) {
@@ -101,8 +101,8 @@ LIVEGS_INLINE Lanes turn(Lanes (&q)[4], const Matrix& m) {
   }
   const Lanes length = square_root(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
   Lanes shrink = half;
-  if (__builtin_expect(any_above(length, kLargestTurn), false)) {
-    const Lanes limit = all_lanes(kLargestTurn);
+  if (__builtin_expect(any_above(length, kMaxTurn_rad), false)) {
+    const Lanes limit = all_lanes(kMaxTurn_rad);
     shrink = half * (length > limit ? limit / length : one);
   }
   const Lanes x = w[0] * shrink, y = w[1] * shrink, z = w[2] * shrink;
@@ -166,7 +166,7 @@ LIVEGS_INLINE void follow_rotation(Lanes (&q)[4], const Matrix& f, Matrix& r, Ma
     const Lanes angle = turn(q, m);
     r = matrix_of(q);
     m = transposed_times(r, f);
-    if (!any_above(angle, kConverged)) break;
+    if (!any_above(angle, kTurnTolerance_rad)) break;
   }
 }
 

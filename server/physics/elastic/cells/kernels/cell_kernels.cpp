@@ -68,8 +68,8 @@ LIVEGS_INLINE void scatter(const uint32_t (&nodes)[8][8], const Lanes (&inverse_
 // alone (no plastic part, no bending) that makes no force; else the force is R (T + A), A antisymmetric with axial vector
 // (tr U I - U)^-1 (axial(U T - T U) - sum z_j x eta_j), z_j the modes' amplitudes and eta_j their forces. U by its mean
 // on the left. Without A bent cells would feed the body energy: a leaf hit hard wound itself up without end. It is not
-// part of the block that is solved, so it may move F by no more than kMostTurning of what the cell lacks.
-constexpr float kMostTurning = 0.3f;
+// part of the block that is solved, so it may move F by no more than kMaxTurningPart of what the cell lacks.
+constexpr float kMaxTurningPart = 0.3f;
 LIVEGS_INLINE void add_turning_force(const Matrix& m, const Lanes (&mode_torque)[3], Lanes strain_squared, Lanes mobility,
                                      Matrix& stress) {
   const Lanes trace = m.m[0][0] + m.m[1][1] + m.m[2][2], least = all_lanes(1.5f), one = all_lanes(1.0f);
@@ -82,7 +82,7 @@ LIVEGS_INLINE void add_turning_force(const Matrix& m, const Lanes (&mode_torque)
     axial[d] = share * (commutator - mode_torque[d]);
     squared += axial[d] * axial[d];
   }
-  const Lanes most = all_lanes(kMostTurning * kMostTurning) * strain_squared, moved = squared * mobility * mobility;
+  const Lanes most = all_lanes(kMaxTurningPart * kMaxTurningPart) * strain_squared, moved = squared * mobility * mobility;
   const Lanes kept = moved > most ? square_root(most / moved) : one;
   for (int d = 0; d < 3; ++d) {
     const int i = (d + 2) % 3, j = (d + 1) % 3;
@@ -240,7 +240,7 @@ LIVEGS_INLINE void solve_cut(CutCells& cells, const PlasticCells* plastic, const
 }
 
 // |S - I|², the strain by bending counted, from which the compensation goes and a cell is drawn straight back, and where it only is.
-constexpr float kFewStrained = 0.25f, kAllStrained = 1.0f;
+constexpr float kRecoveryStrainStart = 0.25f, kRecoveryStrainEnd = 1.0f;
 
 // All eighteen measures at once; the energy is quadratic in them, so there is no volume row.
 template <bool kPaired, bool kPlastic>
@@ -286,7 +286,7 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, con
   }
   // A cell pulled out of all proportion would turn by a radian in a step, and what it measures with it. It is drawn
   // straight back to rest by as much energy: alike in all directions, which no turn changes.
-  if (__builtin_expect(any_above(strain, kFewStrained), false)) {
+  if (__builtin_expect(any_above(strain, kRecoveryStrainStart), false)) {
     const Lanes one = all_lanes(1.0f), zero = all_lanes(0.0f);
     Lanes inverse = inverse_mass[0], energy = zero;
     for (int c = 1; c < 8; ++c) inverse += inverse_mass[c];
@@ -297,7 +297,7 @@ LIVEGS_INLINE void solve_thin(ThinCells& cells, const PlasticCells* plastic, con
     Lanes by_strain = all_lanes(0.5f) / (used ? cells.mobility : one), by_mode = all_lanes(8.0f) / (used ? inverse : one);
     const Lanes alike = by_strain * dot(lack, lack) + by_mode * bent;
     const Lanes scale = energy < alike ? energy / alike : one;
-    Lanes part = (strain - all_lanes(kFewStrained)) * all_lanes(1.0f / (kAllStrained - kFewStrained));
+    Lanes part = (strain - all_lanes(kRecoveryStrainStart)) * all_lanes(1.0f / (kRecoveryStrainEnd - kRecoveryStrainStart));
     part = part > zero ? (part < one ? part : one) : zero;
     const Lanes own = (one - part) * (one + (gains.relief - one) * part);
     by_strain *= part * scale;
