@@ -143,11 +143,11 @@ std::string chart_page(const std::vector<ChartRow>& rows, const std::string& how
       page += "![" + scene.title + ": " + quantity + "](" + scene.figure(quantity) + ")\n\n";
       const std::vector<Panel> panels = panels_of(scene, quantity, rows);
       page += format_text("`%s`, bar %s:\n", quantity.c_str(), percent(panels.front().bar).c_str());
-      for (const Panel& panel : panels) page += who_wins(panel);
+      for (const Panel& panel : panels) page += compare_curves(panel);
       page += "\n";
     }
-    if (scene.most_bullet_substeps == 0) page += "- Bullet is not run here: it has no plasticity, and is not connected to plates.\n";
-    if (scene.most_bullet_substeps == 0) page += "\n";
+    if (scene.max_bullet_substeps == 0) page += "- Bullet is not run here: it has no plasticity, and is not connected to plates.\n";
+    if (scene.max_bullet_substeps == 0) page += "\n";
     if (scene.name == "tension") page += v1_spread(rows) + "\n";
   }
   return page;

@@ -19,7 +19,7 @@ struct ChartScene {
   std::vector<double> youngs_moduli_pa{};  // a panel each
   double poisson_ratio = 0.3;
   std::vector<double> cell_widths_m{};   // the first is the one that variants are shown at
-  int most_bullet_substeps = 16;         // 0: Bullet cannot run it
+  int max_bullet_substeps = 16;         // 0: Bullet cannot run it
   std::vector<std::string> quantities{};  // measurements that are drawn, a figure each
 
   // "tension.svg" for the first, "tension_poisson_ratio.svg" for others.

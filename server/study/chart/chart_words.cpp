@@ -40,7 +40,7 @@ std::vector<Contender> ranking(const Panel& panel) {
 
 }  // namespace
 
-std::string who_wins(const Panel& panel) {
+std::string compare_curves(const Panel& panel) {
   const std::vector<Contender> ranked = ranking(panel);
   std::string words = "- **" + panel.name + ".** ";
   if (ranked.empty()) {

@@ -12,6 +12,6 @@ std::string error_text(double error, const std::string& unit);
 
 // One point of a list: which curves meet the panel's bar, cheapest first; which never do, with their best;
 // and what the program takes by itself.
-std::string who_wins(const Panel& panel);
+std::string compare_curves(const Panel& panel);
 
 }  // namespace livegs::study

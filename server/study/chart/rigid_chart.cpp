@@ -24,7 +24,7 @@ std::vector<PlannedRigid> plan_rigid(const ChartPlan& plan) {
       for (const RigidEngine engine :
            {RigidEngine::Livegs, RigidEngine::Bullet, RigidEngine::OdeQuick, RigidEngine::Ode}) {
         for (const int n : substeps) {
-          if (engine == RigidEngine::Ode && n > scene.most_exact_substeps) break;
+          if (engine == RigidEngine::Ode && n > scene.max_exact_substeps) break;
           runs.push_back({&scene, {.engine = engine, .substeps = n, .parameter = parameter}});
         }
       }
@@ -103,7 +103,7 @@ std::string rigid_csv(const std::vector<RigidRow>& rows) {
           work > 0.0 ? 1e9 * cost.cpu_s / work : 0.0, cost.wall_s, m.error, m.unit.c_str(), m.bar);
       lines += format_text("%s,%.9g,%.9g,%s,,,,,%d,,,,,,%.6g,%.6g,%.6g,%d,%g,%s\n", m.quantity.c_str(),
                            m.measured, m.reference, "rigid", row.setup.substeps, cost.simulated_s, cost.cpu_s,
-                           cost.cpu_ns_per_simulated_s(), row.outcome.end == RunEnd::NotANumber ? 0 : 1,
+                           cost.cpu_ns_per_simulated_s(), row.outcome.end == RunEnd::NonFinite ? 0 : 1,
                            row.setup.parameter, name_of(row.outcome.end));
     }
   }

@@ -25,7 +25,7 @@ struct RigidChartScene {
   std::vector<std::string> quantities;  // measurements that are drawn, a panel each
   std::vector<double> parameters{0.0};  // and for each of these
   std::string parameter_text{};         // "1:%g", or words for each of them, a bar between: "flat|on a corner"
-  int most_exact_substeps =
+  int max_exact_substeps =
       32;  // of ODE's exact solver, whose cost goes with the cube of contacts; 0: not run
   std::vector<int> quick_substeps{1, 2, 4, 8, 16, 32};
 

@@ -35,7 +35,7 @@ std::span<const RigidChartScene> rigid_chart_scenes() {
        .settings = "10 kg, 150 N, 25 balls of 1 kg, mu 0.4 below and 0.8 above",
        .run = rolling_box,
        .quantities = {"speed", "isotropy"},
-       .most_exact_substeps = 4},
+       .max_exact_substeps = 4},
       {.name = "tumbling",
        .title = "Dzhanibekov's tumbling",
        .what = "A free body with moments 1, 2, 3 kg m^2 turns at 10 rad/s about the middle one, 60 s: the "
@@ -45,7 +45,7 @@ std::span<const RigidChartScene> rigid_chart_scenes() {
        .settings = "moments 1, 2, 3 kg m^2, spin (0.01, 10, 0.01) rad/s, 60 s",
        .run = tumbling,
        .quantities = {"energy", "momentum", "flip_time"},
-       .most_exact_substeps = 0},
+       .max_exact_substeps = 0},
       {.name = "box_stack",
        .title = "Stack of twenty",
        .what = "Twenty cubes of 1 m and 1 kg on each other, friction 0.6, 30 s: how far the top sinks, in "
@@ -54,7 +54,7 @@ std::span<const RigidChartScene> rigid_chart_scenes() {
        .settings = "20 cubes of 1 m, mu 0.6, 30 s",
        .run = box_stack,
        .quantities = {"sag", "lean", "asleep_after"},
-       .most_exact_substeps = 0,
+       .max_exact_substeps = 0,
        .quick_substeps = {1, 2, 4, 8}},
       {.name = "heavy_on_light",
        .title = "Heavy on light",
@@ -76,7 +76,7 @@ std::span<const RigidChartScene> rigid_chart_scenes() {
        .settings = "20 of 0.2 x 0.02 x 0.1 m, 50 mm apart, mu 0.5",
        .run = dominoes,
        .quantities = {"wave_speed"},
-       .most_exact_substeps = 0,
+       .max_exact_substeps = 0,
        .quick_substeps = {1, 2, 4, 8}},
       {.name = "overlap",
        .title = "Overlap",
@@ -88,7 +88,7 @@ std::span<const RigidChartScene> rigid_chart_scenes() {
        .settings = "cubes of 1 m, mu 0.6, half within each other or all",
        .run = overlap,
        .quantities = {"column_speed", "pyramid_speed", "coincident_speed"},
-       .most_exact_substeps = 0},
+       .max_exact_substeps = 0},
       {.name = "ball_pendulum",
        .title = "Pendulum on a joint",
        .what = "A ball of 5 cm and 1 kg on an arm of 1 m, swinging on a ball joint for 10 s from 5 and from "
@@ -122,7 +122,7 @@ std::span<const RigidChartScene> rigid_chart_scenes() {
        .quantities = {"height"},
        .parameters = {0, 1},
        .parameter_text = "flat|on a corner",
-       .most_exact_substeps = 0},
+       .max_exact_substeps = 0},
       {.name = "soft_depth",
        .title = "Sphere on a soft block",
        .what = "A sphere of 5 cm and 1 kg on a block of 0.2 x 0.1 x 0.2 m, 4 kg, 20 kPa and nu 0.3, in cells that the program "
@@ -133,7 +133,7 @@ std::span<const RigidChartScene> rigid_chart_scenes() {
        .quantities = {"depth"},
        .parameters = {0, 0.025, 0.0125},
        .parameter_text = "cells left to it|cells of 25 mm|cells of 12.5 mm",
-       .most_exact_substeps = 0},
+       .max_exact_substeps = 0},
   };
   return scenes;
 }

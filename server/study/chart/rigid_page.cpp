@@ -10,7 +10,7 @@ namespace {
 std::string accidents(const RigidChartScene& scene, const std::vector<RigidRow>& rows) {
   std::string words;
   for (const RigidRow& row : rows) {
-    if (row.scene != &scene || row.outcome.end == RunEnd::Well) continue;
+    if (row.scene != &scene || row.outcome.end == RunEnd::Ok) continue;
     words += words.empty() ? "- Did not come through: " : ", ";
     words += format_text("`%s` at %d", engine_name(row.setup.engine).c_str(), row.setup.substeps);
     if (scene.parameters.size() > 1)
@@ -44,7 +44,7 @@ std::string rigid_page(const std::vector<RigidRow>& rows) {
     for (const Panel& panel : panels) {
       Panel named = panel;
       named.name += ", bar " + error_text(panel.bar, panel.unit);
-      page += who_wins(named);
+      page += compare_curves(named);
     }
     page += accidents(scene, rows) + "\n";
   }

@@ -43,7 +43,7 @@ void plan_panel(const ChartScene& scene, double youngs_modulus_pa, const ChartPl
     setup.engine = engine;
     // Bullet costs a hundred times as much a node, so it gets wide cells and few substeps.
     if (engine == Engine::Bullet) setup.cell_width_m = 0.05;
-    curve(setup, engine == Engine::Bullet ? scene.most_bullet_substeps : 64);
+    curve(setup, engine == Engine::Bullet ? scene.max_bullet_substeps : 64);
   }
   Setup chosen;
   chosen.cells.choose = true;

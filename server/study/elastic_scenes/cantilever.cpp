@@ -44,7 +44,7 @@ Result<Outcome> cantilever(const Setup& setup) {
   const double lowest_rad_s = 3.516 / std::sqrt(12.0) * kBarWidth_m / (kBarLength_m * kBarLength_m) * wave_m_s;
   const auto weigh = [&](double share) { stage.gravity_m_s2 = {0, -share * gravity_m_s2, 0}; };
   const auto tip = [&]() -> Eigen::Vector2d { return {-stage.body().world_point({kBarLength_m, 0, 0}).y(), 0.0}; };
-  const double measured_m = load_slowly(stage, {weigh, tip, 2 * M_PI / lowest_rad_s})[0];
+  const double measured_m = load_quasi_statically(stage, {weigh, tip, 2 * M_PI / lowest_rad_s})[0];
   return stage.finish({relative("deflection", measured_m / sag_m, clamp_stiffening(setup.poisson_ratio),
                                 setup.poisson_ratio > 0.0 ? 0.05 : 0.03)});
 }

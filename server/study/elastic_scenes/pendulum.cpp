@@ -58,7 +58,7 @@ Result<Outcome> pendulum(const Setup& given, double amplitude_rad) {
   const Vector3d pivot = rod.world_from_object * Vector3d(hinge_m, 0, 0);
   const double expected_s =
       pendulum_period_s(hinge_m, amplitude_rad, setup.youngs_modulus_pa, setup.density_kg_m3);
-  const int every = stage.look_every(expected_s);
+  const int every = stage.sampling_interval(expected_s);
   const auto angle = [&] {
     const Vector3d to = stage.body().centre_pose().position_m - pivot;
     return std::atan2(to.x(), -to.y());

@@ -43,7 +43,7 @@ Result<Outcome> ring_down(const Setup& setup) {
       ++amplitudes;
     }
   };
-  const int every = stage.look_every(1.0 / frequency_hz);
+  const int every = stage.sampling_interval(1.0 / frequency_hz);
   while (std::abs(phase) < 5.25 * 2 * M_PI && stage.time_s() * frequency_hz < 21.0 && std::isfinite(phase)) {
     stage.run(stage.frame_s(), nullptr, watch, every);
   }

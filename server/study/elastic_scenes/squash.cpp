@@ -42,7 +42,7 @@ Result<Outcome> squash(const Setup& given) {
   const double softness = predicted_softness(setup, stage.body());
   if (softness < 1.0) damp(stage, softness);
   const double wave_m_s = std::sqrt(softness * setup.youngs_modulus_pa / setup.density_kg_m3);
-  const double ratio = load_slowly(stage, {press, volume, 4 * kEdge_m / wave_m_s})[0];
+  const double ratio = load_quasi_statically(stage, {press, volume, 4 * kEdge_m / wave_m_s})[0];
   return stage.finish(
       {relative("volume_ratio", ratio, stretched_to(setup.poisson_ratio, kAlong).volume_ratio(), 0.01)});
 }

@@ -37,8 +37,8 @@ Result<Outcome> pulled(const Setup& setup, double length_m, double width_m, cons
   const auto strains = [&]() -> Eigen::Vector2d { return stretches(stage).array() - 1.0; };
   // Free ends swing with a period of 2 L / c.
   const double wave_m_s = std::sqrt(softness * setup.youngs_modulus_pa / setup.density_kg_m3);
-  const Eigen::Vector2d strain = load_slowly(stage, {pull, strains, 2 * length_m / wave_m_s});
-  if (setup.engine != Engine::Bullet) stage.charge_unforced();
+  const Eigen::Vector2d strain = load_quasi_statically(stage, {pull, strains, 2 * length_m / wave_m_s});
+  if (setup.engine != Engine::Bullet) stage.measure_unforced_cost();
 
   const Uniaxial exact = stretched_by(setup.youngs_modulus_pa, setup.poisson_ratio, stress_pa);
   return stage.finish({relative("youngs_modulus", (exact.along - 1.0) / strain[0], 1.0, 0.05),

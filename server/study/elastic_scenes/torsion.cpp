@@ -54,8 +54,8 @@ Result<Outcome> torsion(const Setup& setup) {
   };
   // Torsional waves: c² = (torsion constant G) / (rho polar moment).
   const double wave_m_s = std::sqrt(6 * kSaintVenant * softness * shear_modulus_pa / setup.density_kg_m3);
-  const double measured = load_slowly(stage, {turn, twist, 2 * kBarLength_m / wave_m_s})[0];
-  if (setup.engine != Engine::Bullet) stage.charge_unforced();
+  const double measured = load_quasi_statically(stage, {turn, twist, 2 * kBarLength_m / wave_m_s})[0];
+  if (setup.engine != Engine::Bullet) stage.measure_unforced_cost();
   const double cells_across = kBarWidth_m / std::max(1e-9, stage.body().accuracy().cell_width_m);
   return stage.finish({relative("twist", measured / twist_rad_m, 1.0, cells_across > 7.5 ? 0.04 : 0.08)});
 }

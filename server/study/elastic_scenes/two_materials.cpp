@@ -43,7 +43,7 @@ Result<Outcome> two_materials(const Setup& setup, double joint_m) {
     return {strain_of(middle_of(-kEnd_m, joint_m)), strain_of(middle_of(joint_m, kEnd_m))};
   };
   const double wave_m_s = std::sqrt(setup.youngs_modulus_pa / setup.density_kg_m3);
-  const Eigen::Vector2d strain = load_slowly(stage, {pull, strains, 2 * kBarLength_m / wave_m_s});
+  const Eigen::Vector2d strain = load_quasi_statically(stage, {pull, strains, 2 * kBarLength_m / wave_m_s});
   const double soft = stretched_by(setup.youngs_modulus_pa, setup.poisson_ratio, stress_pa).along - 1.0;
   const double hard =
       stretched_by(kTimesStiffer * setup.youngs_modulus_pa, setup.poisson_ratio, stress_pa).along - 1.0;

@@ -8,7 +8,7 @@ namespace livegs::study {
 namespace {
 
 constexpr double kRampPeriods = 1.5, kWindowPeriods = 0.5, kSettledRelative = 1e-4;
-constexpr int kFewestRampFrames = 12, kFewestWindowFrames = 4, kMostWindows = 12;
+constexpr int kMinRampFrames = 12, kMinWindowFrames = 4, kMaxWindows = 12;
 
 }  // namespace
 
@@ -23,18 +23,18 @@ void damp(Stage& stage, double softness) {
   stage.body().set_material(material);
 }
 
-Eigen::Vector2d load_slowly(Stage& stage, const QuasiStatic& scene) {
+Eigen::Vector2d load_quasi_statically(Stage& stage, const QuasiStatic& scene) {
   const double frame_s = stage.frame_s();
-  const int ramp = std::max(kFewestRampFrames, static_cast<int>(std::ceil(kRampPeriods * scene.period_s / frame_s)));
+  const int ramp = std::max(kMinRampFrames, static_cast<int>(std::ceil(kRampPeriods * scene.period_s / frame_s)));
   for (int i = 1; i <= ramp; ++i) {
     const double s = static_cast<double>(i) / ramp;
     scene.load(s * s * (3 - 2 * s));
     stage.frame();
   }
-  const int window = std::max(kFewestWindowFrames, static_cast<int>(std::ceil(kWindowPeriods * scene.period_s / frame_s)));
+  const int window = std::max(kMinWindowFrames, static_cast<int>(std::ceil(kWindowPeriods * scene.period_s / frame_s)));
   Eigen::Vector2d before = scene.observed();
   int settled = 0;
-  for (int w = 0; w < kMostWindows; ++w) {
+  for (int w = 0; w < kMaxWindows; ++w) {
     Eigen::Vector2d mean = Eigen::Vector2d::Zero();
     for (int i = 0; i < window; ++i) {
       stage.frame();

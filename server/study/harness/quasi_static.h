@@ -13,7 +13,7 @@ struct QuasiStatic {
 
 // Loads over a period and a half, waits until the means of the figures over half a period stay within 1e-4 (relative)
 // from one to the next twice, and returns them. Means, because what is little damped swings about its rest.
-Eigen::Vector2d load_slowly(Stage& stage, const QuasiStatic& scene);
+Eigen::Vector2d load_quasi_statically(Stage& stage, const QuasiStatic& scene);
 
 // How far the body says that it is softer than asked for: 1 or less.
 double predicted_softness(const Setup& setup, const ElasticBody& body);

@@ -22,13 +22,13 @@ std::string engine_name(RigidEngine engine) {
 
 const char* name_of(RunEnd end) {
   switch (end) {
-    case RunEnd::Well:
+    case RunEnd::Ok:
       return "ok";
     case RunEnd::Fell:
       return "fell";
-    case RunEnd::FlewApart:
+    case RunEnd::Exploded:
       return "exploded";
-    case RunEnd::NotANumber:
+    case RunEnd::NonFinite:
       break;
   }
   return "nan";

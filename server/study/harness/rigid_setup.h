@@ -30,7 +30,7 @@ struct RigidSetup {
   double parameter = 0.0;  // what the scene varies: see each scene
 };
 
-enum class RunEnd { Well, Fell, FlewApart, NotANumber };
+enum class RunEnd { Ok, Fell, Exploded, NonFinite };
 // "ok", "fell", "exploded", "nan"
 const char* name_of(RunEnd end);
 
@@ -38,7 +38,7 @@ struct RigidOutcome {
   std::vector<Measurement> measurements;
   Cost cost;                  // `substeps` are the scene's
   size_t bodies = 0;          // that can move
-  RunEnd end = RunEnd::Well;  // when not Well, the errors are infinite
+  RunEnd end = RunEnd::Ok;  // when not Ok, the errors are infinite
 
   const Measurement& operator[](const std::string& quantity) const;  // precondition: it is there
 };

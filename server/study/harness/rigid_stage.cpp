@@ -12,7 +12,7 @@ namespace livegs::study {
 namespace {
 
 // No scene moves faster or farther of its own.
-constexpr double kFar_m = 1e3, kFast_m_s = 100.0;
+constexpr double kMaxDistance_m = 1e3, kMaxSpeed_m_s = 100.0;
 
 }  // namespace
 
@@ -29,26 +29,26 @@ Result<RigidStage> RigidStage::make(const RigidSetup& setup, const RigidConditio
 void RigidStage::add(const RigidPart& part) {
   if (auto added = solver_->add(part); !added) {
     log_error("rigid scene: %s", added.error().message.c_str());
-    end_ = RunEnd::NotANumber;
+    end_ = RunEnd::NonFinite;
   }
   motions_ = solver_->motions();
 }
 
-void RigidStage::look() {
+void RigidStage::check_motions() {
   motions_ = solver_->motions();
   for (const RigidMotion& motion : motions_) {
     const Eigen::Vector3d& at = motion.world_from_part.position_m;
     if (!at.allFinite() || !motion.velocity_m_s.allFinite() || !motion.angular_velocity_rad_s.allFinite()) {
-      end_ = RunEnd::NotANumber;
-    } else if (at.norm() > kFar_m || motion.velocity_m_s.norm() > kFast_m_s) {
-      if (end_ == RunEnd::Well) end_ = RunEnd::FlewApart;
+      end_ = RunEnd::NonFinite;
+    } else if (at.norm() > kMaxDistance_m || motion.velocity_m_s.norm() > kMaxSpeed_m_s) {
+      if (end_ == RunEnd::Ok) end_ = RunEnd::Exploded;
     }
   }
 }
 
 void RigidStage::run(double seconds, const std::function<void()>& after) {
   const int64_t start_ns = now_ns();
-  for (long i = std::lround(seconds * rate_hz_); i > 0 && well(); --i) {
+  for (long i = std::lround(seconds * rate_hz_); i > 0 && ok(); --i) {
     const double start = thread_cpu_s();
     solver_->frame();
     cost_.cpu_s += thread_cpu_s() - start;
@@ -56,8 +56,8 @@ void RigidStage::run(double seconds, const std::function<void()>& after) {
     ++cost_.frames;
     cost_.substeps += static_cast<uint64_t>(substeps_);
     cost_.simulated_s += frame_s();
-    look();
-    if (after && well()) after();
+    check_motions();
+    if (after && ok()) after();
   }
   cost_.wall_s += seconds_from_ns(now_ns() - start_ns);
 }
@@ -68,11 +68,11 @@ void RigidStage::include(const RigidStage& other) {
   cost_.simulated_s += other.cost_.simulated_s;
   cost_.substeps += other.cost_.substeps;
   cost_.frames += other.cost_.frames;
-  if (well()) end_ = other.end_;
+  if (ok()) end_ = other.end_;
 }
 
 RigidOutcome RigidStage::finish(std::vector<Measurement> measurements) const {
-  if (!well()) {
+  if (!ok()) {
     for (Measurement& measurement : measurements) measurement.error = std::numeric_limits<double>::infinity();
   }
   return {std::move(measurements), cost_, motions_.size(), end_};

@@ -16,7 +16,7 @@ class RigidStage {
   static Result<RigidStage> make(const RigidSetup& setup, const RigidConditions& conditions = {});
 
   RigidSolver& solver() { return *solver_; }
-  // Adds a part; what the solver refuses ends the run as NotANumber does.
+  // Adds a part; what the solver refuses ends the run as NonFinite does.
   void add(const RigidPart& part);
 
   double time_s() const { return static_cast<double>(frames_) / rate_hz_; }
@@ -27,7 +27,7 @@ class RigidStage {
   // wrong.
   void run(double seconds, const std::function<void()>& after = nullptr);
   void mark(RunEnd end) { end_ = end; }
-  bool well() const { return end_ == RunEnd::Well; }
+  bool ok() const { return end_ == RunEnd::Ok; }
 
   // Adds another run's cost and end: of scenes that are several runs.
   void include(const RigidStage& other);
@@ -35,14 +35,14 @@ class RigidStage {
 
  private:
   RigidStage() = default;
-  void look();
+  void check_motions();
 
   std::unique_ptr<RigidSolver> solver_;
   std::vector<RigidMotion> motions_;
   double rate_hz_ = 60.0;
   int substeps_ = 4;
   uint64_t frames_ = 0;
-  RunEnd end_ = RunEnd::Well;
+  RunEnd end_ = RunEnd::Ok;
   Cost cost_;
 };
 

@@ -78,18 +78,18 @@ void Stage::run(double seconds, const std::function<void()>& before, const std::
   }
 }
 
-int Stage::look_every(double period_s) const {
+int Stage::sampling_interval(double period_s) const {
   return std::max(1, static_cast<int>(period_s / (60.0 * substep_s())));
 }
 
-void Stage::charge_unforced() {
-  constexpr double kEnough_s = 0.005;
+void Stage::measure_unforced_cost() {
+  constexpr double kMinTiming_s = 0.005;
   const uint64_t frames = frames_;
   const double simulated_s = time_s();
   forces.clear();
   cpu_s_ = 0.0;
   int timed = 0;
-  for (; timed < 8 || (cpu_s_ < kEnough_s && timed < 500); ++timed) frame();
+  for (; timed < 8 || (cpu_s_ < kMinTiming_s && timed < 500); ++timed) frame();
   cpu_s_ *= static_cast<double>(frames) / timed;
   frames_ = frames;
   substeps_ = static_cast<uint64_t>(std::llround(simulated_s / substep_s()));

@@ -34,11 +34,11 @@ class Stage {
   // that completes a multiple of `every`.
   void run(double seconds, const std::function<void()>& before, const std::function<void()>& after, int every = 1);
   // Substeps of the scene between two looks at something that swings with `period_s`: 60 looks a period, or all.
-  int look_every(double period_s) const;
+  int sampling_interval(double period_s) const;
   // Charges the whole run at the price of frames without the point forces, which are the study's own and dear: each is
   // found in the lattice again every substep. Runs some such frames, so measure first. Not for Bullet, whose iterations
   // depend on what acts.
-  void charge_unforced();
+  void measure_unforced_cost();
 
   bool finite() const;
   Cost cost() const;

@@ -45,7 +45,7 @@ Result<RigidOutcome> box_stack(const RigidSetup& setup) {
   auto sleepy = make_pile(setup, masses_kg, true);
   if (!sleepy) return sleepy.error();
   double asleep_s = std::numeric_limits<double>::infinity();
-  sleepy->run(stage.well() ? 10.0 : 0.0, [&] {
+  sleepy->run(stage.ok() ? 10.0 : 0.0, [&] {
     const auto& motions = sleepy->motions();
     if (!std::isfinite(asleep_s) &&
         std::all_of(motions.begin(), motions.end(), [](const auto& m) { return m.asleep; })) {

@@ -54,7 +54,7 @@ Result<Wave> run_wave(const RigidSetup& setup, double seconds) {
   });
   for (int i = 1; i < kDominoes; ++i) {
     // A domino that stands to the end, or falls before its neighbour reached it.
-    if (stage.well() && !(passed_s[i] > passed_s[i - 1] && std::isfinite(passed_s[i])))
+    if (stage.ok() && !(passed_s[i] > passed_s[i - 1] && std::isfinite(passed_s[i])))
       stage.mark(RunEnd::Fell);
   }
   return Wave{std::move(stage),
@@ -68,7 +68,7 @@ Result<RigidOutcome> dominoes(const RigidSetup& setup) {
     RigidSetup fine;
     fine.substeps = kReferenceSubsteps;
     auto wave = run_wave(fine, kWave_s);
-    return wave && wave->stage.well() ? wave->speed_m_s : std::numeric_limits<double>::quiet_NaN();
+    return wave && wave->stage.ok() ? wave->speed_m_s : std::numeric_limits<double>::quiet_NaN();
   }();
   auto wave = run_wave(setup, kRun_s);
   if (!wave) return wave.error();

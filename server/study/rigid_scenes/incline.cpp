@@ -18,7 +18,7 @@ struct Slope {
   RigidStage stage;
   Vector3d down;
 
-  double way_m() const { return stage.motions()[0].world_from_part.position_m.dot(down); }
+  double travelled_m() const { return stage.motions()[0].world_from_part.position_m.dot(down); }
   double speed_m_s() const { return stage.motions()[0].velocity_m_s.dot(down); }
 };
 
@@ -52,16 +52,16 @@ Result<RigidOutcome> incline(const RigidSetup& setup) {
       if (!slope) return slope.error();
       slope->stage.run(kWatched_s);
       total->include(slope->stage);
-      (slope->way_m() > kSlid_m ? slid_rad : held_rad) = angle_rad;
+      (slope->travelled_m() > kSlid_m ? slid_rad : held_rad) = angle_rad;
     }
     threshold_deg = std::max(threshold_deg, std::abs(0.5 * (held_rad + slid_rad) - expected_rad) / kDegree);
 
     auto held = make_slope(setup, expected_rad - kDegree, friction);
     if (!held) return held.error();
     held->stage.run(0.5);
-    const double settled_m = held->way_m();
+    const double settled_m = held->travelled_m();
     held->stage.run(10.0);
-    creep_m = std::max(creep_m, std::abs(held->way_m() - settled_m));
+    creep_m = std::max(creep_m, std::abs(held->travelled_m() - settled_m));
     total->include(held->stage);
 
     const double steep_rad = expected_rad + 10 * kDegree;

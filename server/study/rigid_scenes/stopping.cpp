@@ -22,15 +22,15 @@ Result<RigidOutcome> stopping(const RigidSetup& setup) {
       slab.velocity_m_s = 2.0 * Eigen::Vector3d(std::cos(turn_rad), 0, std::sin(turn_rad));
       stage->solver().add_floor({}, friction);
       stage->add(slab);
-      const auto way_m = [&] {
+      const auto travelled_m = [&] {
         Eigen::Vector3d way = stage->motions()[0].world_from_part.position_m;
         way.y() = 0.0;
         return way.norm();
       };
       stage->run(1.5);  // 1.02 s at the lowest friction
-      const double stopped_m = way_m();
+      const double stopped_m = travelled_m();
       stage->run(1.0);
-      drift_m_s = std::max(drift_m_s, std::abs(way_m() - stopped_m));
+      drift_m_s = std::max(drift_m_s, std::abs(travelled_m() - stopped_m));
       const double ratio = stopped_m / (2.0 * 2.0 / (2 * friction * kGravity_m_s2));
       if (!(std::abs(ratio - 1) <= std::abs(shown - 1))) shown = ratio;
       total->include(*stage);
