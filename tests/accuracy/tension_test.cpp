@@ -15,7 +15,7 @@ namespace {
 
 // What is announced before running holds: exact, a band with 1 % for the measurement, a ceiling within 10 %. Goal: one ceiling,
 // within 10 %; a body that chooses for itself keeps that, at cells and substeps given by hand the ceiling has a range.
-void expect_as_told(const study::Setup& setup, const Outcome& outcome) {
+void expect_as_described(const study::Setup& setup, const Outcome& outcome) {
   const ElasticAccuracy& accuracy = outcome.accuracy;
   const double modulus = outcome["youngs_modulus"].measured;
   if (accuracy.band == ElasticBand::Exact) {
@@ -60,7 +60,7 @@ TEST_P(Tension, IsWhatTheBodySays) {
     const Outcome outcome = run(tension(setup));
     const ElasticAccuracy& accuracy = outcome.accuracy;
     const double modulus = outcome["youngs_modulus"].measured;
-    expect_as_told(setup, outcome);
+    expect_as_described(setup, outcome);
     if (accuracy.band == ElasticBand::Exact) {
       ++exact_of_spacing[setup.spacing_m];
       least = std::min(least, modulus);
@@ -112,7 +112,7 @@ TEST_P(TensionOfBlocks, IsWhatTheBodySays) {
           if (accuracy.band == ElasticBand::Unknown) {
             EXPECT_FALSE(setup.cells.choose) << text_of(setup, outcome);
           } else {
-            expect_as_told(setup, outcome);
+            expect_as_described(setup, outcome);
           }
           if (accuracy.band == ElasticBand::Exact) {
             ++exact;

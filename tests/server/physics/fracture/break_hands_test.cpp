@@ -66,7 +66,7 @@ uint32_t held_by(World& world, const Pose& hand) {
 }
 
 struct Taken {
-  int grabs = 0, wrong_held = 0, wrong_told = 0;
+  int grabs = 0, wrong_held = 0, misreported = 0;
 };
 
 // Takes what is at the hand, and what it breaks into.
@@ -88,13 +88,13 @@ void take(World& world, const BreakablePieces& pieces, const Vector3d& place_m, 
   const uint32_t held = held_by(world, hand);
   ++taken.grabs;
   taken.wrong_held += apart[held] > least + 1e-3;
-  const auto told_wrong = [&](uint32_t body) {
+  const auto misreports = [&](uint32_t body) {
     return world.piece_bodies(kCup)[piece] != body || world.grab_state(1)->piece != piece;
   };
-  taken.wrong_told += met->piece != piece || told_wrong(held) || std::abs(weighed_kg - world.bodies()[held].mass_kg) > 1e-12;
+  taken.misreported += met->piece != piece || misreports(held) || std::abs(weighed_kg - world.bodies()[held].mass_kg) > 1e-12;
   const Vector3d struck = pieces.cut.pieces[piece].mesh.vertices_m[0] * 0.99 + pieces.cut.pieces[piece].mass.centre_of_mass_m * 0.01;
   if (!world.break_object(kCup, struck)) return;  // a single piece
-  taken.wrong_told += told_wrong(held_by(world, hand));
+  taken.misreported += misreports(held_by(world, hand));
 }
 
 TEST(BreakingHands, TheNearestSherdIsHeldWeighedAndTold) {
@@ -110,7 +110,7 @@ TEST(BreakingHands, TheNearestSherdIsHeldWeighedAndTold) {
     }
   }
   EXPECT_EQ(taken.wrong_held, 0) << "of " << taken.grabs;  // by boxes about bent sherds and cells of their points, 91 of 240
-  EXPECT_EQ(taken.wrong_told, 0);
+  EXPECT_EQ(taken.misreported, 0);
 }
 
 // A hand beside a whole cup holds the piece that was nearest to it when the cup breaks.
