@@ -27,7 +27,7 @@ void go_before(std::vector<Happened>& older, std::vector<Happened>& newer) {
 }
 
 // Ids are never used twice, so all that came, then all that changed, then all that went is the order of any number of ticks.
-void go_before(SteppedTick& older, SteppedTick& newer) {
+void go_before(TickResult& older, TickResult& newer) {
   go_before(older.added, newer.added);
   go_before(older.changed, newer.changed);
   go_before(older.removed, newer.removed);
@@ -62,7 +62,7 @@ FramePublisher::~FramePublisher() {
   thread_.join();
 }
 
-void FramePublisher::publish(SteppedTick&& tick) {
+void FramePublisher::publish(TickResult&& tick) {
   {
     std::lock_guard lock(mutex_);
     if (waiting_) {
@@ -76,7 +76,7 @@ void FramePublisher::publish(SteppedTick&& tick) {
 
 void FramePublisher::run() {
   for (;;) {
-    std::optional<SteppedTick> tick;
+    std::optional<TickResult> tick;
     {
       std::unique_lock lock(mutex_);
       changed_.wait_for(lock, kSweepInterval, [&] { return stopping_ || waiting_; });
@@ -132,7 +132,7 @@ void FramePublisher::hold(const SceneObject& object, bool known) {
   if (shown != before.end()) held.shown = *shown;
 }
 
-FramePublisher::Events FramePublisher::take_events(const SteppedTick& tick) {
+FramePublisher::Events FramePublisher::take_events(const TickResult& tick) {
   encode_next();
   Events events;
   for (const SceneObject& object : tick.added) {
@@ -183,7 +183,7 @@ FramePublisher::Events FramePublisher::take_events(const SteppedTick& tick) {
   return events;
 }
 
-void FramePublisher::take(SteppedTick tick) {
+void FramePublisher::take(TickResult tick) {
   const Events events = take_events(tick);
   show_held(tick.drivers, held_);
   std::vector<SessionTable::Object> added, changed;

@@ -45,12 +45,12 @@ class FramePublisher final : public TickSink {
   // What there is before the first tick.
   void begin_with(std::span<const SceneObject* const> objects) { kernels_.begin_with(objects); }
 
-  void publish(SteppedTick&& tick) override;
+  void publish(TickResult&& tick) override;
   PublisherSummary summary() const;
 
  private:
   void run();
-  void take(SteppedTick tick);
+  void take(TickResult tick);
   SessionTable::Object describe(const SceneObject& object);
   // On a thread of its own, one after the other, if it is not done or under way yet.
   void encode(const std::shared_ptr<const GaussianAsset>& asset, bool stands_still);
@@ -66,7 +66,7 @@ class FramePublisher final : public TickSink {
     std::vector<SceneObject> added, changed;
     std::vector<uint32_t> removed;
   };
-  Events take_events(const SteppedTick& tick);
+  Events take_events(const TickResult& tick);
   void hold(const SceneObject& object, bool known);
 
   SessionTable& table_;
@@ -86,7 +86,7 @@ class FramePublisher final : public TickSink {
 
   mutable std::mutex mutex_;  // guards everything below but the thread
   std::condition_variable changed_;
-  std::optional<SteppedTick> waiting_;
+  std::optional<TickResult> waiting_;
   bool stopping_ = false;
   uint64_t skipped_ = 0;
   uint64_t frames_ = 0;

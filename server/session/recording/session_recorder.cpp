@@ -196,7 +196,7 @@ v1::RecordingStatus SessionRecorder::status() const {
   return status_;
 }
 
-size_t SessionRecorder::bytes_of(const SteppedTick& tick) {
+size_t SessionRecorder::bytes_of(const TickResult& tick) {
   size_t bytes = sizeof(Job);
   for (const ObjectDrivers& object : tick.drivers.objects) {
     bytes += sizeof(ObjectDrivers) + object.poses.size() * sizeof(Pose) +
@@ -205,7 +205,7 @@ size_t SessionRecorder::bytes_of(const SteppedTick& tick) {
   return bytes;
 }
 
-void SessionRecorder::keep_past(const TickActions& actions, const SteppedTick& tick, const Scene& scene) {
+void SessionRecorder::keep_past(const TickActions& actions, const TickResult& tick, const Scene& scene) {
   if (!std::exchange(past_.begun, true)) {
     past_.scene = scene.source();
     past_.whole = tick.drivers.tick == 1 && !tick.scene_is_new;
@@ -227,7 +227,7 @@ void SessionRecorder::keep_past(const TickActions& actions, const SteppedTick& t
   log_info("recordings that begin from now on cannot be simulated again: more was done than is kept");
 }
 
-void SessionRecorder::record(const TickActions& taken, const SteppedTick& tick, const Scene& scene) {
+void SessionRecorder::record(const TickActions& taken, const TickResult& tick, const Scene& scene) {
   TickActions actions = taken;
   actions.cuts = tick.cuts;
   bool begins = false, writes = false;

@@ -48,15 +48,15 @@ class SessionRecorder final : public TickRecorder {
   Result<v1::RecordingStatus> stop();
   v1::RecordingStatus status() const;
 
-  void record(const TickActions& actions, const SteppedTick& tick, const Scene& scene) override;
+  void record(const TickActions& actions, const TickResult& tick, const Scene& scene) override;
 
  private:
   struct Job;
   class Session;
   void run();
-  static size_t bytes_of(const SteppedTick& tick);
+  static size_t bytes_of(const TickResult& tick);
   void fail(const std::string& why);
-  void keep_past(const TickActions& actions, const SteppedTick& tick, const Scene& scene);
+  void keep_past(const TickActions& actions, const TickResult& tick, const Scene& scene);
 
   // Ticks that had anything to say, as encode_tick() has them, since the first; the simulation's thread only. Full blocks
   // are shared with the recording that begins, so that a tick copies one at most.

@@ -107,7 +107,7 @@ class Verifier {
       if (!scene) return scene.error();
       run_->replace(std::move(*scene));
     }
-    const SteppedTick tick = run_->advance(record.actions);
+    const TickResult tick = run_->advance(record.actions);
     ++seen_.ticks;
     if (tick.drivers.tick != record.tick) return invalid_data(recording_.path().string() + ": its ticks do not rise");
     begun_ = begun_ || record.key;

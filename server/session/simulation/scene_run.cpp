@@ -49,9 +49,9 @@ void SceneRun::apply(const TickActions& actions) {
   scene_.take_cuts(actions.cuts);
 }
 
-SteppedTick SceneRun::advance(const TickActions& actions) {
+TickResult SceneRun::advance(const TickActions& actions) {
   apply(actions);
-  SteppedTick tick;
+  TickResult tick;
   const int64_t begun_ns = now_ns();
   if (actions.stepped) scene_.step();
   ++tick_;
@@ -70,7 +70,7 @@ SteppedTick SceneRun::advance(const TickActions& actions) {
   return tick;
 }
 
-void SceneRun::note_changes(SteppedTick& tick) {
+void SceneRun::note_changes(TickResult& tick) {
   Scene::Changes changes = scene_.take_changes();
   tick.cuts = std::move(changes.cut);
   for (const uint32_t id : changes.removed) controls_.drop_object(scene_, id);

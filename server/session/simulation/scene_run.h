@@ -23,7 +23,7 @@ class SceneRun {
   // the clients' simulated time go on.
   void replace(Scene scene);
   // One tick. The caller fills in the RunStatus.
-  SteppedTick advance(const TickActions& actions);
+  TickResult advance(const TickActions& actions);
 
   Scene& scene() { return scene_; }
   const Scene& scene() const { return scene_; }
@@ -33,7 +33,7 @@ class SceneRun {
 
  private:
   void apply(const TickActions& actions);
-  void note_changes(SteppedTick& tick);
+  void note_changes(TickResult& tick);
 
   Scene scene_;
   HandControls controls_;

@@ -133,7 +133,7 @@ std::vector<v1::SceneChange> SimulationLoop::take_next_scene() {
 
 void SimulationLoop::tick() {
   const TickActions actions = take_actions(take_next_scene());
-  SteppedTick stepped = scene_run_.advance(actions);
+  TickResult stepped = scene_run_.advance(actions);
   {
     std::lock_guard lock(summary_mutex_);
     if (actions.stepped) step_ms_.add(stepped.step_ms);

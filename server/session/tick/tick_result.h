@@ -47,7 +47,7 @@ struct RunStatus {
 };
 
 // Everything one tick left behind.
-struct SteppedTick {
+struct TickResult {
   DriverFrame drivers;
   int64_t stepped_ns = 0;  // when the step was done
   double step_ms = 0;
@@ -64,14 +64,14 @@ struct SteppedTick {
 class TickSink {
  public:
   virtual ~TickSink() = default;
-  virtual void publish(SteppedTick&& tick) = 0;
+  virtual void publish(TickResult&& tick) = 0;
 };
 
 // Takes what each tick took from outside and what it left behind, on the simulation's thread, and returns at once.
 class TickRecorder {
  public:
   virtual ~TickRecorder() = default;
-  virtual void record(const TickActions& actions, const SteppedTick& tick, const Scene& scene) = 0;
+  virtual void record(const TickActions& actions, const TickResult& tick, const Scene& scene) = 0;
 };
 
 // Takes what clients do. Any thread, one at a time; returns at once and calls nobody who asks the session table.

@@ -71,7 +71,7 @@ class NoiseServer {
   void run() {
     int64_t due_ns = now_ns();
     for (uint64_t tick = 1; !stopping_; ++tick) {
-      SteppedTick stepped;
+      TickResult stepped;
       stepped.drivers.tick = tick;
       stepped.drivers.simulated_ns = static_cast<int64_t>(tick) * 11'111'111;
       stepped.drivers.objects = frames_[tick % frames_.size()];

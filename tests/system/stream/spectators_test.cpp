@@ -98,7 +98,7 @@ class SpectatorsTest : public ::testing::Test {
     server->open(run->scene(), inputs);
   }
   void step(const TickActions& actions = {}) {
-    SteppedTick stepped = run->advance(actions);
+    TickResult stepped = run->advance(actions);
     tick = stepped.drivers.tick;
     server->ticks().publish(std::move(stepped));
   }

@@ -63,7 +63,7 @@ class Gate : public ::testing::Test {
     return status;
   }
   void publish(uint64_t number) {
-    SteppedTick tick;
+    TickResult tick;
     tick.drivers = scene_.world().drivers();
     tick.drivers.tick = number;
     tick.stepped_ns = now_ns();

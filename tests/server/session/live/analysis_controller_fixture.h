@@ -102,7 +102,7 @@ class LiveAnalysisTest : public ::testing::Test {
   }
   // Waits for a tick in which the object changed to what `enough` accepts.
   bool changes_to(const std::string& name, const std::function<bool(const SceneObject&)>& enough) {
-    return log.wait([&](const std::vector<SteppedTick>& ticks) {
+    return log.wait([&](const std::vector<TickResult>& ticks) {
       for (size_t i = skipped; i < ticks.size(); ++i) {
         for (const SceneObject& object : ticks[i].changed) {
           if (object.id == ids.at(name) && enough(object)) return true;
@@ -134,7 +134,7 @@ class LiveAnalysisTest : public ::testing::Test {
   }
   size_t changes_of(const std::string& name) {
     size_t count = 0;
-    for (const SteppedTick& tick : log.ticks()) {
+    for (const TickResult& tick : log.ticks()) {
       for (const SceneObject& object : tick.changed) count += object.id == ids.at(name) ? 1 : 0;
     }
     return count;

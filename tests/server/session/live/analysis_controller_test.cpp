@@ -56,7 +56,7 @@ TEST_F(LiveAnalysisTest, AResetKeepsWhatWasDecidedMeanwhileAndHearsTheFile) {
   reset.set_reset(true);
   ASSERT_TRUE(run.control(reset));
   ASSERT_TRUE(log.wait([](const auto& ticks) { return !ticks.empty() && ticks.back().run.resets == 1; }));
-  for (const SteppedTick& tick : log.ticks()) {
+  for (const TickResult& tick : log.ticks()) {
     if (!tick.scene_is_new) continue;
     const auto block = std::find_if(tick.added.begin(), tick.added.end(), [](const auto& one) { return one.name == "wood block"; });
     ASSERT_NE(block, tick.added.end());

@@ -53,7 +53,7 @@ TEST_F(LiveAnalysisTest, AnAnswerThatWasTakenBackDoesNotComeBackByItself) {
 // What the server's own start found and does not take upon itself reaches the log, and changes nothing of the scene.
 TEST_F(LiveAnalysisTest, AProposalOfTheStartIsToldAndWaits) {
   const auto touched = [&] {
-    for (const SteppedTick& tick : log.ticks()) {
+    for (const TickResult& tick : log.ticks()) {
       for (const SceneObject& one : tick.changed) {
         if (one.name == "wood block") return true;
       }

@@ -13,7 +13,7 @@
 namespace livegs {
 namespace {
 
-using Ticks = std::vector<SteppedTick>;
+using Ticks = std::vector<TickResult>;
 
 constexpr uint32_t kBox = 2;  // after the floor that is drawn
 
@@ -101,7 +101,7 @@ TEST_F(LiveRunTest, AResetIsTheSceneAsItWasLoaded) {
   wait_ticks(3);
   loop_.stop();
   const Ticks ticks = log_.ticks();
-  const auto anew = std::find_if(ticks.begin(), ticks.end(), [](const SteppedTick& tick) { return tick.run.resets == 1; });
+  const auto anew = std::find_if(ticks.begin(), ticks.end(), [](const TickResult& tick) { return tick.run.resets == 1; });
   // Everything goes and comes in one tick, under ids that were never used.
   ASSERT_EQ(anew->added.size(), 2u);
   EXPECT_EQ(anew->added[1].name, "box");

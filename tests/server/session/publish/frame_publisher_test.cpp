@@ -85,8 +85,8 @@ class SlowAssetTest : public ::testing::Test {
     return box;
   }
   // The objects move 1 cm a tick, so that it shows which tick's they are.
-  SteppedTick tick(std::vector<SceneObject> changed = {}) {
-    SteppedTick stepped;
+  TickResult tick(std::vector<SceneObject> changed = {}) {
+    TickResult stepped;
     stepped.drivers = scene_.world().drivers();
     stepped.drivers.tick = ++number_;
     for (ObjectDrivers& one : stepped.drivers.objects) {
@@ -100,7 +100,7 @@ class SlowAssetTest : public ::testing::Test {
     return stepped;
   }
   static double height(uint64_t number) { return 0.01 * static_cast<double>(number); }
-  Reader::Read publish(SteppedTick stepped) {
+  Reader::Read publish(TickResult stepped) {
     const uint64_t number = stepped.drivers.tick;
     publisher_.publish(std::move(stepped));
     return reader_->wait(number);
@@ -204,7 +204,7 @@ TEST_F(SlowAssetTest, WhatCameIsInNoFrameBeforeItIsToldOfAndNeverIfItWentAgain) 
   publish(tick());
   constexpr uint32_t kStays = 70, kGoes = 71;
   const auto with_both = [&](bool goes_too) {
-    SteppedTick stepped = tick();
+    TickResult stepped = tick();
     ObjectDrivers drivers = stepped.drivers.objects.back();
     for (const uint32_t id : {kStays, kGoes}) {
       if (id == kGoes && !goes_too) break;
@@ -213,7 +213,7 @@ TEST_F(SlowAssetTest, WhatCameIsInNoFrameBeforeItIsToldOfAndNeverIfItWentAgain) 
     }
     return stepped;
   };
-  SteppedTick first = with_both(true);
+  TickResult first = with_both(true);
   for (const uint32_t id : {kStays, kGoes}) {
     SceneObject& added = first.added.emplace_back(object("box"));
     added.id = id;
@@ -222,7 +222,7 @@ TEST_F(SlowAssetTest, WhatCameIsInNoFrameBeforeItIsToldOfAndNeverIfItWentAgain) 
   Reader::Read read = publish(std::move(first));
   EXPECT_TRUE(read.events.empty());
   EXPECT_FALSE(find(read, kStays));
-  SteppedTick second = with_both(false);
+  TickResult second = with_both(false);
   second.removed = {kGoes};
   read = publish(std::move(second));
   EXPECT_TRUE(read.events.empty());

@@ -34,8 +34,8 @@ class RecordedRun {
     const auto started = recorder.start(path, options);
     ASSERT_TRUE(started) << started.error().message;
   }
-  SteppedTick advance(const TickActions& actions = {}) {
-    SteppedTick tick = run.advance(actions);
+  TickResult advance(const TickActions& actions = {}) {
+    TickResult tick = run.advance(actions);
     recorder.record(actions, tick, run.scene());
     return tick;
   }
@@ -272,7 +272,7 @@ TEST(SessionRecorder, ARunThatDiffersIsFoundAtItsTick) {
       done.samples.push_back({1, {hand_at(tick, -0.5)}});
       told = done;
       if (tick == 70) told.samples[0].samples[0].hands[1].aim.position_m.y() += nudge;
-      const SteppedTick stepped = run.advance(done);
+      const TickResult stepped = run.advance(done);
       recorder.record(told, stepped, run.scene());
     }
     EXPECT_TRUE(recorder.stop());
@@ -317,7 +317,7 @@ TEST(SessionRecorder, OneThatBeginsTooLateSaysSo) {
     }
     TickActions actions;
     actions.samples.push_back({1, {hand_at(tick, -0.5)}});
-    const SteppedTick stepped = run.advance(actions);
+    const TickResult stepped = run.advance(actions);
     recorder.record(actions, stepped, run.scene());
   }
   ASSERT_TRUE(recorder.stop());
@@ -365,7 +365,7 @@ TEST(SessionRecorder, AFullDiskEndsTheRecordingAndNothingElse) {
   loop.start();
   // The cube is pulled about, so that there is something to write.
   uint64_t sent = 0;
-  const bool ended = log.wait([&](const std::vector<SteppedTick>& ticks) {
+  const bool ended = log.wait([&](const std::vector<TickResult>& ticks) {
     const std::array<InputSample, 1> sample{hand_at(++sent, 0.5)};
     loop.hear(1, sample);
     return !recorder.status().message().empty() || ticks.size() > 2000;
@@ -378,7 +378,7 @@ TEST(SessionRecorder, AFullDiskEndsTheRecordingAndNothingElse) {
   EXPECT_NE(why.find("a.lvgrec: cannot be written: File too large; the session goes on"), std::string::npos) << why;
   EXPECT_EQ(why.find('\n'), std::string::npos);
   const size_t before = log.ticks().size();
-  EXPECT_TRUE(log.wait([&](const std::vector<SteppedTick>& ticks) { return ticks.size() > before + 20; }));
+  EXPECT_TRUE(log.wait([&](const std::vector<TickResult>& ticks) { return ticks.size() > before + 20; }));
   const auto stopped = recorder.stop();
   if (!stopped) {
     EXPECT_NE(stopped.error().message.find("File too large"), std::string::npos);
@@ -408,7 +408,7 @@ TEST(SessionRecorder, MemoryThatIsShortEndsTheRecordingAndTheSessionGoesOn) {
   uint64_t broken_at = 0;
   const auto advance = [&](int ticks) {
     for (int i = 0; i < ticks; ++i) {
-      const SteppedTick tick = run.advance({});
+      const TickResult tick = run.advance({});
       if (!tick.changed.empty()) broken_at = tick.drivers.tick;
       recorder.record({}, tick, run.scene());
     }

@@ -88,7 +88,7 @@ TEST_F(Encodings, KernelsAreWhereTheDriversHaveThem) {
   StreamReader reader;
   for (uint64_t number = 1; number <= 4; ++number) {
     scene_.step();
-    SteppedTick stepped = tick(number);
+    TickResult stepped = tick(number);
     if (number == 3) {
       stepped.added.push_back(shoot());
       stepped.drivers = scene_.world().drivers();

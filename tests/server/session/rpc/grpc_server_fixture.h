@@ -61,8 +61,8 @@ class LiveServerTest : public ::testing::Test {
     server_ = std::move(*server);
   }
   void open() { server_->open(scene_, inputs_); }
-  SteppedTick tick(uint64_t number) const {
-    SteppedTick stepped;
+  TickResult tick(uint64_t number) const {
+    TickResult stepped;
     stepped.drivers = scene_.world().drivers();
     stepped.drivers.tick = number;
     stepped.stepped_ns = now_ns();

@@ -79,7 +79,7 @@ TEST_F(LiveServerTest, EventsDoNotWaitForTheirTurn) {
   publish(18);
   ASSERT_EQ(client.read().tick(), 18u);
   ASSERT_TRUE(client.acknowledge(18));
-  SteppedTick stepped = tick(19);
+  TickResult stepped = tick(19);
   const SceneObject& ball = shoot();
   stepped.added.push_back(ball);
   server_->ticks().publish(std::move(stepped));
@@ -115,7 +115,7 @@ TEST_F(LiveServerTest, PositionsHaveTheBitsThatAClientAskedFor) {
   }
   std::vector<float> off_m(bits.size(), 0);
   for (uint64_t number = 1; number <= 5; ++number) {
-    SteppedTick moved = tick(number);
+    TickResult moved = tick(number);
     ObjectDrivers& body = moved.drivers.objects.emplace_back();
     body.object_id = 1000;
     body.kind = DriverKind::Lattice;

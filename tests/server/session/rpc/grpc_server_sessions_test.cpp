@@ -85,7 +85,7 @@ TEST_F(LiveServerTest, ACancelledStreamsSessionGoesOn) {
   ASSERT_EQ(client.read().tick(), 1u);
   client.cancel();
   EXPECT_FALSE(client.finish().ok());
-  SteppedTick stepped = tick(2);
+  TickResult stepped = tick(2);
   const SceneObject& ball = shoot();
   stepped.added.push_back(ball);
   server_->ticks().publish(std::move(stepped));

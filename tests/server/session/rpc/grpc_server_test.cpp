@@ -101,7 +101,7 @@ TEST_F(LiveServerTest, EventsAreNeverDroppedAndComeInOrder) {
   for (uint64_t number = 3; number <= 22; ++number) {
     shoot();
     const Scene::Changes changes = scene_.take_changes();
-    SteppedTick stepped = tick(number);
+    TickResult stepped = tick(number);
     for (uint32_t id : changes.added) {
       stepped.added.push_back(*scene_.find(id));
       shot.push_back(id);
@@ -140,7 +140,7 @@ TEST_F(LiveServerTest, EventsBetweenJoinAndStreamAreKept) {
   RawClient client(server_->port());
   ASSERT_TRUE(client.join().ok());
   const SceneObject& ball = shoot();
-  SteppedTick stepped = tick(1);
+  TickResult stepped = tick(1);
   stepped.added.push_back(ball);
   server_->ticks().publish(std::move(stepped));
   client.open();

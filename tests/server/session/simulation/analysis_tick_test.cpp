@@ -45,7 +45,7 @@ struct Turn {
 
 class StepTimes final : public TickSink {
  public:
-  void publish(SteppedTick&& tick) override {
+  void publish(TickResult&& tick) override {
     std::lock_guard lock(mutex_);
     if (heard_) now_.steps_ms.push_back(tick.step_ms);
   }

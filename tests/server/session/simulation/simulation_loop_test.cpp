@@ -8,7 +8,7 @@
 namespace livegs {
 namespace {
 
-using Ticks = std::vector<SteppedTick>;
+using Ticks = std::vector<TickResult>;
 
 std::array<InputSample, 1> one(const InputSample& sample) { return {sample}; }
 
@@ -64,7 +64,7 @@ void expect_pull_lifts(const char* name, double x) {
     return middle_of(ticks.back().drivers, id).y() > start_y + 0.25;
   };
   EXPECT_TRUE(log.wait(lifted)) << name << " at " << middle_of(log.ticks().back().drivers, id).transpose();
-  const SteppedTick held = log.ticks().back();
+  const TickResult held = log.ticks().back();
   ASSERT_EQ(held.hands.size(), 1u);
   EXPECT_TRUE(held.hands[0].hands[1].holding);
   EXPECT_EQ(held.hands[0].hands[1].object_id, id);
@@ -94,7 +94,7 @@ TEST(SimulationLoop, ARisingEdgeShootsOneBall) {
   loop.stop();
   size_t added = 0;
   const Ticks ticks = log.ticks();
-  for (const SteppedTick& tick : ticks) added += tick.added.size();
+  for (const TickResult& tick : ticks) added += tick.added.size();
   EXPECT_EQ(added, 1u);
   ASSERT_EQ(ticks[0].added.size(), 1u);
   const uint32_t ball = ticks[0].added[0].id;
@@ -179,7 +179,7 @@ TEST(SimulationLoop, AppliesASampleAtTheTickItIsMeantFor) {
   loop.stop();
   const Ticks ticks = log.ticks();
   for (const auto& [tick, sequence] : {std::pair{4, 0}, {5, 1}, {6, 1}, {7, 4}, {8, 4}}) {
-    const SteppedTick& stepped = ticks.at(static_cast<size_t>(tick) - 1);
+    const TickResult& stepped = ticks.at(static_cast<size_t>(tick) - 1);
     ASSERT_EQ(stepped.drivers.tick, static_cast<uint64_t>(tick));
     const uint64_t applied = stepped.hands.empty() ? 0 : stepped.hands[0].input_sequence;
     EXPECT_EQ(applied, static_cast<uint64_t>(sequence)) << "at tick " << tick;

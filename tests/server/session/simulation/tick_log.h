@@ -15,7 +15,7 @@ namespace livegs {
 // Remembers every tick.
 class TickLog final : public TickSink {
  public:
-  void publish(SteppedTick&& tick) override {
+  void publish(TickResult&& tick) override {
     {
       std::lock_guard lock(mutex_);
       ticks_.push_back(std::move(tick));
@@ -23,7 +23,7 @@ class TickLog final : public TickSink {
     changed_.notify_all();
   }
   // Waits until the ticks so far satisfy `enough`.
-  bool wait(const std::function<bool(const std::vector<SteppedTick>&)>& enough) {
+  bool wait(const std::function<bool(const std::vector<TickResult>&)>& enough) {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, kPatience, [&] { return enough(ticks_); });
   }
@@ -31,7 +31,7 @@ class TickLog final : public TickSink {
     std::lock_guard lock(mutex_);
     ticks_.clear();
   }
-  std::vector<SteppedTick> ticks() const {
+  std::vector<TickResult> ticks() const {
     std::lock_guard lock(mutex_);
     return ticks_;
   }
@@ -39,7 +39,7 @@ class TickLog final : public TickSink {
  private:
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::vector<SteppedTick> ticks_;
+  std::vector<TickResult> ticks_;
 };
 
 // The mean of an object's drivers.
