@@ -53,7 +53,7 @@ void run(const std::vector<DriverFrame>& motion, const Client& client, double ca
   for (size_t i = 0; i < motion.size(); ++i) {
     const double available = budget.available_bytes(static_cast<int64_t>(i + 1) * kTick_ns);
     if (available > 0) {
-      PublishedTick tick(motion[i], nullptr);
+      TickEncodings tick(motion[i], nullptr);
       tick.reaches = reaches;
       const double begun_us = processor_us();
       const EncodedFrame frame = whole_frames ? tick.for_client(baseline, who) : tick.for_client(baseline, who, available);

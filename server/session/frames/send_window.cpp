@@ -3,7 +3,7 @@
 
 namespace livegs {
 
-void SendWindow::offer(std::shared_ptr<const PublishedTick> tick) {
+void SendWindow::offer(std::shared_ptr<const TickEncodings> tick) {
   if (waiting_) ++replaced_;
   waiting_ = std::move(tick);
 }

@@ -25,14 +25,14 @@ class SendWindow {
 
   // Between the ticks that are offered.
   void set_interval(int64_t interval_ns) { interval_ns_ = interval_ns, size_.set_interval(interval_ns); }
-  void offer(std::shared_ptr<const PublishedTick> tick);
+  void offer(std::shared_ptr<const TickEncodings> tick);
   // False when there are too many, and the client has to go.
   bool add_event(const v1::SessionEvent& event);
   // Everything up to `tick` has arrived. Numbers that were never sent change nothing.
   void acknowledge(uint64_t tick, int64_t now_ns);
 
   struct Outgoing {
-    std::shared_ptr<const PublishedTick> tick;  // nullptr: events only
+    std::shared_ptr<const TickEncodings> tick;  // nullptr: events only
     std::vector<v1::SessionEvent> events;
     bool slow = false;  // WindowSize::slow()
   };
@@ -48,7 +48,7 @@ class SendWindow {
   uint64_t replaced() const { return replaced_; }
 
  private:
-  std::shared_ptr<const PublishedTick> waiting_;
+  std::shared_ptr<const TickEncodings> waiting_;
   std::vector<v1::SessionEvent> events_;
   struct InFlight {
     uint64_t tick = 0;

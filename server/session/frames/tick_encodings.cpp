@@ -52,9 +52,9 @@ EncodingRecord::Summary EncodingRecord::summary() const {
           ms_.count(),             bytes_.sum(),            ms_.sum()};
 }
 
-EncodedFrame PublishedTick::against(const StreamBaselinePtr& written) const { return encoded(usable(written), {}, 16); }
+EncodedFrame TickEncodings::against(const StreamBaselinePtr& written) const { return encoded(usable(written), {}, 16); }
 
-EncodedFrame PublishedTick::for_client(const StreamBaselinePtr& written, const Onlooker& who, double budget_bytes) const {
+EncodedFrame TickEncodings::for_client(const StreamBaselinePtr& written, const Onlooker& who, double budget_bytes) const {
   const StreamBaselinePtr baseline = usable(written);
   if (!baseline) return encoded(nullptr, {}, who.position_bits);
   std::vector<uint32_t> left_out;
@@ -66,30 +66,30 @@ EncodedFrame PublishedTick::for_client(const StreamBaselinePtr& written, const O
                  who.position_bits);
 }
 
-size_t PublishedTick::encodings() const {
+size_t TickEncodings::encodings() const {
   std::lock_guard lock(mutex_);
   return made_.size();
 }
 
-EncodedFrame PublishedTick::by_itself(v1::JoinRequest::Encoding encoding) const {
+EncodedFrame TickEncodings::keyframe(v1::JoinRequest::Encoding encoding) const {
   std::lock_guard lock(mutex_);
-  auto made = by_itself_.find(encoding);
-  if (made == by_itself_.end()) {
+  auto made = keyframes_.find(encoding);
+  if (made == keyframes_.end()) {
     LIVEGS_ASSERT(encoding == v1::JoinRequest::DRIVERS_RAW);
     const int64_t begun_ns = now_ns();
     const std::vector<std::byte> frame = encode_frame(frame_, DriverEncoding::Raw);
     if (record_) record_->add(frame.size(), milliseconds_from_ns(now_ns() - begun_ns));
-    made = by_itself_.emplace(encoding, whole_frame(frame)).first;
+    made = keyframes_.emplace(encoding, whole_frame(frame)).first;
   }
   return made->second;
 }
 
-void PublishedTick::keep(v1::JoinRequest::Encoding encoding, std::vector<std::byte> frame) {
+void TickEncodings::keep(v1::JoinRequest::Encoding encoding, std::vector<std::byte> frame) {
   std::lock_guard lock(mutex_);
-  by_itself_[encoding] = whole_frame(frame);
+  keyframes_[encoding] = whole_frame(frame);
 }
 
-std::span<const ObjectBall> PublishedTick::balls() const {
+std::span<const ObjectBall> TickEncodings::balls() const {
   std::call_once(balls_made_, [this] {
     if (!reaches) return;
     for (const ObjectDrivers& object : frame_.objects) {
@@ -100,7 +100,7 @@ std::span<const ObjectBall> PublishedTick::balls() const {
   return balls_;
 }
 
-EncodedFrame PublishedTick::encoded(const StreamBaselinePtr& baseline, const std::vector<uint32_t>& left_out,
+EncodedFrame TickEncodings::encoded(const StreamBaselinePtr& baseline, const std::vector<uint32_t>& left_out,
                                     int position_bits) const {
   std::lock_guard lock(mutex_);
   for (const Made& made : made_) {

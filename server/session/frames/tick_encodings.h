@@ -50,9 +50,9 @@ using ObjectReaches = std::map<uint32_t, double>;
 
 // A tick, for any number of clients: encoded when the first of those that have the same is written to. One that missed a
 // frame is encoded for by itself, and three frames later has what the others have. Immutable to who looks at it; any thread.
-class PublishedTick {
+class TickEncodings {
  public:
-  PublishedTick(DriverFrame frame, std::shared_ptr<EncodingRecord> record)
+  TickEncodings(DriverFrame frame, std::shared_ptr<EncodingRecord> record)
       : frame_(std::move(frame)), record_(std::move(record)) {}
 
   uint64_t tick() const { return frame_.tick; }
@@ -70,7 +70,7 @@ class PublishedTick {
                           double budget_bytes = std::numeric_limits<double>::infinity()) const;
   // Whole, and to be read without any before, for those who asked for another encoding than DRIVERS. Precondition: kernels
   // have been kept.
-  EncodedFrame by_itself(v1::JoinRequest::Encoding encoding) const;
+  EncodedFrame keyframe(v1::JoinRequest::Encoding encoding) const;
   void keep(v1::JoinRequest::Encoding encoding, std::vector<std::byte> frame);
 
  private:
@@ -94,7 +94,7 @@ class PublishedTick {
   mutable std::once_flag balls_made_;
   mutable std::vector<ObjectBall> balls_;
   mutable std::vector<Made> made_;  // few: clients that keep up are alike
-  mutable std::map<v1::JoinRequest::Encoding, EncodedFrame> by_itself_;
+  mutable std::map<v1::JoinRequest::Encoding, EncodedFrame> keyframes_;
 };
 
 }  // namespace livegs

@@ -189,7 +189,7 @@ void FramePublisher::take(TickResult tick) {
   std::vector<SessionTable::Object> added, changed;
   for (const SceneObject& object : events.added) added.push_back(describe(object));
   for (const SceneObject& object : events.changed) changed.push_back(describe(object));
-  auto published = std::make_shared<PublishedTick>(std::move(tick.drivers), record_);
+  auto published = std::make_shared<TickEncodings>(std::move(tick.drivers), record_);
   published->stepped_ns = tick.stepped_ns;
   published->step_ms = tick.step_ms;
   published->run = tick.run;

@@ -80,7 +80,7 @@ class FramePublisher final : public TickSink {
   // What waits for its kernels to be encoded, by id.
   std::map<uint32_t, Held> held_;        // what is drawn with them
   std::map<uint32_t, SceneObject> cut_;  // whole; announced when the kernels of its pieces are encoded
-  std::shared_ptr<const PublishedTick> last_;
+  std::shared_ptr<const TickEncodings> last_;
   KernelPublisher kernels_{table_};
   std::shared_ptr<EncodingRecord> record_ = std::make_shared<EncodingRecord>();
 

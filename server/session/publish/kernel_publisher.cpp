@@ -49,7 +49,7 @@ void KernelPublisher::take(std::span<const SceneObject> added, std::span<const S
   taken_ = true;
 }
 
-void KernelPublisher::publish(std::shared_ptr<PublishedTick> tick) {
+void KernelPublisher::publish(std::shared_ptr<TickEncodings> tick) {
   const bool wanted = table_.wants(v1::JoinRequest::KERNELS) || table_.wants(v1::JoinRequest::KERNELS_EXACT);
   {
     std::lock_guard lock(mutex_);
@@ -73,7 +73,7 @@ void KernelPublisher::run() {
   for (;;) {
     std::vector<SceneObject> objects;
     std::vector<uint32_t> removed;
-    std::shared_ptr<PublishedTick> tick;
+    std::shared_ptr<TickEncodings> tick;
     {
       std::unique_lock lock(mutex_);
       changed_.wait(lock, [&] { return stopping_ || waiting_; });

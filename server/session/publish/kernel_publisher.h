@@ -26,7 +26,7 @@ class KernelPublisher {
   // What comes, changes and goes with the next tick that is published. What is told twice is taken once. Any thread, one at a
   // time, as the next; both return at once.
   void take(std::span<const SceneObject> added, std::span<const SceneObject> changed, std::span<const uint32_t> removed);
-  void publish(std::shared_ptr<PublishedTick> tick);
+  void publish(std::shared_ptr<TickEncodings> tick);
 
  private:
   void run();
@@ -39,7 +39,7 @@ class KernelPublisher {
 
   std::mutex mutex_;  // guards everything below but the thread
   std::condition_variable changed_;
-  std::shared_ptr<PublishedTick> waiting_;
+  std::shared_ptr<TickEncodings> waiting_;
   std::vector<SceneObject> objects_;  // in order; ids are never used twice, so those that went go last
   std::vector<uint32_t> removed_;
   bool taken_ = false;  // since the last tick

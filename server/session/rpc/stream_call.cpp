@@ -21,7 +21,7 @@ void write_floats(google::protobuf::RepeatedField<float>& out, const Eigen::Vect
 }
 
 // What a session's hands hold in a tick; null: nothing is known of them.
-const SessionHands* hands_of(const PublishedTick& tick, SessionNumber session) {
+const SessionHands* hands_of(const TickEncodings& tick, SessionNumber session) {
   const auto own = std::lower_bound(
       tick.hands.begin(), tick.hands.end(), session,
       [](const SessionHands& hands, SessionNumber number) { return hands.session < number; });
@@ -43,7 +43,7 @@ v1::ServerMessage header_of(const SendWindow::Outgoing& outgoing, SessionNumber 
   v1::ServerMessage header;
   for (const v1::SessionEvent& event : outgoing.events) *header.add_events() = event;
   if (!outgoing.tick) return header;
-  const PublishedTick& tick = *outgoing.tick;
+  const TickEncodings& tick = *outgoing.tick;
   header.set_tick(tick.tick());
   header.set_stepped_ns(tick.stepped_ns);
   header.set_step_ms(tick.step_ms);
@@ -186,11 +186,11 @@ void StreamCall::write(const SendWindow::Outgoing& outgoing, const std::lock_gua
   std::vector<grpc::Slice> slices(1);
   if (outgoing.tick) {
     header.set_encode_begun_ns(now_ns());
-    const PublishedTick& tick = *outgoing.tick;
+    const TickEncodings& tick = *outgoing.tick;
     const Onlooker who{view_, held_by(hands_of(tick, session_->number)), position_bits_, !budget_.capped() && !outgoing.slow};
     const EncodedFrame frame = encoding_ == v1::JoinRequest::DRIVERS
                                    ? tick.for_client(baseline_, who, budget_.available_bytes(now_ns()))
-                                   : tick.by_itself(encoding_);
+                                   : tick.keyframe(encoding_);
     baseline_ = frame.next;
     slices.push_back(frame.tail->slice);  // counted, not copied
   }

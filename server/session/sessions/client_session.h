@@ -150,7 +150,7 @@ class ClientSession {
   }
   // `kernels`: which the tick has been given; without, it is for those who are sent drivers. Nothing for those who asked for
   // something else.
-  void offer(std::shared_ptr<const PublishedTick> tick, std::optional<v1::JoinRequest::Encoding> kernels = {}) {
+  void offer(std::shared_ptr<const TickEncodings> tick, std::optional<v1::JoinRequest::Encoding> kernels = {}) {
     std::lock_guard lock(mutex_);
     if (state_ == State::Parked || (kernels ? terms_.encoding != *kernels : is_of_kernels(terms_.encoding))) return;
     // The same ticks for all of the same pace, so that they share bytes; should the one be left out, the next in its place.

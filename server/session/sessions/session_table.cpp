@@ -167,7 +167,7 @@ Result<std::string> SessionTable::end_session(std::string_view id_begin, const E
   return found->id;
 }
 
-uint64_t SessionTable::deliver(std::shared_ptr<PublishedTick> tick, std::span<const Object> added,
+uint64_t SessionTable::deliver(std::shared_ptr<TickEncodings> tick, std::span<const Object> added,
                                std::span<const Object> changed, std::span<const uint32_t> removed) {
   uint64_t event_number = 0;
   std::vector<std::shared_ptr<ClientSession>> sessions;
@@ -266,7 +266,7 @@ bool SessionTable::wants(v1::JoinRequest::Encoding encoding) const {
   });
 }
 
-void SessionTable::deliver_kernels(std::shared_ptr<const PublishedTick> tick, v1::JoinRequest::Encoding encoding) {
+void SessionTable::deliver_kernels(std::shared_ptr<const TickEncodings> tick, v1::JoinRequest::Encoding encoding) {
   for (const auto& session : sessions_now()) {
     if (session->encoding() != encoding) continue;
     session->offer(tick, encoding);

@@ -70,7 +70,7 @@ class SessionTable {
   Result<std::string> end_session(std::string_view id_begin, const Error& why);
 
   // A new tick for everybody, with what came, changed and went in it. The event number from then on.
-  uint64_t deliver(std::shared_ptr<PublishedTick> tick, std::span<const Object> added,
+  uint64_t deliver(std::shared_ptr<TickEncodings> tick, std::span<const Object> added,
                    std::span<const Object> changed, std::span<const uint32_t> removed);
   // Objects of this name are described with this answer of a model, which waits for a person, and why it does among their
   // warnings; nullptr: none waits any more. Who is there is told at once, whether there are ticks or not.
@@ -78,7 +78,7 @@ class SessionTable {
   // Whether anybody who is there asked for frames of this encoding.
   bool wants(v1::JoinRequest::Encoding encoding) const;
   // A tick whose kernels are kept in it as `encoding`, for those who asked for that. After deliver() of it.
-  void deliver_kernels(std::shared_ptr<const PublishedTick> tick, v1::JoinRequest::Encoding encoding);
+  void deliver_kernels(std::shared_ptr<const TickEncodings> tick, v1::JoinRequest::Encoding encoding);
   // Ends streams that went silent and drops sessions that were parked or never opened a stream for too long; sees to it
   // that the others hear something.
   void sweep(int64_t now_ns);

@@ -51,7 +51,7 @@ struct Stream {
   DriverFrame seen;
   size_t bytes = 0;
 
-  void send(const PublishedTick& tick, const Onlooker& who, double budget_bytes = std::numeric_limits<double>::infinity()) {
+  void send(const TickEncodings& tick, const Onlooker& who, double budget_bytes = std::numeric_limits<double>::infinity()) {
     const EncodedFrame frame = tick.for_client(baseline, who, budget_bytes);
     baseline = frame.next;
     bytes = frame.bytes;
@@ -73,8 +73,8 @@ double farthest_m(const ObjectDrivers& a, const ObjectDrivers& b) {
 // Half a step of 2^-15 m on each axis.
 constexpr double kExact_m = 0.87 / (1 << 15);
 
-PublishedTick published(uint64_t tick, bool moving = true) {
-  return PublishedTick(row_of_cubes(tick, moving), nullptr);
+TickEncodings published(uint64_t tick, bool moving = true) {
+  return TickEncodings(row_of_cubes(tick, moving), nullptr);
 }
 
 TEST(ViewCone, TouchesWhatIsInItInPart) {
@@ -152,7 +152,7 @@ TEST(Interest, WhoLooksHasItExactlyWithTheNextFrame) {
   Onlooker turned;
   size_t whole = 0, less = 0;
   for (uint64_t tick = 1; tick <= 300; ++tick) {
-    PublishedTick now = published(tick);
+    TickEncodings now = published(tick);
     now.reaches = reaches();
     const bool away = tick > 100 && tick < 200;
     turned.view = ViewCone{{0, 0, 0}, {away ? -1.0 : 1.0, 0, 0}, 0.6};
@@ -192,7 +192,7 @@ TEST(Cap, IsKeptAndWhatMattersMostComesFirst) {
   constexpr uint64_t kFirst = 45, kMoving = 450, kEnd = 810;
   for (uint64_t tick = 1; tick <= kEnd; ++tick) {
     const bool moving = tick <= kMoving;
-    PublishedTick now = published(tick, moving);
+    TickEncodings now = published(tick, moving);
     now.reaches = reaches();
     const int64_t at_ns = static_cast<int64_t>(tick) * kTick_ns;
     free.send(now, {});
@@ -233,7 +233,7 @@ TEST(Cap, IsKeptAndWhatMattersMostComesFirst) {
 
 TEST(Cap, ChoosesByAngleAndAge) {
   const DriverFrame before = row_of_cubes(1);
-  const StreamBaselinePtr baseline = PublishedTick(before, nullptr).against(nullptr).next;
+  const StreamBaselinePtr baseline = TickEncodings(before, nullptr).against(nullptr).next;
   // Objects 1 to 4 went 1 mm, 30 a metre; 2 is held.
   DriverFrame now = before;
   now.tick = 2;

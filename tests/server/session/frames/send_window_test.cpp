@@ -8,10 +8,10 @@
 namespace livegs {
 namespace {
 
-std::shared_ptr<const PublishedTick> tick(uint64_t number) {
+std::shared_ptr<const TickEncodings> tick(uint64_t number) {
   DriverFrame frame;
   frame.tick = number;
-  return std::make_shared<PublishedTick>(frame, nullptr);
+  return std::make_shared<TickEncodings>(frame, nullptr);
 }
 
 v1::SessionEvent removal(uint32_t id) {

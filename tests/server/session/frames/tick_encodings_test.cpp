@@ -19,11 +19,11 @@ DriverFrame swinging(uint64_t tick) {
 }
 
 // One client misses a frame now and then. It is encoded for by itself until it has what the others have.
-TEST(PublishedTick, IsEncodedOnceForClientsThatHaveTheSame) {
+TEST(TickEncodings, IsEncodedOnceForClientsThatHaveTheSame) {
   const auto record = std::make_shared<EncodingRecord>();
   StreamBaselinePtr quick, quick_too, slow;
   for (uint64_t tick = 1; tick <= 100; ++tick) {
-    const PublishedTick published(swinging(tick), record);
+    const TickEncodings published(swinging(tick), record);
     quick = published.against(quick).next;
     quick_too = published.against(quick_too).next;
     if (tick % 20 != 10) slow = published.against(slow).next;
@@ -55,7 +55,7 @@ class LookingApart {
       object.positions_m = {{side, moved_, 0}, {side, moved_, 1}};
     }
     const uint64_t before = record_->summary().encoded;
-    PublishedTick published(frame, record_);
+    TickEncodings published(frame, record_);
     published.reaches = reaches_;
     has_left_ = published.for_client(has_left_, left_).next;
     has_right_ = published.for_client(has_right_, right_).next;
@@ -72,7 +72,7 @@ class LookingApart {
   float moved_ = 0;
 };
 
-TEST(PublishedTick, IsEncodedOnceForThoseWhoLookDifferentWaysIfTheyHaveRoom) {
+TEST(TickEncodings, IsEncodedOnceForThoseWhoLookDifferentWaysIfTheyHaveRoom) {
   LookingApart roomy(true), narrow(false);
   for (int i = 0; i < 40; ++i) {
     EXPECT_EQ(roomy.tick(false), 1u);
@@ -82,7 +82,7 @@ TEST(PublishedTick, IsEncodedOnceForThoseWhoLookDifferentWaysIfTheyHaveRoom) {
 
 // Who has no cap and seems slow gets bytes of its own while few do: were it so for all of a multitude, encoding for each would
 // be what makes them slow. Those with a cap are sent what fits, each by itself.
-TEST(PublishedTick, OfAMultitudeThatSeemsSlowMostShare) {
+TEST(TickEncodings, OfAMultitudeThatSeemsSlowMostShare) {
   constexpr int kClients = 24;
   const auto record = std::make_shared<EncodingRecord>();
   auto reaches = std::make_shared<ObjectReaches>();
@@ -109,10 +109,10 @@ TEST(PublishedTick, OfAMultitudeThatSeemsSlowMostShare) {
     return moved;
   };
   for (const bool capped : {false, true}) {
-    const auto first = std::make_shared<PublishedTick>(frame(), record);
+    const auto first = std::make_shared<TickEncodings>(frame(), record);
     const StreamBaselinePtr has = first->against(nullptr).next;
     const uint64_t before = record->summary().encoded;
-    PublishedTick tick(frame(), record);
+    TickEncodings tick(frame(), record);
     tick.reaches = reaches;
     for (const Onlooker& who : clients) {
       if (capped)
@@ -129,7 +129,7 @@ TEST(PublishedTick, OfAMultitudeThatSeemsSlowMostShare) {
 }
 
 // What sleeps is left out for nobody: where all does, those who have no room share too, once the straight lines are forgotten.
-TEST(PublishedTick, IsEncodedOnceForThoseWhoLookDifferentWaysOnceAllSleeps) {
+TEST(TickEncodings, IsEncodedOnceForThoseWhoLookDifferentWaysOnceAllSleeps) {
   LookingApart narrow(false);
   for (int i = 0; i < 40; ++i) narrow.tick(false);
   for (int i = 0; i < 20; ++i) narrow.tick(true);

@@ -39,7 +39,7 @@ class Reader final : public SessionWriter {
   void abort() override {}
 
   struct Read {
-    std::shared_ptr<const PublishedTick> tick;
+    std::shared_ptr<const TickEncodings> tick;
     std::vector<v1::SessionEvent> events;  // since the last look
   };
   Read wait(uint64_t tick) {
@@ -52,7 +52,7 @@ class Reader final : public SessionWriter {
   std::shared_ptr<ClientSession> session_;
   std::mutex mutex_;  // guards everything below
   std::condition_variable changed_;
-  std::shared_ptr<const PublishedTick> tick_;
+  std::shared_ptr<const TickEncodings> tick_;
   std::vector<v1::SessionEvent> events_;
 };
 

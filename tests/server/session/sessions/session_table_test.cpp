@@ -173,7 +173,7 @@ TEST_F(SessionTableTest, AStreamThatWasLeftSaysNothingMore) {
   EXPECT_TRUE(first->aborted);
   const auto two = session->attach(second);
   ASSERT_TRUE(two);
-  session->offer(std::make_shared<PublishedTick>(DriverFrame{}, nullptr));
+  session->offer(std::make_shared<TickEncodings>(DriverFrame{}, nullptr));
   EXPECT_FALSE(session->take(one->stream, 0));
   EXPECT_FALSE(session->acknowledge(one->stream, 0, 0));
   table.stream_ended(*session, one->stream, true);  // the end of the first is not the session's
@@ -187,7 +187,7 @@ TEST_F(SessionTableTest, AStreamThatWasLeftSaysNothingMore) {
 // What a client asks for is the session's in the moment in which it has joined: a stream has the terms of its own join, and no
 // tick that another encoding's would be.
 TEST_F(SessionTableTest, AStreamHasTheTermsOfItsOwnJoin) {
-  const auto tick = std::make_shared<PublishedTick>(DriverFrame{}, nullptr);
+  const auto tick = std::make_shared<TickEncodings>(DriverFrame{}, nullptr);
   JoinTerms terms;
   terms.encoding = v1::JoinRequest::KERNELS;
   terms.position_bits = 18;
@@ -282,7 +282,7 @@ TEST_F(SessionTableTest, AParkedSessionGathersNothing) {
   v1::SessionEvent event;
   event.set_draining("never");
   for (int i = 0; i < 5000; ++i) EXPECT_TRUE(session->add_event(event));
-  session->offer(std::make_shared<PublishedTick>(DriverFrame{}, nullptr));
+  session->offer(std::make_shared<TickEncodings>(DriverFrame{}, nullptr));
   EXPECT_EQ(join(session->id), session);
   const auto stream = session->attach(std::make_shared<Writer>());
   ASSERT_TRUE(stream);
