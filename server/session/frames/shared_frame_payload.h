@@ -6,7 +6,7 @@
 namespace livegs {
 
 // See published_tick.h. Tag and length of field 15, then the frame's bytes, in one slice that gRPC counts.
-struct FrameTail {
+struct SharedFramePayload {
   grpc::Slice slice;
 };
 

@@ -15,7 +15,7 @@
 namespace livegs {
 namespace {
 
-FrameTail make_frame_tail(std::span<const std::byte> frame) {
+SharedFramePayload make_frame_tail(std::span<const std::byte> frame) {
   // Protocol Buffers encoding: (field << 3 | 2) for bytes, then the length, both as varints.
   uint8_t prefix[16];
   size_t length = 0;
@@ -35,7 +35,7 @@ FrameTail make_frame_tail(std::span<const std::byte> frame) {
 constexpr size_t kManyEncodings = 8;
 
 EncodedFrame whole_frame(std::span<const std::byte> frame) {
-  return {std::make_shared<const FrameTail>(make_frame_tail(frame)), nullptr, frame.size()};
+  return {std::make_shared<const SharedFramePayload>(make_frame_tail(frame)), nullptr, frame.size()};
 }
 
 }  // namespace
@@ -114,7 +114,7 @@ EncodedFrame TickEncodings::encoded(const StreamBaselinePtr& baseline, const std
     options.leave_out = [&](uint32_t id) { return std::binary_search(left_out.begin(), left_out.end(), id); };
   EncodedStreamFrame made = encode_stream_frame(frame_, baseline, options);
   if (record_) record_->add(made.bytes.size(), milliseconds_from_ns(now_ns() - begun_ns));
-  EncodedFrame frame{std::make_shared<const FrameTail>(make_frame_tail(made.bytes)), std::move(made.next), made.bytes.size()};
+  EncodedFrame frame{std::make_shared<const SharedFramePayload>(make_frame_tail(made.bytes)), std::move(made.next), made.bytes.size()};
   made_.push_back({baseline, left_out, position_bits, frame});
   return frame;
 }

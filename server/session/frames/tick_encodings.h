@@ -20,7 +20,7 @@ namespace livegs {
 // fields are one message, so every client's own header and this tail, which all share, make one.
 // Reference-counted by gRPC where it is sent; what that is, only published_tick.cpp and stream_call.cpp
 // know.
-struct FrameTail;
+struct SharedFramePayload;
 
 // What encoding costs and gives, over all ticks. Any thread.
 class EncodingRecord {
@@ -40,7 +40,7 @@ class EncodingRecord {
 
 // A frame as it is written to streams that all have the same baseline.
 struct EncodedFrame {
-  std::shared_ptr<const FrameTail> tail;
+  std::shared_ptr<const SharedFramePayload> tail;
   StreamBaselinePtr next;
   size_t bytes = 0;
 };
