@@ -41,7 +41,7 @@ void run(const std::vector<DriverFrame>& motion, const Client& client, double ca
   auto reaches = std::make_shared<ObjectReaches>();
   for (const ObjectDrivers& object : motion.front().objects)
     reaches->emplace(object.object_id, object.kind == DriverKind::Lattice ? 0.05 : 0.07);
-  const Onlooker who{client.view, {}};
+  const ClientView who{client.view, {}};
   SendBudget budget;
   budget.set_cap(cap_mbit_s > 0 ? cap_mbit_s * 1e6 / 8 : std::numeric_limits<double>::infinity());
   StreamBaselinePtr baseline;

@@ -35,13 +35,13 @@ ObjectBall ball_around(const ObjectDrivers& drivers, double reach_m) {
   return {drivers.object_id, box.center(), 0.5 * box.diagonal().norm() + stretch * reach_m, drivers.asleep};
 }
 
-std::vector<uint32_t> unseen(std::span<const ObjectBall> balls, const Onlooker& who, uint64_t tick, uint64_t tick_before) {
+std::vector<uint32_t> culled(std::span<const ObjectBall> balls, const ClientView& who, uint64_t tick, uint64_t tick_before) {
   std::vector<uint32_t> out;
-  if (!who.view || who.roomy) return out;
+  if (!who.view || who.uncongested) return out;
   for (const ObjectBall& ball : balls) {
     if (ball.asleep) continue;
     const uint64_t shift = uint64_t{4} * ball.object_id;
-    const bool its_turn = (tick + shift) / kUnseenEvery != (tick_before + shift) / kUnseenEvery;
+    const bool its_turn = (tick + shift) / kCulledUpdateInterval != (tick_before + shift) / kCulledUpdateInterval;
     if (!its_turn && !holds(who.held, ball.object_id) && !who.view->touches(ball.centre_m, ball.radius_m))
       out.push_back(ball.object_id);
   }
@@ -50,7 +50,7 @@ std::vector<uint32_t> unseen(std::span<const ObjectBall> balls, const Onlooker& 
 }
 
 std::vector<uint32_t> over_budget(const DriverFrame& frame, const StreamBaseline& baseline, std::span<const ObjectBall> balls,
-                                  const Onlooker& who, std::span<const uint32_t> out, double whole_bytes, double budget_bytes) {
+                                  const ClientView& who, std::span<const uint32_t> out, double whole_bytes, double budget_bytes) {
   struct Waiting {
     uint32_t object_id;
     uint64_t integers;

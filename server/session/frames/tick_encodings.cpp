@@ -54,12 +54,12 @@ EncodingRecord::Summary EncodingRecord::summary() const {
 
 EncodedFrame TickEncodings::against(const StreamBaselinePtr& written) const { return encoded(usable(written), {}, 16); }
 
-EncodedFrame TickEncodings::for_client(const StreamBaselinePtr& written, const Onlooker& who, double budget_bytes) const {
+EncodedFrame TickEncodings::for_client(const StreamBaselinePtr& written, const ClientView& who, double budget_bytes) const {
   const StreamBaselinePtr baseline = usable(written);
   if (!baseline) return encoded(nullptr, {}, who.position_bits);
   std::vector<uint32_t> left_out;
-  const bool shares = who.roomy || (std::isinf(budget_bytes) && encodings() >= kManyEncodings);
-  if (who.view && !shares) left_out = unseen(balls(), who, frame_.tick, tick_of(*baseline));
+  const bool shares = who.uncongested || (std::isinf(budget_bytes) && encodings() >= kManyEncodings);
+  if (who.view && !shares) left_out = culled(balls(), who, frame_.tick, tick_of(*baseline));
   const EncodedFrame whole = encoded(baseline, left_out, who.position_bits);
   if (static_cast<double>(whole.bytes) <= budget_bytes) return whole;
   return encoded(baseline, over_budget(frame_, *baseline, balls(), who, left_out, static_cast<double>(whole.bytes), budget_bytes),

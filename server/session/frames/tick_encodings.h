@@ -65,8 +65,8 @@ class TickEncodings {
 
   // With all that moved, at 16 bits. `written`: the baseline of what a stream has been written so far; null for a key frame.
   EncodedFrame against(const StreamBaselinePtr& written) const;
-  // Without what does not fit and, to a client that is not roomy, what it does not see; proto/frame_format.md, "What a frame leaves out".
-  EncodedFrame for_client(const StreamBaselinePtr& written, const Onlooker& who,
+  // Without what does not fit and, to a client that is not uncongested, what it does not see; proto/frame_format.md, "What a frame leaves out".
+  EncodedFrame for_client(const StreamBaselinePtr& written, const ClientView& who,
                           double budget_bytes = std::numeric_limits<double>::infinity()) const;
   // Whole, and to be read without any before, for those who asked for another encoding than DRIVERS. Precondition: kernels
   // have been kept.

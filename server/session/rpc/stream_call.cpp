@@ -187,7 +187,7 @@ void StreamCall::write(const SendWindow::Outgoing& outgoing, const std::lock_gua
   if (outgoing.tick) {
     header.set_encode_begun_ns(now_ns());
     const TickEncodings& tick = *outgoing.tick;
-    const Onlooker who{view_, held_by(hands_of(tick, session_->number)), position_bits_, !budget_.capped() && !outgoing.slow};
+    const ClientView who{view_, held_by(hands_of(tick, session_->number)), position_bits_, !budget_.capped() && !outgoing.slow};
     const EncodedFrame frame = encoding_ == v1::JoinRequest::DRIVERS
                                    ? tick.for_client(baseline_, who, budget_.available_bytes(now_ns()))
                                    : tick.keyframe(encoding_);

@@ -51,7 +51,7 @@ struct Stream {
   DriverFrame seen;
   size_t bytes = 0;
 
-  void send(const TickEncodings& tick, const Onlooker& who, double budget_bytes = std::numeric_limits<double>::infinity()) {
+  void send(const TickEncodings& tick, const ClientView& who, double budget_bytes = std::numeric_limits<double>::infinity()) {
     const EncodedFrame frame = tick.for_client(baseline, who, budget_bytes);
     baseline = frame.next;
     bytes = frame.bytes;
@@ -91,7 +91,7 @@ TEST(ViewCone, TouchesWhatIsInItInPart) {
 // Whatever ticks it is sent, with gaps or without, a client has nothing that is older than nine ticks, unless the gap was longer.
 TEST(Interest, WhatIsNotSeenIsInEveryNinthTick) {
   std::mt19937 random(7);
-  Onlooker away;
+  ClientView away;
   away.view = ViewCone{{0, 0, 0}, {-1, 0, 0}, 0.6};
   std::vector<ObjectBall> balls;
   for (const ObjectDrivers& object : row_of_cubes(1).objects) balls.push_back(ball_around(object, 0.05));
@@ -99,13 +99,13 @@ TEST(Interest, WhatIsNotSeenIsInEveryNinthTick) {
   uint64_t tick = 1, before = 0;
   size_t in = 0, all = 0;
   for (int frame = 0; frame < 2000; ++frame, before = tick, tick += frame % 5 == 0 ? 1 + random() % 4 : 1) {
-    const std::vector<uint32_t> out = unseen(balls, away, tick, before);
+    const std::vector<uint32_t> out = culled(balls, away, tick, before);
     EXPECT_TRUE(std::is_sorted(out.begin(), out.end()));
     for (uint32_t id = 1; id <= kObjects; ++id) {
       ++all;
       if (std::binary_search(out.begin(), out.end(), id)) {
         if (last.contains(id)) {
-          EXPECT_LT(tick - last[id], kUnseenEvery) << id;
+          EXPECT_LT(tick - last[id], kCulledUpdateInterval) << id;
         }
         continue;
       }
@@ -117,39 +117,39 @@ TEST(Interest, WhatIsNotSeenIsInEveryNinthTick) {
 }
 
 TEST(Interest, WhatAHandHoldsIsSeen) {
-  Onlooker away;
+  ClientView away;
   away.view = ViewCone{{0, 0, 0}, {-1, 0, 0}, 0.6};
   away.held = {5, 9};
   std::vector<ObjectBall> balls;
   for (const ObjectDrivers& object : row_of_cubes(1).objects) balls.push_back(ball_around(object, 0.05));
   for (uint64_t tick = 1; tick < 20; ++tick) {
-    const std::vector<uint32_t> out = unseen(balls, away, tick + 1, tick);
+    const std::vector<uint32_t> out = culled(balls, away, tick + 1, tick);
     EXPECT_GT(out.size(), 20u);
     EXPECT_FALSE(std::binary_search(out.begin(), out.end(), 5u) || std::binary_search(out.begin(), out.end(), 9u));
   }
 }
 
 TEST(Interest, WhatSleepsIsNeverLeftOutNorAnythingForWhoHasRoom) {
-  Onlooker away;
+  ClientView away;
   away.view = ViewCone{{0, 0, 0}, {-1, 0, 0}, 0.6};
   std::vector<ObjectBall> balls;
   for (const ObjectDrivers& object : row_of_cubes(1).objects) balls.push_back(ball_around(object, 0.05));
   for (size_t i = 0; i < balls.size(); i += 2) balls[i].asleep = true;
   for (uint64_t tick = 1; tick < 20; ++tick) {
-    const std::vector<uint32_t> out = unseen(balls, away, tick + 1, tick);
+    const std::vector<uint32_t> out = culled(balls, away, tick + 1, tick);
     EXPECT_GT(out.size(), 10u);
     for (const uint32_t id : out) EXPECT_EQ(id % 2, 0u);  // balls[0] is object 1
   }
-  away.roomy = true;
-  for (uint64_t tick = 1; tick < 20; ++tick) EXPECT_TRUE(unseen(balls, away, tick + 1, tick).empty());
+  away.uncongested = true;
+  for (uint64_t tick = 1; tick < 20; ++tick) EXPECT_TRUE(culled(balls, away, tick + 1, tick).empty());
 }
 
 // A client looks away for a second and back: then it has with the next frame what one that never looked away has, to the bit. All
 // the while its reader's hash agrees.
 TEST(Interest, WhoLooksHasItExactlyWithTheNextFrame) {
   Stream watching, turning;
-  const Onlooker all;
-  Onlooker turned;
+  const ClientView all;
+  ClientView turned;
   size_t whole = 0, less = 0;
   for (uint64_t tick = 1; tick <= 300; ++tick) {
     TickEncodings now = published(tick);
@@ -180,7 +180,7 @@ TEST(Cap, IsKeptAndWhatMattersMostComesFirst) {
   Stream capped, free;
   SendBudget budget;
   budget.set_cap(kCap_bytes_s);
-  Onlooker who;
+  ClientView who;
   who.view = ViewCone{{0.5, 0, 1}, {0.7071, 0, -0.7071}, 1.2};
   struct Sent {
     int64_t at_ns;
@@ -242,7 +242,7 @@ TEST(Cap, ChoosesByAngleAndAge) {
   }
   std::vector<ObjectBall> balls;
   for (const ObjectDrivers& object : now.objects) balls.push_back(ball_around(object, 0.05));
-  Onlooker who;
+  ClientView who;
   who.view = ViewCone{{2.0, 0, 1}, {0, 0, -1}, 0.5};  // before object 4; 30 is far off to the side
   who.held = {2};
   // 200 bytes each. Room for three of five: 2 is held, 30 went far, 4 is near.

@@ -37,8 +37,8 @@ TEST(TickEncodings, IsEncodedOnceForClientsThatHaveTheSame) {
 // Two objects to the two sides of clients that look one way each.
 class LookingApart {
  public:
-  explicit LookingApart(bool roomy) {
-    for (Onlooker* who : {&left_, &right_}) who->roomy = roomy;
+  explicit LookingApart(bool uncongested) {
+    for (ClientView* who : {&left_, &right_}) who->uncongested = uncongested;
     left_.view = ViewCone{{0, 0, 0}, {-1, 0, 0}, 0.7};
     right_.view = ViewCone{{0, 0, 0}, {1, 0, 0}, 0.7};
   }
@@ -66,16 +66,16 @@ class LookingApart {
  private:
   const std::shared_ptr<EncodingRecord> record_ = std::make_shared<EncodingRecord>();
   const std::shared_ptr<const ObjectReaches> reaches_ = std::make_shared<ObjectReaches>(ObjectReaches{{1, 0.1}, {2, 0.1}});
-  Onlooker left_, right_;
+  ClientView left_, right_;
   StreamBaselinePtr has_left_, has_right_;
   uint64_t tick_ = 0;
   float moved_ = 0;
 };
 
 TEST(TickEncodings, IsEncodedOnceForThoseWhoLookDifferentWaysIfTheyHaveRoom) {
-  LookingApart roomy(true), narrow(false);
+  LookingApart uncongested(true), narrow(false);
   for (int i = 0; i < 40; ++i) {
-    EXPECT_EQ(roomy.tick(false), 1u);
+    EXPECT_EQ(uncongested.tick(false), 1u);
     EXPECT_EQ(narrow.tick(false), i == 0 ? 1u : 2u);  // the key frame is whole
   }
 }
@@ -86,7 +86,7 @@ TEST(TickEncodings, OfAMultitudeThatSeemsSlowMostShare) {
   constexpr int kClients = 24;
   const auto record = std::make_shared<EncodingRecord>();
   auto reaches = std::make_shared<ObjectReaches>();
-  std::vector<Onlooker> clients(kClients);
+  std::vector<ClientView> clients(kClients);
   std::vector<Eigen::Vector3f> places_m;
   for (int c = 0; c < kClients; ++c) {
     const double angle = 2 * M_PI * c / kClients;
@@ -114,7 +114,7 @@ TEST(TickEncodings, OfAMultitudeThatSeemsSlowMostShare) {
     const uint64_t before = record->summary().encoded;
     TickEncodings tick(frame(), record);
     tick.reaches = reaches;
-    for (const Onlooker& who : clients) {
+    for (const ClientView& who : clients) {
       if (capped)
         (void)tick.for_client(has, who, 1e6);
       else
