@@ -18,8 +18,8 @@ std::string_view token_in(const grpc::AuthMetadataProcessor::InputMetadata& meta
 
 }  // namespace
 
-v1::Scope needed_scope(std::string_view path) {
-  static const std::map<std::string_view, v1::Scope> kNeeded = {
+v1::Scope required_scope(std::string_view path) {
+  static const std::map<std::string_view, v1::Scope> kRequiredScopes = {
       {"/grpc.health.v1.Health/Check", v1::SCOPE_UNSPECIFIED},
       {"/livegs.v1.LiveGs/GetServerInfo", v1::VIEW},
       {"/livegs.v1.LiveGs/Join", v1::VIEW},
@@ -34,14 +34,14 @@ v1::Scope needed_scope(std::string_view path) {
       {"/livegs.v1.LiveGs/UndoPhysics", v1::AUTHOR},
       {"/livegs.v1.LiveGs/ControlRun", v1::AUTHOR},
   };
-  const auto found = kNeeded.find(path);
-  return found == kNeeded.end() ? v1::ADMIN : found->second;
+  const auto found = kRequiredScopes.find(path);
+  return found == kRequiredScopes.end() ? v1::ADMIN : found->second;
 }
 
-grpc::Status CallGate::Process(const InputMetadata& metadata, grpc::AuthContext*, OutputMetadata*, OutputMetadata*) {
+grpc::Status CallAuthoriser::Process(const InputMetadata& metadata, grpc::AuthContext*, OutputMetadata*, OutputMetadata*) {
   const auto path = metadata.find(":path");
   const v1::Scope needed =
-      path == metadata.end() ? v1::ADMIN : needed_scope({path->second.data(), path->second.size()});
+      path == metadata.end() ? v1::ADMIN : required_scope({path->second.data(), path->second.size()});
   if (needed == v1::SCOPE_UNSPECIFIED) return grpc::Status::OK;
   const auto grant = tokens_.check(token_in(metadata));
   if (!grant) return {grpc::StatusCode::UNAUTHENTICATED, grant.error().message};

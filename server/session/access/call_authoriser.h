@@ -16,16 +16,16 @@ namespace livegs {
 
 // What a call needs, by its path ("/livegs.v1.LiveGs/Join"). Nothing at all for the health check, which tells no more than
 // an open port; admin for a path that is not listed, so that a call that is forgotten here is shut and not open.
-v1::Scope needed_scope(std::string_view path);
+v1::Scope required_scope(std::string_view path);
 
 // Of one token: a client that joins fetches an asset a call.
 inline constexpr double kMaxCallsPerSecond = 200, kMaxCallsAtOnce = 2000;
 
 // The one place where calls are let in: gRPC asks it of each, of every service, before its handler sees anything. With
 // TLS only; in the clear there is none. Non-blocking: a look-up in memory.
-class CallGate final : public grpc::AuthMetadataProcessor {
+class CallAuthoriser final : public grpc::AuthMetadataProcessor {
  public:
-  explicit CallGate(const TokenStore& tokens) : tokens_(tokens) {}
+  explicit CallAuthoriser(const TokenStore& tokens) : tokens_(tokens) {}
 
   bool IsBlocking() const override { return false; }
   // UNAUTHENTICATED: a token is missing, wrong, revoked or expired, and the message says which. PERMISSION_DENIED: it

@@ -71,7 +71,7 @@ std::shared_ptr<grpc::ServerCredentials> credentials(ServerSecurity* security) {
   grpc::SslServerCredentialsOptions options(GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE);
   options.pem_key_cert_pairs.push_back({security->key_pem(), security->certificate_pem()});
   auto made = grpc::SslServerCredentials(options);
-  made->SetAuthMetadataProcessor(std::make_shared<CallGate>(security->tokens()));
+  made->SetAuthMetadataProcessor(std::make_shared<CallAuthoriser>(security->tokens()));
   return made;
 }
 

@@ -285,7 +285,7 @@ TEST_F(Gate, AKickedClientIsToldWhyAndMayComeBack) {
 }
 
 TEST_F(Gate, OneTokenThatCallsTooOftenIsSlowedAndNoOther) {
-  CallGate gate(security_->tokens());
+  CallAuthoriser gate(security_->tokens());
   const auto ask = [&](const std::string& secret) {
     const std::string value = "Bearer " + secret, path = "/livegs.v1.LiveGs/GetServerInfo";
     const grpc::AuthMetadataProcessor::InputMetadata metadata = {{"authorization", value}, {":path", path}};
@@ -300,7 +300,7 @@ TEST_F(Gate, OneTokenThatCallsTooOftenIsSlowedAndNoOther) {
 
 // Two tokens in one call are none.
 TEST_F(Gate, ACallShowsOneTokenOrNone) {
-  CallGate gate(security_->tokens());
+  CallAuthoriser gate(security_->tokens());
   const std::string good = "Bearer " + token(v1::ADMIN), basic = "Basic " + good.substr(7);
   const std::string path = "/livegs.v1.LiveGs/Join";
   using Metadata = grpc::AuthMetadataProcessor::InputMetadata;
