@@ -79,11 +79,11 @@ unsigned long inode_of(int descriptor) {
 
 }  // namespace
 
-bool ConnectionDoor::Passed::here() const { return inode_of(descriptor) == inode; }
+bool ConnectionLimiter::Admitted::here() const { return inode_of(descriptor) == inode; }
 
-Result<std::unique_ptr<ConnectionDoor>> ConnectionDoor::listen(const std::string& host, int port) {
+Result<std::unique_ptr<ConnectionLimiter>> ConnectionLimiter::listen(const std::string& host, int port) {
   allow_descriptors();
-  std::unique_ptr<ConnectionDoor> door(new ConnectionDoor);
+  std::unique_ptr<ConnectionLimiter> door(new ConnectionLimiter);
   const bool bracketed = host.size() > 2 && host.front() == '[' && host.back() == ']';
   addrinfo wanted{}, *found = nullptr;
   wanted.ai_socktype = SOCK_STREAM;
@@ -116,12 +116,12 @@ Result<std::unique_ptr<ConnectionDoor>> ConnectionDoor::listen(const std::string
   return door;
 }
 
-ConnectionDoor::~ConnectionDoor() {
+ConnectionLimiter::~ConnectionLimiter() {
   close();
   if (stop_ >= 0) ::close(stop_);
 }
 
-void ConnectionDoor::close() {
+void ConnectionLimiter::close() {
   if (thread_.joinable()) {
     const uint64_t one = 1;
     while (::write(stop_, &one, sizeof one) < 0 && errno == EINTR) {
@@ -132,7 +132,7 @@ void ConnectionDoor::close() {
   listeners_.clear();
 }
 
-void ConnectionDoor::open(std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> to) {
+void ConnectionLimiter::open(std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> to) {
   to_ = std::move(to);
   thread_ = std::thread([this] {
     pthread_setname_np(pthread_self(), "door");
@@ -140,7 +140,7 @@ void ConnectionDoor::open(std::unique_ptr<grpc::experimental::ExternalConnection
   });
 }
 
-void ConnectionDoor::run() {
+void ConnectionLimiter::run() {
   std::vector<pollfd> waiting = {{stop_, POLLIN, 0}};
   for (const int listener : listeners_) waiting.push_back({listener, POLLIN, 0});
   for (;;) {
@@ -152,7 +152,7 @@ void ConnectionDoor::run() {
   }
 }
 
-void ConnectionDoor::take(int listener) {
+void ConnectionLimiter::take(int listener) {
   sockaddr_storage from{};
   socklen_t size = sizeof from;
   const int socket =
@@ -169,7 +169,7 @@ void ConnectionDoor::take(int listener) {
   }
   set(socket, IPPROTO_TCP, TCP_NODELAY, 1);
   set(socket, IPPROTO_TCP, TCP_USER_TIMEOUT, kUnanswered_ms);
-  passed_.push_back({socket, inode_of(socket), address});
+  admitted_.push_back({socket, inode_of(socket), address});
   grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
   connection.listener_fd = listener;
   connection.fd = socket;
@@ -177,13 +177,13 @@ void ConnectionDoor::take(int listener) {
 }
 
 // Looks which connections are still there only when there seem to be too many.
-bool ConnectionDoor::has_room(const std::string& address, bool loopback) {
+bool ConnectionLimiter::has_room(const std::string& address, bool loopback) {
   const auto too_many = [&] {
-    const auto same = std::count_if(passed_.begin(), passed_.end(), [&](const Passed& one) { return one.address == address; });
-    return passed_.size() >= kMaxConnections || (!loopback && static_cast<size_t>(same) >= kMaxConnectionsPerAddress);
+    const auto same = std::count_if(admitted_.begin(), admitted_.end(), [&](const Admitted& one) { return one.address == address; });
+    return admitted_.size() >= kMaxConnections || (!loopback && static_cast<size_t>(same) >= kMaxConnectionsPerAddress);
   };
   if (!too_many()) return true;
-  std::erase_if(passed_, [](const Passed& one) { return !one.here(); });
+  std::erase_if(admitted_, [](const Admitted& one) { return !one.here(); });
   return !too_many();
 }
 

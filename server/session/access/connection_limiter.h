@@ -19,14 +19,14 @@ inline constexpr size_t kMaxConnectionsPerAddress = 256;
 
 // Listens, and hands connections to gRPC as long as there are not too many; gRPC itself takes any number. One that is too
 // many is closed at once. On a thread of its own.
-class ConnectionDoor {
+class ConnectionLimiter {
  public:
   // Listens on every address that HOST stands for, on one port; 0 lets the system choose it. Unavailable when the port is
   // in use or the host is none of this machine's.
-  static Result<std::unique_ptr<ConnectionDoor>> listen(const std::string& host, int port);
-  ~ConnectionDoor();
-  ConnectionDoor(const ConnectionDoor&) = delete;
-  ConnectionDoor& operator=(const ConnectionDoor&) = delete;
+  static Result<std::unique_ptr<ConnectionLimiter>> listen(const std::string& host, int port);
+  ~ConnectionLimiter();
+  ConnectionLimiter(const ConnectionLimiter&) = delete;
+  ConnectionLimiter& operator=(const ConnectionLimiter&) = delete;
 
   int port() const { return port_; }
   // From now on connections are taken; those that came before wait in the system's queue.
@@ -37,13 +37,13 @@ class ConnectionDoor {
  private:
   // A connection that gRPC has. It closes it when it likes, and tells nobody: it is still there as long as its
   // descriptor is the same socket.
-  struct Passed {
+  struct Admitted {
     int descriptor = -1;
     unsigned long inode = 0;
     std::string address;
     bool here() const;
   };
-  ConnectionDoor() = default;
+  ConnectionLimiter() = default;
   void run();
   void take(int listener);
   bool has_room(const std::string& address, bool loopback);
@@ -52,7 +52,7 @@ class ConnectionDoor {
   int port_ = 0;
   int stop_ = -1;  // readable when the thread is to end
   std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> to_;
-  std::vector<Passed> passed_;  // the thread's only
+  std::vector<Admitted> admitted_;  // the thread's only
   std::thread thread_;
 };
 

@@ -99,7 +99,7 @@ struct LiveServer::Parts {
   SpectatorService spectators{table};
   AdminService admin;
   std::unique_ptr<grpc::Server> server;
-  std::unique_ptr<ConnectionDoor> door;
+  std::unique_ptr<ConnectionLimiter> door;
   std::unique_ptr<FrameFanOut> fan_out;
   std::unique_ptr<FramePublisher> publisher;
   // Where an analysis tells of its proposals; shared with it, for either may end first.
@@ -119,7 +119,7 @@ Result<std::unique_ptr<LiveServer>> LiveServer::listen(const std::string& addres
   auto parts = std::make_unique<Parts>(security);
   grpc::ServerBuilder builder;
   const auto where = parse_host_port(address);
-  auto door = ConnectionDoor::listen(where->host, where->port);
+  auto door = ConnectionLimiter::listen(where->host, where->port);
   if (!door) return door.error();
   auto acceptor = builder.experimental().AddExternalConnectionAcceptor(
       grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, credentials(security));

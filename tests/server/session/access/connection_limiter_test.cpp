@@ -62,9 +62,9 @@ bool is_closed(int socket) {
   return ::recv(socket, &byte, 1, 0) <= 0;
 }
 
-TEST(ConnectionDoor, OneTooManyIsClosedAndWhoGoesMakesRoom) {
+TEST(ConnectionLimiter, OneTooManyIsClosedAndWhoGoesMakesRoom) {
   Kept::Log log;
-  auto door = ConnectionDoor::listen("127.0.0.1", 0);
+  auto door = ConnectionLimiter::listen("127.0.0.1", 0);
   ASSERT_TRUE(door) << door.error().message;
   (*door)->open(std::make_unique<Kept>(log));
   std::vector<int> clients;
@@ -83,17 +83,17 @@ TEST(ConnectionDoor, OneTooManyIsClosedAndWhoGoesMakesRoom) {
   for (const int client : clients) ::close(client);
 }
 
-TEST(ConnectionDoor, AnAddressThatIsTakenOrNoneIsSaidSo) {
-  const auto door = ConnectionDoor::listen("127.0.0.1", 0);
+TEST(ConnectionLimiter, AnAddressThatIsTakenOrNoneIsSaidSo) {
+  const auto door = ConnectionLimiter::listen("127.0.0.1", 0);
   ASSERT_TRUE(door);
-  const auto second = ConnectionDoor::listen("127.0.0.1", (*door)->port());
+  const auto second = ConnectionLimiter::listen("127.0.0.1", (*door)->port());
   ASSERT_FALSE(second);
   EXPECT_NE(second.error().message.find("in use"), std::string::npos) << second.error().message;
-  const auto far = ConnectionDoor::listen("192.0.2.1", 0);  // kept free for documents
+  const auto far = ConnectionLimiter::listen("192.0.2.1", 0);  // kept free for documents
   ASSERT_FALSE(far);
   EXPECT_NE(far.error().message.find("another address"), std::string::npos) << far.error().message;
-  EXPECT_FALSE(ConnectionDoor::listen("no.such.host.invalid", 0));
-  for (const char* host : {"localhost", "0.0.0.0"}) EXPECT_TRUE(ConnectionDoor::listen(host, 0)) << host;
+  EXPECT_FALSE(ConnectionLimiter::listen("no.such.host.invalid", 0));
+  for (const char* host : {"localhost", "0.0.0.0"}) EXPECT_TRUE(ConnectionLimiter::listen(host, 0)) << host;
 }
 
 }  // namespace
