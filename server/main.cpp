@@ -161,7 +161,7 @@ int run(const Options& options) {
     analysis_options.answers = cache_folder() / "answers";
   }
   LiveAnalysis analysis(std::move(*analysed), std::move(*endpoint), loop, analysis_options);
-  LiveRun run(
+  RunController run(
       loop,
       [&](uint32_t first_object_id) -> Result<Scene> {
         if (auto fits = check_scene_memory(options.scene, options.clients); !fits) return fits.error();

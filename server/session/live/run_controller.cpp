@@ -18,12 +18,12 @@ constexpr uint32_t kMostResets = 4000;
 
 }  // namespace
 
-LiveRun::LiveRun(SimulationLoop& loop, Load load, Loaded loaded)
+RunController::RunController(SimulationLoop& loop, Load load, Loaded loaded)
     : loop_(loop), load_(std::move(load)), loaded_(std::move(loaded)) {}
 
-LiveRun::~LiveRun() = default;
+RunController::~RunController() = default;
 
-Result<RunStatus> LiveRun::control(const v1::ControlRunRequest& request) {
+Result<RunStatus> RunController::control(const v1::ControlRunRequest& request) {
   switch (request.action_case()) {
     case v1::ControlRunRequest::kPause:
       loop_.pause(request.pause());
@@ -43,7 +43,7 @@ Result<RunStatus> LiveRun::control(const v1::ControlRunRequest& request) {
   return loop_.run_status();
 }
 
-Result<void> LiveRun::reset() {
+Result<void> RunController::reset() {
   std::lock_guard lock(mutex_);
   const RunStatus now = loop_.run_status();
   if (now.loading) return Error{ErrorCode::Unavailable, "reset: the scene is being loaded already"};
@@ -71,7 +71,7 @@ Result<void> LiveRun::reset() {
   return {};
 }
 
-Result<void> LiveRun::apply_force(const v1::Event::Force& force) {
+Result<void> RunController::apply_force(const v1::Event::Force& force) {
   if (auto checked = check_force(force); !checked) return checked;
   v1::SceneChange change;
   *change.mutable_force() = force;

@@ -77,7 +77,7 @@ class SceneControlTest : public ::testing::Test {
     ASSERT_TRUE(server) << server.error().message;
     server_ = std::move(*server);
     loop_ = std::make_unique<SimulationLoop>(box_scene(), server_->ticks());
-    run_ = std::make_unique<LiveRun>(
+    run_ = std::make_unique<RunController>(
         *loop_, [](uint32_t first_id) -> Result<Scene> { return box_scene(90, 0.2, first_id); },
         [this](Scene scene) {
           server_->encode_ahead(scene);
@@ -102,7 +102,7 @@ class SceneControlTest : public ::testing::Test {
   Watcher watcher_;
   std::unique_ptr<LiveServer> server_;
   std::unique_ptr<SimulationLoop> loop_;
-  std::unique_ptr<LiveRun> run_;
+  std::unique_ptr<RunController> run_;
   std::unique_ptr<SessionClient> client_;
   std::unique_ptr<SceneControl> control_;
 };

@@ -44,7 +44,7 @@ TEST_F(LiveAnalysisTest, AResetKeepsWhatWasDecidedMeanwhileAndHearsTheFile) {
   start(nullptr);
   v1::Physics edit;
   edit.set_mass_kg(0.7);
-  LiveRun run(
+  RunController run(
       *loop,
       [&](uint32_t first_id) -> Result<Scene> {
         Scene anew = open_scene(folder, R"({ "friction": 0.9 })", "0.2", first_id);

@@ -34,7 +34,7 @@ Scene falling_scene(uint32_t first_object_id = 1) {
   return std::move(*scene);
 }
 
-class LiveRunTest : public ::testing::Test {
+class RunControllerTest : public ::testing::Test {
  protected:
   v1::ControlRunRequest pause(bool paused) {
     v1::ControlRunRequest request;
@@ -58,10 +58,10 @@ class LiveRunTest : public ::testing::Test {
   }
   TickLog log_;
   SimulationLoop loop_{falling_scene(), log_};
-  LiveRun run_{loop_, [](uint32_t first_id) -> Result<Scene> { return falling_scene(first_id); }};
+  RunController run_{loop_, [](uint32_t first_id) -> Result<Scene> { return falling_scene(first_id); }};
 };
 
-TEST_F(LiveRunTest, HaltedItTicksAndNothingMoves) {
+TEST_F(RunControllerTest, HaltedItTicksAndNothingMoves) {
   loop_.start();
   wait_ticks(3);
   ASSERT_TRUE(run_.control(pause(true)));
@@ -80,7 +80,7 @@ TEST_F(LiveRunTest, HaltedItTicksAndNothingMoves) {
   EXPECT_LT(middle_of(log_.ticks().back().drivers, kBox).y(), middle_of(halted.back().drivers, kBox).y());
 }
 
-TEST_F(LiveRunTest, StepsTakeSoManyTicks) {
+TEST_F(RunControllerTest, StepsTakeSoManyTicks) {
   ASSERT_TRUE(run_.control(pause(true)));
   loop_.start();
   wait_ticks(3);
@@ -93,7 +93,7 @@ TEST_F(LiveRunTest, StepsTakeSoManyTicks) {
   EXPECT_TRUE(log_.ticks().back().run.paused);
 }
 
-TEST_F(LiveRunTest, AResetIsTheSceneAsItWasLoaded) {
+TEST_F(RunControllerTest, AResetIsTheSceneAsItWasLoaded) {
   loop_.start();
   ASSERT_TRUE(log_.wait([](const Ticks& ticks) { return !ticks.empty() && middle_of(ticks.back().drivers, kBox).y() < 4.9; }));
   ASSERT_TRUE(run_.control(reset()));
@@ -118,8 +118,8 @@ TEST_F(LiveRunTest, AResetIsTheSceneAsItWasLoaded) {
   }
 }
 
-TEST_F(LiveRunTest, AResetThatFailsSaysWhyAndTheSceneGoesOn) {
-  LiveRun broken(loop_, [](uint32_t) -> Result<Scene> { return not_found("/srv/my scenes/cup.ply: is not there any more"); });
+TEST_F(RunControllerTest, AResetThatFailsSaysWhyAndTheSceneGoesOn) {
+  RunController broken(loop_, [](uint32_t) -> Result<Scene> { return not_found("/srv/my scenes/cup.ply: is not there any more"); });
   loop_.start();
   ASSERT_TRUE(broken.control(reset()));
   ASSERT_TRUE(log_.wait([](const Ticks& ticks) { return !ticks.empty() && !ticks.back().run.message.empty(); }));
@@ -130,27 +130,27 @@ TEST_F(LiveRunTest, AResetThatFailsSaysWhyAndTheSceneGoesOn) {
 }
 
 // Memory that is short while a scene is loaded, or while its assets are encoded, ends neither the server nor the scene.
-TEST_F(LiveRunTest, AResetForWhichMemoryIsShortSaysSoAndTheSceneGoesOn) {
+TEST_F(RunControllerTest, AResetForWhichMemoryIsShortSaysSoAndTheSceneGoesOn) {
   loop_.start();
-  const auto expect_told = [&](LiveRun& run) {
+  const auto expect_told = [&](RunController& run) {
     ASSERT_TRUE(run.control(reset()));
     ASSERT_TRUE(log_.wait([](const Ticks& ticks) { return !ticks.empty() && !ticks.back().run.message.empty(); }));
     EXPECT_EQ(log_.ticks().back().run.message, std::string("reset: ") + std::bad_alloc().what());
     EXPECT_FALSE(log_.ticks().back().run.loading);
     wait_ticks(3);
   };
-  LiveRun short_of_memory(loop_, [](uint32_t) -> Result<Scene> { throw std::bad_alloc(); });
+  RunController short_of_memory(loop_, [](uint32_t) -> Result<Scene> { throw std::bad_alloc(); });
   expect_told(short_of_memory);
   loop_.set_loading(false, "");
   ASSERT_TRUE(log_.wait([](const Ticks& ticks) { return ticks.back().run.message.empty(); }));
-  LiveRun cannot_encode(
+  RunController cannot_encode(
       loop_, [](uint32_t first_id) -> Result<Scene> { return falling_scene(first_id); }, [](const Scene&) { throw std::bad_alloc(); });
   expect_told(cannot_encode);
   loop_.stop();
   EXPECT_EQ(log_.ticks().back().run.resets, 0u);
 }
 
-TEST_F(LiveRunTest, RefusesWhatMakesNoSense) {
+TEST_F(RunControllerTest, RefusesWhatMakesNoSense) {
   EXPECT_EQ(run_.control({}).error().code, ErrorCode::InvalidArgument);
   EXPECT_EQ(run_.control(step(0)).error().code, ErrorCode::InvalidArgument);
   EXPECT_EQ(run_.control(step(1001)).error().code, ErrorCode::InvalidArgument);
@@ -166,7 +166,7 @@ v1::Event::Force force_on(const std::string& object, const Eigen::Vector3d& forc
 }
 
 // 6 N for half a second on 2 kg: 1.5 m/s, and no more afterwards.
-TEST_F(LiveRunTest, AForceActsForItsTime) {
+TEST_F(RunControllerTest, AForceActsForItsTime) {
   ASSERT_TRUE(run_.control(pause(true)));
   loop_.start();
   ASSERT_TRUE(run_.apply_force(force_on("box", {6, 0, 0}, 0.5)));
@@ -180,7 +180,7 @@ TEST_F(LiveRunTest, AForceActsForItsTime) {
   EXPECT_NEAR(box.velocity_m_s.x(), 1.5, 1e-6);  // F t / m, in whole ticks: 45
 }
 
-TEST_F(LiveRunTest, AForceThatCannotBeIsRefusedByItsField) {
+TEST_F(RunControllerTest, AForceThatCannotBeIsRefusedByItsField) {
   const auto why = [&](const v1::Event::Force& force) { return run_.apply_force(force).error().message; };
   v1::Event::Force two = force_on("box", {1, 0, 0}, 1);
   two.mutable_force_n()->RemoveLast();
