@@ -154,13 +154,13 @@ int run(const Options& options) {
   auto analysed = SceneAnalysis::of(*scene, *endpoint != nullptr);
   if (!analysed) return report(analysed.error());
   SimulationLoop loop(std::move(*scene), (*server)->ticks());
-  LiveAnalysisOptions analysis_options;
+  AnalysisControllerOptions analysis_options;
   analysis_options.views = options.views;
   // What was recorded is asked again each time, so that a recording is a whole one.
   if (options.endpoint.recorded.empty() && options.endpoint.record.empty() && !cache_folder().empty()) {
     analysis_options.answers = cache_folder() / "answers";
   }
-  LiveAnalysis analysis(std::move(*analysed), std::move(*endpoint), loop, analysis_options);
+  AnalysisController analysis(std::move(*analysed), std::move(*endpoint), loop, analysis_options);
   RunController run(
       loop,
       [&](uint32_t first_object_id) -> Result<Scene> {

@@ -73,8 +73,8 @@ void log_finished(const std::string& name, const v1::AnalysisProgress& progress)
 
 }  // namespace
 
-LiveAnalysis::LiveAnalysis(SceneAnalysis scene, std::unique_ptr<ModelEndpoint> endpoint, SimulationLoop& loop,
-                           const LiveAnalysisOptions& options)
+AnalysisController::AnalysisController(SceneAnalysis scene, std::unique_ptr<ModelEndpoint> endpoint, SimulationLoop& loop,
+                           const AnalysisControllerOptions& options)
     : scene_(std::move(scene)),
       endpoint_(std::move(endpoint)),
       loop_(loop),
@@ -87,9 +87,9 @@ LiveAnalysis::LiveAnalysis(SceneAnalysis scene, std::unique_ptr<ModelEndpoint> e
   thread_ = std::jthread([this](std::stop_token stop) { run(stop); });
 }
 
-LiveAnalysis::~LiveAnalysis() = default;
+AnalysisController::~AnalysisController() = default;
 
-void LiveAnalysis::begin() {
+void AnalysisController::begin() {
   std::vector<std::string> names;
   for (const auto& [id, known] : known_) {
     const std::string name = shown_text(known.object->name, 80);
@@ -116,7 +116,7 @@ void LiveAnalysis::begin() {
   }
 }
 
-void LiveAnalysis::find_proposals() {
+void AnalysisController::find_proposals() {
   for (const auto& [id, known] : known_) {
     if (const auto proposal = known.decided->proposal()) {
       wait_for_person(id, *proposal);
@@ -126,37 +126,37 @@ void LiveAnalysis::find_proposals() {
   }
 }
 
-void LiveAnalysis::wait_for_person(uint32_t object_id, const v1::PhysicsFile& proposal) {
+void AnalysisController::wait_for_person(uint32_t object_id, const v1::PhysicsFile& proposal) {
   std::lock_guard lock(mutex_);
   v1::PhysicsFile& waiting = waiting_[object_id];
   waiting = proposal;
   if (proposed_) proposed_(known_.at(object_id).object->name, &waiting);
 }
 
-void LiveAnalysis::wait_for_nobody(uint32_t object_id) {
+void AnalysisController::wait_for_nobody(uint32_t object_id) {
   std::lock_guard lock(mutex_);
   if (waiting_.erase(object_id) > 0 && proposed_) proposed_(known_.at(object_id).object->name, nullptr);
 }
 
-bool LiveAnalysis::waits(uint32_t object_id) {
+bool AnalysisController::waits(uint32_t object_id) {
   std::lock_guard lock(mutex_);
   return waiting_.contains(object_id);
 }
 
-void LiveAnalysis::watch_proposals(Proposed proposed) {
+void AnalysisController::watch_proposals(Proposed proposed) {
   std::lock_guard lock(mutex_);
   proposed_ = std::move(proposed);
   if (!proposed_) return;
   for (const auto& [id, proposal] : waiting_) proposed_(known_.at(id).object->name, &proposal);
 }
 
-SceneAnalysis::Object LiveAnalysis::loaded(const Known& known) {
+SceneAnalysis::Object AnalysisController::loaded(const Known& known) {
   std::lock_guard lock(mutex_);
   const auto anew = reloaded_.find(known.object->target.object_id);
   return anew == reloaded_.end() ? *known.object : anew->second;
 }
 
-void LiveAnalysis::replace(Scene scene) {
+void AnalysisController::replace(Scene scene) {
   std::lock_guard deciding(deciding_);
   const auto anew = SceneAnalysis::of(scene, false);
   if (!anew) log_warn("reset: %s", anew.error().message.c_str());  // a sidecar that was spoilt since it was loaded
@@ -176,7 +176,7 @@ void LiveAnalysis::replace(Scene scene) {
   loop_.replace(std::move(scene), std::move(changes));
 }
 
-Result<void> LiveAnalysis::analyze(std::vector<std::string> objects, Progress progress,
+Result<void> AnalysisController::analyze(std::vector<std::string> objects, Progress progress,
                                    std::function<void()> ended, std::stop_token stop) {
   auto targets = scene_.targets(objects);
   if (!targets) return targets.error();
@@ -190,7 +190,7 @@ Result<void> LiveAnalysis::analyze(std::vector<std::string> objects, Progress pr
   return {};
 }
 
-void LiveAnalysis::run(std::stop_token stop) {
+void AnalysisController::run(std::stop_token stop) {
   pthread_setname_np(pthread_self(), "analysis");
   for (;;) {
     std::optional<Request> request;
@@ -211,7 +211,7 @@ void LiveAnalysis::run(std::stop_token stop) {
   }
 }
 
-std::vector<AnalysisNeighbour> LiveAnalysis::refresh(std::vector<AnalysisTarget>& targets) {
+std::vector<AnalysisNeighbour> AnalysisController::refresh(std::vector<AnalysisTarget>& targets) {
   std::vector<AnalysisNeighbour> others;
   for (const auto& [id, known] : known_) {
     const SceneAnalysis::Object object = loaded(known);
@@ -235,7 +235,7 @@ std::vector<AnalysisNeighbour> LiveAnalysis::refresh(std::vector<AnalysisTarget>
   return others;
 }
 
-void LiveAnalysis::work(Request& request, std::stop_token stop) {
+void AnalysisController::work(Request& request, std::stop_token stop) {
   AnalysisOptions options;
   options.neighbours = refresh(request.targets);
   options.views = options_.views;
@@ -289,7 +289,7 @@ void LiveAnalysis::work(Request& request, std::stop_token stop) {
   }
 }
 
-std::string LiveAnalysis::land(const AnalysisUpdate& update) {
+std::string AnalysisController::land(const AnalysisUpdate& update) {
   const Known& known = known_.at(update.object_id);
   std::string note;
   std::lock_guard deciding(deciding_);
@@ -303,7 +303,7 @@ std::string LiveAnalysis::land(const AnalysisUpdate& update) {
   return told;
 }
 
-Result<v1::PhysicsReply> LiveAnalysis::reply_of(const Known& known, const v1::PhysicsFile& file, const std::string& note) {
+Result<v1::PhysicsReply> AnalysisController::reply_of(const Known& known, const v1::PhysicsFile& file, const std::string& note) {
   const SceneAnalysis::Object object = loaded(known);
   v1::PhysicsReply reply;
   if (!note.empty()) reply.add_warnings(without_folders(logged(object.name, note)));
@@ -318,26 +318,26 @@ Result<v1::PhysicsReply> LiveAnalysis::reply_of(const Known& known, const v1::Ph
   return reply;
 }
 
-v1::SceneChange LiveAnalysis::change_of(const v1::PhysicsReply& reply) {
+v1::SceneChange AnalysisController::change_of(const v1::PhysicsReply& reply) {
   v1::SceneChange change;
   change.mutable_set_physics()->set_object(reply.object());
   *change.mutable_set_physics()->mutable_physics() = reply.parameters();
   return change;
 }
 
-Result<v1::PhysicsReply> LiveAnalysis::apply(const Known& known, const v1::PhysicsFile& file, const std::string& note) {
+Result<v1::PhysicsReply> AnalysisController::apply(const Known& known, const v1::PhysicsFile& file, const std::string& note) {
   auto reply = reply_of(known, file, note);
   if (reply) loop_.post(change_of(*reply));
   return reply;
 }
 
-Result<LiveAnalysis::Known*> LiveAnalysis::find(const std::string& name) {
+Result<AnalysisController::Known*> AnalysisController::find(const std::string& name) {
   auto targets = scene_.targets({name});
   if (!targets) return targets.error();
   return &known_.at(targets->front().object_id);
 }
 
-Result<v1::PhysicsReply> LiveAnalysis::set_physics(const std::string& object, const v1::Physics& physics,
+Result<v1::PhysicsReply> AnalysisController::set_physics(const std::string& object, const v1::Physics& physics,
                                                    const std::string& name) {
   auto known = find(object);
   if (!known) return known.error();
@@ -357,7 +357,7 @@ Result<v1::PhysicsReply> LiveAnalysis::set_physics(const std::string& object, co
   return apply(**known, *file, note);
 }
 
-Result<v1::PhysicsReply> LiveAnalysis::accept_proposal(const std::string& object) {
+Result<v1::PhysicsReply> AnalysisController::accept_proposal(const std::string& object) {
   auto known = find(object);
   if (!known) return known.error();
   std::string note;
@@ -368,7 +368,7 @@ Result<v1::PhysicsReply> LiveAnalysis::accept_proposal(const std::string& object
   return apply(**known, *file, note);
 }
 
-Result<v1::PhysicsReply> LiveAnalysis::decline_proposal(const std::string& object) {
+Result<v1::PhysicsReply> AnalysisController::decline_proposal(const std::string& object) {
   auto known = find(object);
   if (!known) return known.error();
   std::string note;
@@ -379,7 +379,7 @@ Result<v1::PhysicsReply> LiveAnalysis::decline_proposal(const std::string& objec
   return reply_of(**known, *file, note);
 }
 
-Result<v1::PhysicsReply> LiveAnalysis::undo_physics(const std::string& object, bool redo) {
+Result<v1::PhysicsReply> AnalysisController::undo_physics(const std::string& object, bool redo) {
   auto known = find(object);
   if (!known) return known.error();
   std::string note;

@@ -16,7 +16,7 @@
 
 namespace livegs {
 
-struct LiveAnalysisOptions {
+struct AnalysisControllerOptions {
   int views = 1;
   std::filesystem::path answers;  // where accepted answers are kept between runs; empty: in memory
 };
@@ -24,12 +24,12 @@ struct LiveAnalysisOptions {
 // The analysis of a scene that is running. It has threads of its own that stand behind the simulation's; what
 // it finds changes the scene at a tick boundary, one object as one change. Requests are worked off one after
 // the other.
-class LiveAnalysis final : public AnalysisControl {
+class AnalysisController final : public AnalysisControl {
  public:
   // `endpoint` may be nullptr: everything stays offline. `loop` outlives this.
-  LiveAnalysis(SceneAnalysis scene, std::unique_ptr<ModelEndpoint> endpoint, SimulationLoop& loop,
-               const LiveAnalysisOptions& options = {});
-  ~LiveAnalysis() override;  // cancels, within milliseconds
+  AnalysisController(SceneAnalysis scene, std::unique_ptr<ModelEndpoint> endpoint, SimulationLoop& loop,
+               const AnalysisControllerOptions& options = {});
+  ~AnalysisController() override;  // cancels, within milliseconds
 
   // Asks about every AUTO object that no model's values are kept for yet, but for those whose answer a person took back
   // or has still to judge. Returns at once.
@@ -84,7 +84,7 @@ class LiveAnalysis final : public AnalysisControl {
   SceneAnalysis scene_;
   std::unique_ptr<ModelEndpoint> endpoint_;
   SimulationLoop& loop_;
-  LiveAnalysisOptions options_;
+  AnalysisControllerOptions options_;
   AnswerCache cache_;
   std::map<uint32_t, Known> known_;  // not changed after construction
 

@@ -74,7 +74,7 @@ inline Result<std::string> weigh_too_much(const AnalysisQuestion& question, cons
   return answer.dump();
 }
 
-class LiveAnalysisTest : public ::testing::Test {
+class AnalysisControllerTest : public ::testing::Test {
  protected:
   // `say` null: no endpoint.
   void start(FakeEndpoint::Say say, std::chrono::milliseconds delay = std::chrono::milliseconds(0)) {
@@ -97,7 +97,7 @@ class LiveAnalysisTest : public ::testing::Test {
     if (say) made = std::make_unique<FakeEndpoint>(std::move(say));
     if (made) made->delay = [delay](const std::string&) { return delay; };
     endpoint = made.get();
-    analysis = std::make_unique<LiveAnalysis>(std::move(*analysed), std::move(made), *loop);
+    analysis = std::make_unique<AnalysisController>(std::move(*analysed), std::move(made), *loop);
     loop->start();
   }
   // Waits for a tick in which the object changed to what `enough` accepts.
@@ -150,7 +150,7 @@ class LiveAnalysisTest : public ::testing::Test {
   std::map<std::string, double> offline_kg;
   std::unique_ptr<SimulationLoop> loop;
   FakeEndpoint* endpoint = nullptr;
-  std::unique_ptr<LiveAnalysis> analysis;
+  std::unique_ptr<AnalysisController> analysis;
 };
 
 inline bool by_model(const SceneObject& object) {

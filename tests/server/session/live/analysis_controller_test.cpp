@@ -11,7 +11,7 @@ namespace {
 
 using v1::EstimatedValue;
 
-TEST_F(LiveAnalysisTest, WhatIsAcceptedLandsAtATickAsOneChange) {
+TEST_F(AnalysisControllerTest, WhatIsAcceptedLandsAtATickAsOneChange) {
   start(weigh);
   analysis->begin();
   ASSERT_TRUE(changes_to("wood block", by_model));
@@ -40,7 +40,7 @@ TEST_F(LiveAnalysisTest, WhatIsAcceptedLandsAtATickAsOneChange) {
 }
 
 // What was decided while the scene was loaded anew holds from its first tick, and what its file says by then counts.
-TEST_F(LiveAnalysisTest, AResetKeepsWhatWasDecidedMeanwhileAndHearsTheFile) {
+TEST_F(AnalysisControllerTest, AResetKeepsWhatWasDecidedMeanwhileAndHearsTheFile) {
   start(nullptr);
   v1::Physics edit;
   edit.set_mass_kg(0.7);
@@ -74,7 +74,7 @@ TEST_F(LiveAnalysisTest, AResetKeepsWhatWasDecidedMeanwhileAndHearsTheFile) {
 }
 
 // What a person said since the scene was loaded is what the next answer is asked for and weighed against with.
-TEST_F(LiveAnalysisTest, AnEditCountsInTheNextAnalysis) {
+TEST_F(AnalysisControllerTest, AnEditCountsInTheNextAnalysis) {
   std::mutex mutex;
   std::string told;
   start([&](const AnalysisQuestion& question, const ToolBox& tools, int turn) -> Result<std::string> {
@@ -117,7 +117,7 @@ TEST(BuiltAs, WhatNeedsAnotherBodyWaitsForTheNextLoad) {
   EXPECT_EQ(physics.behavior(), v1::Physics::ELASTIC);
 }
 
-TEST_F(LiveAnalysisTest, WhatCannotChangeWhileItRunsIsTold) {
+TEST_F(AnalysisControllerTest, WhatCannotChangeWhileItRunsIsTold) {
   start(nullptr);
   v1::Physics edit;
   edit.set_behavior(v1::Physics::ELASTIC);
@@ -134,7 +134,7 @@ TEST_F(LiveAnalysisTest, WhatCannotChangeWhileItRunsIsTold) {
   }));
 }
 
-TEST_F(LiveAnalysisTest, AHangDelaysNeitherTheTicksNorTheEnd) {
+TEST_F(AnalysisControllerTest, AHangDelaysNeitherTheTicksNorTheEnd) {
   start(weigh, std::chrono::minutes(10));
   analysis->begin();
   ASSERT_TRUE(log.wait([&](const auto& ticks) { return ticks.size() > 20; }));
@@ -143,7 +143,7 @@ TEST_F(LiveAnalysisTest, AHangDelaysNeitherTheTicksNorTheEnd) {
 }
 
 // Over gRPC, as clients see it.
-TEST_F(LiveAnalysisTest, ClientsFollowAnalysesAndEdit) {
+TEST_F(AnalysisControllerTest, ClientsFollowAnalysesAndEdit) {
   auto listening = LiveServer::listen("127.0.0.1:0");
   ASSERT_TRUE(listening);
   auto server = std::move(*listening);
@@ -208,7 +208,7 @@ TEST_F(LiveAnalysisTest, ClientsFollowAnalysesAndEdit) {
 }
 
 // A client that cancels costs no more tokens, and the next in line does not wait for its answers.
-TEST_F(LiveAnalysisTest, ACancelledCallStopsAskingAndLetsTheNextOneIn) {
+TEST_F(AnalysisControllerTest, ACancelledCallStopsAskingAndLetsTheNextOneIn) {
   auto listening = LiveServer::listen("127.0.0.1:0");
   ASSERT_TRUE(listening);
   auto server = std::move(*listening);
@@ -240,7 +240,7 @@ TEST_F(LiveAnalysisTest, ACancelledCallStopsAskingAndLetsTheNextOneIn) {
   server->shut_down("done");
 }
 
-TEST_F(LiveAnalysisTest, AServerShutsDownWhileAModelHangs) {
+TEST_F(AnalysisControllerTest, AServerShutsDownWhileAModelHangs) {
   auto listening = LiveServer::listen("127.0.0.1:0");
   ASSERT_TRUE(listening);
   auto server = std::move(*listening);

@@ -11,7 +11,7 @@ namespace {
 using v1::EstimatedValue;
 
 // The next start takes it that whoever undid an answer does not want it back; another question is another matter.
-TEST_F(LiveAnalysisTest, AnAnswerThatWasTakenBackDoesNotComeBackByItself) {
+TEST_F(AnalysisControllerTest, AnAnswerThatWasTakenBackDoesNotComeBackByItself) {
   start(weigh);
   analysis->begin();
   ASSERT_TRUE(changes_to("wood block", by_model));
@@ -51,7 +51,7 @@ TEST_F(LiveAnalysisTest, AnAnswerThatWasTakenBackDoesNotComeBackByItself) {
 }
 
 // What the server's own start found and does not take upon itself reaches the log, and changes nothing of the scene.
-TEST_F(LiveAnalysisTest, AProposalOfTheStartIsToldAndWaits) {
+TEST_F(AnalysisControllerTest, AProposalOfTheStartIsToldAndWaits) {
   const auto touched = [&] {
     for (const TickResult& tick : log.ticks()) {
       for (const SceneObject& one : tick.changed) {
@@ -93,7 +93,7 @@ TEST_F(LiveAnalysisTest, AProposalOfTheStartIsToldAndWaits) {
 }
 
 // A thing that sleeps and slides without friction does so while an answer waits for a person.
-TEST_F(LiveAnalysisTest, AProposalThatWaitsLeavesTheSceneUntouched) {
+TEST_F(AnalysisControllerTest, AProposalThatWaitsLeavesTheSceneUntouched) {
   block_physics = R"({ "friction": 0 })";
   start(weigh_too_much);
   ASSERT_TRUE(log.wait([&](const auto&) { return block_asleep.load(); }));
@@ -113,7 +113,7 @@ TEST_F(LiveAnalysisTest, AProposalThatWaitsLeavesTheSceneUntouched) {
 }
 
 // It ends for good: neither this server nor the next one asks again by itself.
-TEST_F(LiveAnalysisTest, WhatWasDeclinedOrEditedWaitsNoLonger) {
+TEST_F(AnalysisControllerTest, WhatWasDeclinedOrEditedWaitsNoLonger) {
   for (const bool by_edit : {false, true}) {
     start(weigh_too_much);
     ASSERT_EQ(analyzed("wood block").verdict(), v1::AnalysisProgress::NEEDS_REVIEW);
@@ -146,7 +146,7 @@ TEST_F(LiveAnalysisTest, WhatWasDeclinedOrEditedWaitsNoLonger) {
   }
 }
 
-TEST_F(LiveAnalysisTest, AnEditIsLockedAndCanBeUndoneAndRedone) {
+TEST_F(AnalysisControllerTest, AnEditIsLockedAndCanBeUndoneAndRedone) {
   start(weigh);
   for (const char* name : {"wood block", "sponge"}) {
     v1::Physics edit;
@@ -194,7 +194,7 @@ TEST(DecidedPhysics, WhatHasNoFileIsToldOnceToHoldUntilTheEnd) {
 }
 
 // What a person calls it counts as its name from then on, also in the next question.
-TEST_F(LiveAnalysisTest, ANameChangesWhatItIsTakenFor) {
+TEST_F(AnalysisControllerTest, ANameChangesWhatItIsTakenFor) {
   start(nullptr);
   const auto renamed = analysis->set_physics("sponge", {}, "steel bolt");
   ASSERT_TRUE(renamed) << renamed.error().message;
@@ -206,7 +206,7 @@ TEST_F(LiveAnalysisTest, ANameChangesWhatItIsTakenFor) {
   EXPECT_NE(undone->parameters().material(), "carbon steel");
 }
 
-TEST_F(LiveAnalysisTest, BadEditsNameTheField) {
+TEST_F(AnalysisControllerTest, BadEditsNameTheField) {
   start(nullptr);
   v1::Physics edit;
   edit.set_friction(-1);
@@ -217,7 +217,7 @@ TEST_F(LiveAnalysisTest, BadEditsNameTheField) {
             std::string::npos);
 }
 
-TEST_F(LiveAnalysisTest, AnEditOfWhatTheSceneWritesIsAnsweredSo) {
+TEST_F(AnalysisControllerTest, AnEditOfWhatTheSceneWritesIsAnsweredSo) {
   start(nullptr);
   v1::Physics edit;
   edit.set_mass_kg(3.0);
@@ -229,7 +229,7 @@ TEST_F(LiveAnalysisTest, AnEditOfWhatTheSceneWritesIsAnsweredSo) {
 }
 
 // Whoever is there and whoever joins later is offered what waits, whoever asked for it and before which start.
-TEST_F(LiveAnalysisTest, AProposalIsOfferedToEveryClient) {
+TEST_F(AnalysisControllerTest, AProposalIsOfferedToEveryClient) {
   start(weigh_too_much);
   ASSERT_EQ(analyzed("wood block").verdict(), v1::AnalysisProgress::NEEDS_REVIEW);
   analysis.reset();

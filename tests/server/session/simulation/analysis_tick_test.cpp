@@ -158,7 +158,7 @@ Turn analysed_turn(const SceneAnalysis& scene, const FakeEndpoint::Say& say, mil
   std::atomic<int> waiting{0};
   times.begin();
   {
-    LiveAnalysis analysis(scene, std::move(endpoint), loop);
+    AnalysisController analysis(scene, std::move(endpoint), loop);
     const auto end = std::chrono::steady_clock::now() + kTurn;
     // The first pictures take longer than a turn on a busy machine.
     const auto give_up = end + std::chrono::seconds(20);
