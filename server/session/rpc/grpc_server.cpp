@@ -95,7 +95,7 @@ struct LiveServer::Parts {
   SessionTable table;
   AssetStore assets;
   SessionRecorder recorder{assets};
-  LiveService service;
+  GrpcService service;
   SpectatorService spectators{table};
   AdminService admin;
   std::unique_ptr<grpc::Server> server;

@@ -49,7 +49,7 @@ grpc::Status answer(Result<v1::PhysicsReply> result, v1::PhysicsReply& reply) {
 
 }  // namespace
 
-grpc::ServerUnaryReactor* LiveService::GetServerInfo(grpc::CallbackServerContext* context,
+grpc::ServerUnaryReactor* GrpcService::GetServerInfo(grpc::CallbackServerContext* context,
                                                      const v1::GetServerInfoRequest*, v1::ServerInfo* reply) {
   const SessionTable::Status status = table_.status();
   reply->set_version(kVersion);
@@ -64,7 +64,7 @@ grpc::ServerUnaryReactor* LiveService::GetServerInfo(grpc::CallbackServerContext
   return reactor;
 }
 
-grpc::ServerUnaryReactor* LiveService::Join(grpc::CallbackServerContext* context,
+grpc::ServerUnaryReactor* GrpcService::Join(grpc::CallbackServerContext* context,
                                             const v1::JoinRequest* request, v1::JoinReply* reply) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   reactor->Finish(join(*context, *request, *reply));
@@ -94,7 +94,7 @@ Result<void> check_encoding(v1::JoinRequest::Encoding encoding, const SessionTab
 
 }  // namespace
 
-grpc::Status LiveService::join(const grpc::CallbackServerContext& context, const v1::JoinRequest& request,
+grpc::Status GrpcService::join(const grpc::CallbackServerContext& context, const v1::JoinRequest& request,
                                v1::JoinReply& reply) {
   if (request.protocol_version() != kProtocolVersion) {
     return {grpc::StatusCode::FAILED_PRECONDITION,
@@ -146,17 +146,17 @@ grpc::Status LiveService::join(const grpc::CallbackServerContext& context, const
   return grpc::Status::OK;
 }
 
-grpc::ServerWriteReactor<v1::AssetChunk>* LiveService::FetchAsset(grpc::CallbackServerContext*,
+grpc::ServerWriteReactor<v1::AssetChunk>* GrpcService::FetchAsset(grpc::CallbackServerContext*,
                                                                   const v1::FetchAssetRequest* request) {
   return new AssetCall(assets_.find(request->asset_hash()), request->offset());
 }
 
-grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* LiveService::Stream(
+grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* GrpcService::Stream(
     grpc::CallbackServerContext* context) {
   return StreamCall::start(table_, grant_of(*context, tokens_), *context);
 }
 
-grpc::ServerUnaryReactor* LiveService::AnalyzeObject(grpc::CallbackServerContext* context,
+grpc::ServerUnaryReactor* GrpcService::AnalyzeObject(grpc::CallbackServerContext* context,
                                                      const v1::AnalyzeObjectRequest* request,
                                                      v1::AnalyzeObjectReply* reply) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
@@ -164,12 +164,12 @@ grpc::ServerUnaryReactor* LiveService::AnalyzeObject(grpc::CallbackServerContext
   return reactor;
 }
 
-grpc::ServerWriteReactor<v1::AnalysisProgress>* LiveService::AnalyzeScene(
+grpc::ServerWriteReactor<v1::AnalysisProgress>* GrpcService::AnalyzeScene(
     grpc::CallbackServerContext*, const v1::AnalyzeSceneRequest* request) {
   return new AnalysisCall(analysis_, *request);
 }
 
-grpc::ServerUnaryReactor* LiveService::SetPhysics(grpc::CallbackServerContext* context,
+grpc::ServerUnaryReactor* GrpcService::SetPhysics(grpc::CallbackServerContext* context,
                                                   const v1::SetPhysicsRequest* request,
                                                   v1::PhysicsReply* reply) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
@@ -180,7 +180,7 @@ grpc::ServerUnaryReactor* LiveService::SetPhysics(grpc::CallbackServerContext* c
   return reactor;
 }
 
-grpc::ServerUnaryReactor* LiveService::AcceptProposal(grpc::CallbackServerContext* context,
+grpc::ServerUnaryReactor* GrpcService::AcceptProposal(grpc::CallbackServerContext* context,
                                                       const v1::AcceptProposalRequest* request,
                                                       v1::PhysicsReply* reply) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
@@ -192,7 +192,7 @@ grpc::ServerUnaryReactor* LiveService::AcceptProposal(grpc::CallbackServerContex
   return reactor;
 }
 
-grpc::ServerUnaryReactor* LiveService::UndoPhysics(grpc::CallbackServerContext* context,
+grpc::ServerUnaryReactor* GrpcService::UndoPhysics(grpc::CallbackServerContext* context,
                                                    const v1::UndoPhysicsRequest* request,
                                                    v1::PhysicsReply* reply) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
@@ -203,14 +203,14 @@ grpc::ServerUnaryReactor* LiveService::UndoPhysics(grpc::CallbackServerContext* 
   return reactor;
 }
 
-grpc::ServerUnaryReactor* LiveService::ControlRun(grpc::CallbackServerContext* context,
+grpc::ServerUnaryReactor* GrpcService::ControlRun(grpc::CallbackServerContext* context,
                                                   const v1::ControlRunRequest* request, v1::RunState* reply) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   reactor->Finish(control_run(*request, *reply));
   return reactor;
 }
 
-grpc::Status LiveService::control_run(const v1::ControlRunRequest& request, v1::RunState& reply) const {
+grpc::Status GrpcService::control_run(const v1::ControlRunRequest& request, v1::RunState& reply) const {
   RunControl* run = run_;
   if (!run) return {grpc::StatusCode::UNAVAILABLE, "the scene is still being built, or this server halts nothing"};
   const auto status = run->control(request);
@@ -219,7 +219,7 @@ grpc::Status LiveService::control_run(const v1::ControlRunRequest& request, v1::
   return grpc::Status::OK;
 }
 
-grpc::ServerUnaryReactor* LiveService::ApplyForce(grpc::CallbackServerContext* context,
+grpc::ServerUnaryReactor* GrpcService::ApplyForce(grpc::CallbackServerContext* context,
                                                   const v1::ApplyForceRequest* request,
                                                   v1::ApplyForceReply* reply) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
@@ -227,7 +227,7 @@ grpc::ServerUnaryReactor* LiveService::ApplyForce(grpc::CallbackServerContext* c
   return reactor;
 }
 
-grpc::Status LiveService::apply_force(const v1::ApplyForceRequest& request, v1::ApplyForceReply& reply) const {
+grpc::Status GrpcService::apply_force(const v1::ApplyForceRequest& request, v1::ApplyForceReply& reply) const {
   RunControl* run = run_;
   if (!run) return {grpc::StatusCode::UNAVAILABLE, "the scene is still being built, or this server takes no forces"};
   if (!table_.object(request.force().object())) return unknown_object(request.force().object());
@@ -236,14 +236,14 @@ grpc::Status LiveService::apply_force(const v1::ApplyForceRequest& request, v1::
   return grpc::Status::OK;
 }
 
-grpc::Status LiveService::unknown_object(const std::string& name) const {
+grpc::Status GrpcService::unknown_object(const std::string& name) const {
   std::string known;
   for (const std::string& one : table_.object_names()) known += (known.empty() ? "" : ", ") + one;
   return {grpc::StatusCode::NOT_FOUND, "object: the scene has no \"" + printable(name) +
                                            "\"; it has: " + (known.empty() ? "nothing yet" : known)};
 }
 
-grpc::Status LiveService::analyze(const v1::AnalyzeObjectRequest& request,
+grpc::Status GrpcService::analyze(const v1::AnalyzeObjectRequest& request,
                                   v1::AnalyzeObjectReply& reply) const {
   const int64_t begun_ns = now_ns();
   const SessionTable::Object object = table_.object(request.object());

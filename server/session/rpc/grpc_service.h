@@ -15,7 +15,7 @@ namespace livegs {
 
 // livegs.v1.LiveGs over gRPC's callback API. Every call answers from the session table and the asset store;
 // none waits for the simulation.
-class LiveService final
+class GrpcService final
     : public v1::LiveGs::WithRawCallbackMethod_Stream<
           v1::LiveGs::WithCallbackMethod_GetServerInfo<v1::LiveGs::WithCallbackMethod_Join<
               v1::LiveGs::WithCallbackMethod_FetchAsset<v1::LiveGs::WithCallbackMethod_AnalyzeObject<
@@ -25,7 +25,7 @@ class LiveService final
                               v1::LiveGs::WithCallbackMethod_ApplyForce<v1::LiveGs::Service>>>>>>>>>>> {
  public:
   // `tokens`: those that the gate asks for; null in the clear.
-  LiveService(SessionTable& table, const AssetStore& assets, const TokenStore* tokens)
+  GrpcService(SessionTable& table, const AssetStore& assets, const TokenStore* tokens)
       : table_(table), assets_(assets), tokens_(tokens) {}
 
   grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context,
