@@ -130,7 +130,7 @@ int run(const Options& options) {
   // The port first: it is refused at once, and clients that come early are told to wait.
   const auto security = open_security(options);
   if (!security) return report(security.error());
-  auto server = LiveServer::listen(options.listen, security->get());
+  auto server = GrpcServer::listen(options.listen, security->get());
   if (!server) return report(server.error());
   (*server)->admit(options.clients);
   if (options.client_mbit_s) (*server)->cap_clients(*options.client_mbit_s);

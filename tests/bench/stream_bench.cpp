@@ -68,7 +68,7 @@ struct Window {
   uint64_t frames = 0, encoded = 0;
 };
 
-Window watch(const LiveServer& server, const StreamClients& clients, const std::function<void()>& wait) {
+Window watch(const GrpcServer& server, const StreamClients& clients, const std::function<void()>& wait) {
   const PublisherSummary before = server.published();
   Window window{now_ns(), 0, -own_cpu_ns(), -clients.cpu_ns(), -machine_cpu_ns(), 0, 0};
   wait();
@@ -82,7 +82,7 @@ Window watch(const LiveServer& server, const StreamClients& clients, const std::
   return window;
 }
 
-Window watch_for(const LiveServer& server, const StreamClients& clients, double duration_s) {
+Window watch_for(const GrpcServer& server, const StreamClients& clients, double duration_s) {
   return watch(server, clients, [&] { sleep_until_ns(now_ns() + static_cast<int64_t>(duration_s * 1e9)); });
 }
 

@@ -15,7 +15,7 @@ namespace livegs {
 class ServedScene {
  public:
   explicit ServedScene(Scene scene, std::function<void(const Scene&)> observe = {}) {
-    auto listening = LiveServer::listen("127.0.0.1:0");
+    auto listening = GrpcServer::listen("127.0.0.1:0");
     EXPECT_TRUE(listening) << listening.error().message;
     server = std::move(*listening);
     loop = std::make_unique<SimulationLoop>(std::move(scene), server->ticks(), [this, observe](const Scene& now) {
@@ -31,7 +31,7 @@ class ServedScene {
   }
   int port() const { return server->port(); }
 
-  std::unique_ptr<LiveServer> server;
+  std::unique_ptr<GrpcServer> server;
   std::unique_ptr<SimulationLoop> loop;
   std::atomic<uint64_t> tick{0};  // the newest that was simulated
 };

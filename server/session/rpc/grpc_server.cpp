@@ -86,7 +86,7 @@ Result<void> check_listen_address(const std::string& address, bool secure) {
                           "127.0.0.1, localhost or [::1]");
 }
 
-struct LiveServer::Parts {
+struct GrpcServer::Parts {
   explicit Parts(ServerSecurity* security) : service(table, assets, security ? &security->tokens() : nullptr), admin(table, security, recorder) {
     proposals->table = &table;
     if (security) table.check_grants_with([security](const Grant& grant) { return security->tokens().check_still(grant); });
@@ -111,9 +111,9 @@ struct LiveServer::Parts {
   bool shut_down = false;
 };
 
-LiveServer::LiveServer(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+GrpcServer::GrpcServer(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 
-Result<std::unique_ptr<LiveServer>> LiveServer::listen(const std::string& address, ServerSecurity* security) {
+Result<std::unique_ptr<GrpcServer>> GrpcServer::listen(const std::string& address, ServerSecurity* security) {
   if (auto checked = check_listen_address(address, security != nullptr); !checked) return checked.error();
   set_up_process();
   auto parts = std::make_unique<Parts>(security);
@@ -134,16 +134,16 @@ Result<std::unique_ptr<LiveServer>> LiveServer::listen(const std::string& addres
   parts->door = std::move(*door);
   parts->door->open(std::move(acceptor));
   if (security) security->set_port(parts->door->port());
-  return std::unique_ptr<LiveServer>(new LiveServer(std::move(parts)));
+  return std::unique_ptr<GrpcServer>(new GrpcServer(std::move(parts)));
 }
 
-LiveServer::~LiveServer() { shut_down("the server is closing"); }
+GrpcServer::~GrpcServer() { shut_down("the server is closing"); }
 
-int LiveServer::port() const { return parts_->door->port(); }
+int GrpcServer::port() const { return parts_->door->port(); }
 
-TickSink& LiveServer::ticks() { return *parts_->publisher; }
+TickSink& GrpcServer::ticks() { return *parts_->publisher; }
 
-void LiveServer::open(const std::string& scene_name, double rate_hz,
+void GrpcServer::open(const std::string& scene_name, double rate_hz,
                       std::span<const SceneObject* const> objects, InputSink& inputs) {
   std::vector<SessionTable::Object> described;
   for (const SceneObject* object : objects) {
@@ -156,7 +156,7 @@ void LiveServer::open(const std::string& scene_name, double rate_hz,
   parts_->server->GetHealthCheckService()->SetServingStatus(kServiceName, true);
 }
 
-void LiveServer::open(const Scene& scene, InputSink& inputs) {
+void GrpcServer::open(const Scene& scene, InputSink& inputs) {
   // Else the first that is shot would be seen only once it is encoded.
   (void)parts_->assets.add(Scene::ball_asset());
   std::vector<const SceneObject*> objects;
@@ -164,11 +164,11 @@ void LiveServer::open(const Scene& scene, InputSink& inputs) {
   open(scene.name(), scene.world().settings().rate_hz, objects, inputs);
 }
 
-void LiveServer::admit(size_t clients) { parts_->table.set_most(clients); }
+void GrpcServer::admit(size_t clients) { parts_->table.set_most(clients); }
 
-void LiveServer::cap_clients(double mbit_s) { parts_->service.set_cap(mbit_s * 1e6 / 8); }
+void GrpcServer::cap_clients(double mbit_s) { parts_->service.set_cap(mbit_s * 1e6 / 8); }
 
-Result<std::string> LiveServer::publish(const std::string& address) {
+Result<std::string> GrpcServer::publish(const std::string& address) {
   auto bound = FrameFanOut::bind(address);
   if (!bound) return bound.error();
   parts_->fan_out = std::move(*bound);
@@ -176,20 +176,20 @@ Result<std::string> LiveServer::publish(const std::string& address) {
   return parts_->fan_out->address();
 }
 
-SessionRecorder& LiveServer::recorder() { return parts_->recorder; }
+SessionRecorder& GrpcServer::recorder() { return parts_->recorder; }
 
-void LiveServer::open_drain(std::function<void(const std::string&)> drain) { parts_->admin.set_drain(std::move(drain)); }
+void GrpcServer::open_drain(std::function<void(const std::string&)> drain) { parts_->admin.set_drain(std::move(drain)); }
 
-void LiveServer::open_run(RunControl& run) { parts_->service.set_run(&run); }
+void GrpcServer::open_run(RunControl& run) { parts_->service.set_run(&run); }
 
-void LiveServer::encode_ahead(const Scene& scene) {
+void GrpcServer::encode_ahead(const Scene& scene) {
   for (const SceneObject& object : scene.objects()) {
     (void)parts_->assets.add(object.asset);
     if (object.broken) (void)parts_->assets.add(object.broken->asset);
   }
 }
 
-void LiveServer::open_analysis(AnalysisControl& analysis) {
+void GrpcServer::open_analysis(AnalysisControl& analysis) {
   analysis.watch_proposals([told = parts_->proposals](const std::string& object, const v1::PhysicsFile* proposal) {
     std::lock_guard lock(told->mutex);
     if (told->table) told->table->propose(object, proposal);
@@ -197,7 +197,7 @@ void LiveServer::open_analysis(AnalysisControl& analysis) {
   parts_->service.set_analysis(&analysis);
 }
 
-void LiveServer::shut_down(const std::string& reason) {
+void GrpcServer::shut_down(const std::string& reason) {
   if (parts_->shut_down) return;
   parts_->shut_down = true;
   parts_->server->GetHealthCheckService()->SetServingStatus(false);
@@ -210,10 +210,10 @@ void LiveServer::shut_down(const std::string& reason) {
   parts_->proposals->table = nullptr;
 }
 
-const SessionTable& LiveServer::session_table() const { return parts_->table; }
-SessionTable::Totals LiveServer::sessions() const { return parts_->table.totals(); }
-size_t LiveServer::client_count() const { return parts_->table.status().clients; }
-size_t LiveServer::streaming_count() const { return parts_->table.status().streaming; }
-PublisherSummary LiveServer::published() const { return parts_->publisher->summary(); }
+const SessionTable& GrpcServer::session_table() const { return parts_->table; }
+SessionTable::Totals GrpcServer::sessions() const { return parts_->table.totals(); }
+size_t GrpcServer::client_count() const { return parts_->table.status().clients; }
+size_t GrpcServer::streaming_count() const { return parts_->table.status().streaming; }
+PublisherSummary GrpcServer::published() const { return parts_->publisher->summary(); }
 
 }  // namespace livegs

@@ -25,16 +25,16 @@ Result<void> check_listen_address(const std::string& address, bool secure);
 // The gRPC server with its sessions, its publisher, health and reflection. It knows a scene only as objects
 // to describe and ticks to send on.
 //
-//   auto server = LiveServer::listen("127.0.0.1:9780");        health NOT_SERVING, Join answers UNAVAILABLE
+//   auto server = GrpcServer::listen("127.0.0.1:9780");        health NOT_SERVING, Join answers UNAVAILABLE
 //   SimulationLoop loop(std::move(scene), server->ticks());
 //   server->open(loop.scene(), loop); loop.start();            clients may join
 //   loop.stop(); server->shut_down("reason");
-class LiveServer {
+class GrpcServer {
  public:
   // In the clear, or with `security` over TLS with a token for each call; it outlives the server. Fails with Unavailable
   // when the port is in use, InvalidArgument when the address may not be listened on.
-  static Result<std::unique_ptr<LiveServer>> listen(const std::string& address, ServerSecurity* security = nullptr);
-  ~LiveServer();
+  static Result<std::unique_ptr<GrpcServer>> listen(const std::string& address, ServerSecurity* security = nullptr);
+  ~GrpcServer();
 
   int port() const;
   TickSink& ticks();
@@ -71,7 +71,7 @@ class LiveServer {
 
  private:
   struct Parts;
-  explicit LiveServer(std::unique_ptr<Parts> parts);
+  explicit GrpcServer(std::unique_ptr<Parts> parts);
   std::unique_ptr<Parts> parts_;
 };
 

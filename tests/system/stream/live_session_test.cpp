@@ -27,7 +27,7 @@ class LiveSession : public ::testing::Test {
   void start(double rate_hz = 90) { start(box_scene(rate_hz)); }
   // `waits`: the first tick comes when a client streams.
   void start(Scene built, bool waits = false) {
-    auto server = LiveServer::listen("127.0.0.1:0");
+    auto server = GrpcServer::listen("127.0.0.1:0");
     ASSERT_TRUE(server) << server.error().message;
     server_ = std::move(*server);
     loop_ =
@@ -113,7 +113,7 @@ class LiveSession : public ::testing::Test {
   std::map<uint64_t, DriverFrame> simulated_;
   std::map<std::pair<uint32_t, uint32_t>, SceneObject> objects_;  // by id and revision
   uint64_t newest_tick_ = 0;
-  std::unique_ptr<LiveServer> server_;
+  std::unique_ptr<GrpcServer> server_;
   std::unique_ptr<SimulationLoop> loop_;
   std::jthread starter_;
   std::atomic<bool> interrupted_{false};

@@ -23,7 +23,7 @@ class NoiseServer {
  public:
   explicit NoiseServer(size_t nodes, ServerSecurity* security = nullptr, size_t clients = kUsualSessions, size_t boxes = 0)
       : scene_(box_scene()), ring_(boxes, *scene_.find("box")) {
-    auto listening = LiveServer::listen("127.0.0.1:0", security);
+    auto listening = GrpcServer::listen("127.0.0.1:0", security);
     EXPECT_TRUE(listening) << listening.error().message;
     server = std::move(*listening);
     server->admit(clients);
@@ -59,7 +59,7 @@ class NoiseServer {
   }
   int port() const { return server->port(); }
 
-  std::unique_ptr<LiveServer> server;
+  std::unique_ptr<GrpcServer> server;
   std::atomic<uint64_t> newest{0};  // tick
 
  private:

@@ -73,7 +73,7 @@ class Watcher final : public StreamSink {
 class SceneControlTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    auto server = LiveServer::listen("127.0.0.1:0");
+    auto server = GrpcServer::listen("127.0.0.1:0");
     ASSERT_TRUE(server) << server.error().message;
     server_ = std::move(*server);
     loop_ = std::make_unique<SimulationLoop>(box_scene(), server_->ticks());
@@ -100,7 +100,7 @@ class SceneControlTest : public ::testing::Test {
     run_.reset();
   }
   Watcher watcher_;
-  std::unique_ptr<LiveServer> server_;
+  std::unique_ptr<GrpcServer> server_;
   std::unique_ptr<SimulationLoop> loop_;
   std::unique_ptr<RunController> run_;
   std::unique_ptr<SessionClient> client_;

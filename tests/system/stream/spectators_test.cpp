@@ -88,7 +88,7 @@ class Watched final : public StreamSink {
 class SpectatorsTest : public ::testing::Test {
  protected:
   void open(Scene scene, const std::string& address = "tcp://127.0.0.1:0", const std::string& listen = "127.0.0.1:0") {
-    auto listening = LiveServer::listen(listen);
+    auto listening = GrpcServer::listen(listen);
     ASSERT_TRUE(listening) << listening.error().message;
     server = std::move(*listening);
     auto published = server->publish(address);
@@ -122,7 +122,7 @@ class SpectatorsTest : public ::testing::Test {
   }
 
   NoInputs inputs;
-  std::unique_ptr<LiveServer> server;
+  std::unique_ptr<GrpcServer> server;
   std::string where;
   std::optional<SceneRun> run;
   std::atomic<uint64_t> tick{0};

@@ -26,7 +26,7 @@ class Gate : public ::testing::Test {
     auto security = ServerSecurity::open(folder_ / "state", [this] { return now_s_.load(); });
     EXPECT_TRUE(security) << security.error().message;
     security_ = std::move(*security);
-    auto server = LiveServer::listen("127.0.0.1:0", security_.get());
+    auto server = GrpcServer::listen("127.0.0.1:0", security_.get());
     EXPECT_TRUE(server) << server.error().message;
     server_ = std::move(*server);
     server_->open(scene_, inputs_);
@@ -75,7 +75,7 @@ class Gate : public ::testing::Test {
   Scene scene_;
   InputLog inputs_;
   std::unique_ptr<ServerSecurity> security_;
-  std::unique_ptr<LiveServer> server_;
+  std::unique_ptr<GrpcServer> server_;
   std::unique_ptr<ServerAccess> access_;
   std::string last_id_;
 };
@@ -325,7 +325,7 @@ TEST_F(Gate, AConnectionThatNeverShakesHandsIsClosed) {
   ::close(silent);
 }
 
-TEST_F(LiveServerTest, AClientThatFloodsItsStreamIsCutOff) {
+TEST_F(GrpcServerTest, AClientThatFloodsItsStreamIsCutOff) {
   open();
   RawClient client(server_->port()), other(server_->port());
   ASSERT_TRUE(client.join().ok());
@@ -341,7 +341,7 @@ TEST_F(LiveServerTest, AClientThatFloodsItsStreamIsCutOff) {
   EXPECT_EQ(other.read().tick(), 1u);
 }
 
-TEST_F(LiveServerTest, InTheClearEverythingIsOpenButTokens) {
+TEST_F(GrpcServerTest, InTheClearEverythingIsOpenButTokens) {
   open();
   const auto admin = v1::Admin::NewStub(channel_to(server_->port()));
   grpc::ClientContext first, second;

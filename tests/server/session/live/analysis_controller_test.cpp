@@ -144,7 +144,7 @@ TEST_F(AnalysisControllerTest, AHangDelaysNeitherTheTicksNorTheEnd) {
 
 // Over gRPC, as clients see it.
 TEST_F(AnalysisControllerTest, ClientsFollowAnalysesAndEdit) {
-  auto listening = LiveServer::listen("127.0.0.1:0");
+  auto listening = GrpcServer::listen("127.0.0.1:0");
   ASSERT_TRUE(listening);
   auto server = std::move(*listening);
   start(weigh);
@@ -209,7 +209,7 @@ TEST_F(AnalysisControllerTest, ClientsFollowAnalysesAndEdit) {
 
 // A client that cancels costs no more tokens, and the next in line does not wait for its answers.
 TEST_F(AnalysisControllerTest, ACancelledCallStopsAskingAndLetsTheNextOneIn) {
-  auto listening = LiveServer::listen("127.0.0.1:0");
+  auto listening = GrpcServer::listen("127.0.0.1:0");
   ASSERT_TRUE(listening);
   auto server = std::move(*listening);
   start(weigh);
@@ -241,7 +241,7 @@ TEST_F(AnalysisControllerTest, ACancelledCallStopsAskingAndLetsTheNextOneIn) {
 }
 
 TEST_F(AnalysisControllerTest, AServerShutsDownWhileAModelHangs) {
-  auto listening = LiveServer::listen("127.0.0.1:0");
+  auto listening = GrpcServer::listen("127.0.0.1:0");
   ASSERT_TRUE(listening);
   auto server = std::move(*listening);
   start(weigh, std::chrono::minutes(10));

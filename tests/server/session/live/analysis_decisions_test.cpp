@@ -234,7 +234,7 @@ TEST_F(AnalysisControllerTest, AProposalIsOfferedToEveryClient) {
   ASSERT_EQ(analyzed("wood block").verdict(), v1::AnalysisProgress::NEEDS_REVIEW);
   analysis.reset();
   loop->stop();
-  auto listening = LiveServer::listen("127.0.0.1:0");
+  auto listening = GrpcServer::listen("127.0.0.1:0");
   ASSERT_TRUE(listening);
   auto server = std::move(*listening);
   start(weigh_too_much);

@@ -38,7 +38,7 @@ PosedKernels posed(const SceneObject& object, const ObjectDrivers& drivers) {
   return kernels;
 }
 
-class Encodings : public LiveServerTest {
+class Encodings : public GrpcServerTest {
  protected:
   std::unique_ptr<RawClient> client(v1::JoinRequest::Encoding encoding) {
     auto made = std::make_unique<RawClient>(server_->port());

@@ -53,10 +53,10 @@ class InputLog final : public InputSink {
   std::vector<SessionNumber> forgotten_;
 };
 
-class LiveServerTest : public ::testing::Test {
+class GrpcServerTest : public ::testing::Test {
  protected:
-  LiveServerTest() : scene_(box_scene()) {
-    auto server = LiveServer::listen("127.0.0.1:0");
+  GrpcServerTest() : scene_(box_scene()) {
+    auto server = GrpcServer::listen("127.0.0.1:0");
     EXPECT_TRUE(server) << server.error().message;
     server_ = std::move(*server);
   }
@@ -75,7 +75,7 @@ class LiveServerTest : public ::testing::Test {
 
   Scene scene_;
   InputLog inputs_;  // outlives the server
-  std::unique_ptr<LiveServer> server_;
+  std::unique_ptr<GrpcServer> server_;
 };
 
 }  // namespace livegs

@@ -14,7 +14,7 @@
 namespace livegs {
 namespace {
 
-TEST_F(LiveServerTest, AWishForNoRateIsRefusedByItsField) {
+TEST_F(GrpcServerTest, AWishForNoRateIsRefusedByItsField) {
   open();
   RawClient client(server_->port());
   for (const double mbit_s : {-1.0, 0.01, std::numeric_limits<double>::quiet_NaN()}) {
@@ -29,7 +29,7 @@ TEST_F(LiveServerTest, AWishForNoRateIsRefusedByItsField) {
   }
 }
 
-TEST_F(LiveServerTest, AWishForFewerFramesIsMetByEveryNthTickAndTold) {
+TEST_F(GrpcServerTest, AWishForFewerFramesIsMetByEveryNthTickAndTold) {
   open();
   RawClient client(server_->port());
   const auto join = [&](double rate_hz) {
@@ -66,7 +66,7 @@ TEST_F(LiveServerTest, AWishForFewerFramesIsMetByEveryNthTickAndTold) {
 }
 
 // What broke is told of at once, whatever the rate.
-TEST_F(LiveServerTest, EventsDoNotWaitForTheirTurn) {
+TEST_F(GrpcServerTest, EventsDoNotWaitForTheirTurn) {
   open();
   RawClient client(server_->port());
   grpc::ClientContext context;
@@ -90,7 +90,7 @@ TEST_F(LiveServerTest, EventsDoNotWaitForTheirTurn) {
   EXPECT_TRUE(client.finish().ok());
 }
 
-TEST_F(LiveServerTest, AnotherNumberOfBitsIsRefusedByItsField) {
+TEST_F(GrpcServerTest, AnotherNumberOfBitsIsRefusedByItsField) {
   open();
   RawClient client(server_->port());
   for (const uint32_t bits : {1u, 15u, 17u, 21u, 4'000'000'000u}) {
@@ -102,7 +102,7 @@ TEST_F(LiveServerTest, AnotherNumberOfBitsIsRefusedByItsField) {
 }
 
 // Each of three clients has the steps it asked for, also while all are sent the same ticks.
-TEST_F(LiveServerTest, PositionsHaveTheBitsThatAClientAskedFor) {
+TEST_F(GrpcServerTest, PositionsHaveTheBitsThatAClientAskedFor) {
   open();
   const std::vector<uint32_t> bits = {0, 18, 20};
   std::vector<std::unique_ptr<RawClient>> clients;
@@ -140,7 +140,7 @@ TEST_F(LiveServerTest, PositionsHaveTheBitsThatAClientAskedFor) {
   }
 }
 
-TEST_F(LiveServerTest, FramesArriveAndDecodeToWhatWasPublished) {
+TEST_F(GrpcServerTest, FramesArriveAndDecodeToWhatWasPublished) {
   open();
   RawClient client(server_->port());
   ASSERT_TRUE(client.join().ok());
@@ -163,7 +163,7 @@ TEST_F(LiveServerTest, FramesArriveAndDecodeToWhatWasPublished) {
 
 // What did not move since the last frame to this client is not sent again; one that asks gets a frame that needs none
 // before it.
-TEST_F(LiveServerTest, FramesHoldWhatMovedUnlessAKeyFrameIsWanted) {
+TEST_F(GrpcServerTest, FramesHoldWhatMovedUnlessAKeyFrameIsWanted) {
   open();
   RawClient client(server_->port());
   ASSERT_TRUE(client.join().ok());
@@ -196,7 +196,7 @@ TEST_F(LiveServerTest, FramesHoldWhatMovedUnlessAKeyFrameIsWanted) {
   EXPECT_TRUE(client.finish().ok());
 }
 
-TEST_F(LiveServerTest, AClientThatStopsAcknowledgingGetsTwoFramesThenTheNewest) {
+TEST_F(GrpcServerTest, AClientThatStopsAcknowledgingGetsTwoFramesThenTheNewest) {
   open();
   RawClient silent(server_->port()), quick(server_->port());
   for (RawClient* client : {&silent, &quick}) {

@@ -8,7 +8,7 @@
 namespace livegs {
 namespace {
 
-TEST_F(LiveServerTest, ASessionHasOneStreamAndAnUnknownOneNone) {
+TEST_F(GrpcServerTest, ASessionHasOneStreamAndAnUnknownOneNone) {
   open();
   RawClient first(server_->port()), second(server_->port()), stranger(server_->port());
   ASSERT_TRUE(first.join().ok());
@@ -27,7 +27,7 @@ TEST_F(LiveServerTest, ASessionHasOneStreamAndAnUnknownOneNone) {
 }
 
 // After two seconds without a message; until then it hears something, though no tick comes. Its session is kept.
-TEST_F(LiveServerTest, ASilentStreamIsDropped) {
+TEST_F(GrpcServerTest, ASilentStreamIsDropped) {
   open();
   RawClient client(server_->port());
   ASSERT_TRUE(client.join().ok());
@@ -48,7 +48,7 @@ TEST_F(LiveServerTest, ASilentStreamIsDropped) {
 }
 
 // Who opens streams and says nothing holds no places; who has a session goes on.
-TEST_F(LiveServerTest, AStreamThatNamesNoSessionIsEnded) {
+TEST_F(GrpcServerTest, AStreamThatNamesNoSessionIsEnded) {
   open();
   RawClient there(server_->port());
   ASSERT_TRUE(there.join().ok());
@@ -75,7 +75,7 @@ TEST_F(LiveServerTest, AStreamThatNamesNoSessionIsEnded) {
 }
 
 // Its client comes back to the same session and is told of all there is; what happened meanwhile is no event.
-TEST_F(LiveServerTest, ACancelledStreamsSessionGoesOn) {
+TEST_F(GrpcServerTest, ACancelledStreamsSessionGoesOn) {
   open();
   RawClient client(server_->port());
   ASSERT_TRUE(client.join().ok());
@@ -110,7 +110,7 @@ TEST_F(LiveServerTest, ACancelledStreamsSessionGoesOn) {
 }
 
 // The client's network died unnoticed by the server: the stream that is there still does not keep it out.
-TEST_F(LiveServerTest, WhoJoinsAgainTakesTheSessionFromItsOldStream) {
+TEST_F(GrpcServerTest, WhoJoinsAgainTakesTheSessionFromItsOldStream) {
   open();
   RawClient old(server_->port()), again(server_->port());
   ASSERT_TRUE(old.join().ok());
@@ -127,7 +127,7 @@ TEST_F(LiveServerTest, WhoJoinsAgainTakesTheSessionFromItsOldStream) {
   EXPECT_TRUE(inputs_.wait_forgotten(1));  // now that it has ended in order
 }
 
-TEST_F(LiveServerTest, ASessionThatIsOverBeginsAnew) {
+TEST_F(GrpcServerTest, ASessionThatIsOverBeginsAnew) {
   open();
   RawClient client(server_->port());
   ASSERT_TRUE(client.join(kProtocolVersion, std::string(32, 'a')).ok());

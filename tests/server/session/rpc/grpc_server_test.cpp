@@ -17,7 +17,7 @@
 namespace livegs {
 namespace {
 
-TEST_F(LiveServerTest, JoinListsObjectsWithTheEnvironmentFirst) {
+TEST_F(GrpcServerTest, JoinListsObjectsWithTheEnvironmentFirst) {
   open();
   RawClient client(server_->port());
   ASSERT_TRUE(client.join().ok());
@@ -32,7 +32,7 @@ TEST_F(LiveServerTest, JoinListsObjectsWithTheEnvironmentFirst) {
 }
 
 // Before the first tick a client knows how far the cube's stiffness can be trusted; a box has none.
-TEST_F(LiveServerTest, ObjectsCarryHowFarTheirNumbersHold) {
+TEST_F(GrpcServerTest, ObjectsCarryHowFarTheirNumbersHold) {
   open();
   RawClient client(server_->port());
   ASSERT_TRUE(client.join().ok());
@@ -55,14 +55,14 @@ TEST_F(LiveServerTest, ObjectsCarryHowFarTheirNumbersHold) {
   }
 }
 
-TEST_F(LiveServerTest, JoinWaitsForTheScene) {
+TEST_F(GrpcServerTest, JoinWaitsForTheScene) {
   RawClient client(server_->port());
   EXPECT_EQ(client.join().error_code(), grpc::StatusCode::UNAVAILABLE);
   open();
   EXPECT_TRUE(client.join().ok());
 }
 
-TEST_F(LiveServerTest, AnotherProtocolVersionIsToldSo) {
+TEST_F(GrpcServerTest, AnotherProtocolVersionIsToldSo) {
   open();
   RawClient client(server_->port());
   const grpc::Status status = client.join(kProtocolVersion + 1);
@@ -70,14 +70,14 @@ TEST_F(LiveServerTest, AnotherProtocolVersionIsToldSo) {
   EXPECT_NE(status.error_message().find("update the older one"), std::string::npos) << status.error_message();
 }
 
-TEST_F(LiveServerTest, SessionsAreBounded) {
+TEST_F(GrpcServerTest, SessionsAreBounded) {
   open();
   RawClient client(server_->port());
   for (size_t i = 0; i < kUsualSessions; ++i) ASSERT_TRUE(client.join().ok());
   EXPECT_EQ(client.join().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
 }
 
-TEST_F(LiveServerTest, AsManySessionsAsItIsTold) {
+TEST_F(GrpcServerTest, AsManySessionsAsItIsTold) {
   server_->admit(66);
   open();
   RawClient client(server_->port());
@@ -87,7 +87,7 @@ TEST_F(LiveServerTest, AsManySessionsAsItIsTold) {
   EXPECT_EQ(refused.error_message().rfind("66 clients", 0), 0u) << refused.error_message();
 }
 
-TEST_F(LiveServerTest, EventsAreNeverDroppedAndComeInOrder) {
+TEST_F(GrpcServerTest, EventsAreNeverDroppedAndComeInOrder) {
   open();
   RawClient client(server_->port());
   ASSERT_TRUE(client.join().ok());
@@ -135,7 +135,7 @@ TEST_F(LiveServerTest, EventsAreNeverDroppedAndComeInOrder) {
   EXPECT_EQ(late.joined.objects_size(), 3 + static_cast<int>(Scene::kMaxBalls));
 }
 
-TEST_F(LiveServerTest, EventsBetweenJoinAndStreamAreKept) {
+TEST_F(GrpcServerTest, EventsBetweenJoinAndStreamAreKept) {
   open();
   RawClient client(server_->port());
   ASSERT_TRUE(client.join().ok());
@@ -154,7 +154,7 @@ TEST_F(LiveServerTest, EventsBetweenJoinAndStreamAreKept) {
   EXPECT_EQ(added, ball.id);
 }
 
-TEST_F(LiveServerTest, InputsReachTheSimulation) {
+TEST_F(GrpcServerTest, InputsReachTheSimulation) {
   open();
   RawClient client(server_->port());
   ASSERT_TRUE(client.join().ok());
@@ -168,7 +168,7 @@ TEST_F(LiveServerTest, InputsReachTheSimulation) {
   EXPECT_EQ(client.read().echoed_ns(), 12345);
 }
 
-TEST_F(LiveServerTest, ANumberThatIsNoneEndsTheStreamAndNothingElse) {
+TEST_F(GrpcServerTest, ANumberThatIsNoneEndsTheStreamAndNothingElse) {
   open();
   RawClient bad(server_->port()), good(server_->port());
   for (RawClient* client : {&bad, &good}) {
@@ -195,7 +195,7 @@ TEST_F(LiveServerTest, ANumberThatIsNoneEndsTheStreamAndNothingElse) {
 }
 
 // Any bytes at all, sent as messages of Stream.
-TEST_F(LiveServerTest, RandomBytesDoNotHurt) {
+TEST_F(GrpcServerTest, RandomBytesDoNotHurt) {
   open();
   std::mt19937_64 random(7);
   const auto channel = channel_to(server_->port());
@@ -233,7 +233,7 @@ TEST_F(LiveServerTest, RandomBytesDoNotHurt) {
   EXPECT_EQ(client.read().tick(), 1u);
 }
 
-TEST_F(LiveServerTest, AMessageOverTheLimitIsRefused) {
+TEST_F(GrpcServerTest, AMessageOverTheLimitIsRefused) {
   open();
   RawClient client(server_->port());
   ASSERT_TRUE(client.join().ok());
@@ -244,7 +244,7 @@ TEST_F(LiveServerTest, AMessageOverTheLimitIsRefused) {
   EXPECT_EQ(client.finish().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
 }
 
-TEST_F(LiveServerTest, AssetsAreFetchedFromAnyOffset) {
+TEST_F(GrpcServerTest, AssetsAreFetchedFromAnyOffset) {
   open();
   RawClient client(server_->port());
   ASSERT_TRUE(client.join().ok());
@@ -280,7 +280,7 @@ TEST_F(LiveServerTest, AssetsAreFetchedFromAnyOffset) {
   EXPECT_EQ(fetch("../../etc/passwd", 0, error).error_code(), grpc::StatusCode::NOT_FOUND);
 }
 
-TEST_F(LiveServerTest, AnalyzeAnswersWithRangesAndNamesWhatThereIs) {
+TEST_F(GrpcServerTest, AnalyzeAnswersWithRangesAndNamesWhatThereIs) {
   open();
   RawClient client(server_->port());
   const auto analyze = [&](const std::string& name, v1::AnalyzeObjectReply& reply) {
@@ -303,7 +303,7 @@ TEST_F(LiveServerTest, AnalyzeAnswersWithRangesAndNamesWhatThereIs) {
   EXPECT_NE(status.error_message().find("box, cube"), std::string::npos) << status.error_message();
 }
 
-TEST_F(LiveServerTest, InfoCountsClients) {
+TEST_F(GrpcServerTest, InfoCountsClients) {
   open();
   RawClient client(server_->port());
   ASSERT_TRUE(client.join().ok());
@@ -317,8 +317,8 @@ TEST_F(LiveServerTest, InfoCountsClients) {
   EXPECT_EQ(info.object_count(), 3u);
 }
 
-TEST_F(LiveServerTest, APortInUseIsSaidSo) {
-  const auto second = LiveServer::listen("127.0.0.1:" + std::to_string(server_->port()));
+TEST_F(GrpcServerTest, APortInUseIsSaidSo) {
+  const auto second = GrpcServer::listen("127.0.0.1:" + std::to_string(server_->port()));
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().code, ErrorCode::Unavailable);
   EXPECT_NE(second.error().message.find("in use"), std::string::npos);
@@ -341,7 +341,7 @@ TEST(ListenAddress, IsThisMachineUnlessItIsSecure) {
   }
 }
 
-TEST_F(LiveServerTest, ShutdownTellsEveryClient) {
+TEST_F(GrpcServerTest, ShutdownTellsEveryClient) {
   open();
   RawClient streaming(server_->port()), joined(server_->port()), frozen(server_->port());
   for (RawClient* client : {&streaming, &joined, &frozen}) ASSERT_TRUE(client->join().ok());
@@ -388,13 +388,13 @@ std::string health_reply(int port) {
   return std::string(reinterpret_cast<const char*>(slice.begin()), slice.size());
 }
 
-TEST_F(LiveServerTest, HealthFollowsTheScene) {
+TEST_F(GrpcServerTest, HealthFollowsTheScene) {
   EXPECT_EQ(health_reply(server_->port()), "\x08\x02");  // NOT_SERVING
   open();
   EXPECT_EQ(health_reply(server_->port()), "\x08\x01");
 }
 
-TEST_F(LiveServerTest, ReflectionListsTheService) {
+TEST_F(GrpcServerTest, ReflectionListsTheService) {
   open();
   grpc::GenericStub stub(channel_to(server_->port()));
   grpc::ClientContext context;
