@@ -202,8 +202,8 @@ void FramePublisher::take(TickResult tick) {
     ++frames_;
   }
   kernels_.publish(published);
-  if (fan_out_ && fan_out_->heard())
-    fan_out_->publish({table_.instance(), event_number, tick.stepped_ns, published->drivers()});
+  if (zmq_publisher_ && zmq_publisher_->heard())
+    zmq_publisher_->publish({table_.instance(), event_number, tick.stepped_ns, published->drivers()});
 }
 
 PublisherSummary FramePublisher::summary() const {

@@ -40,7 +40,7 @@ class FramePublisher final : public TickSink {
   ~FramePublisher() override;
 
   // From now on every tick goes out there too; it outlives the publisher. Before the first tick.
-  void publish_to(FrameFanOut& fan_out) { fan_out_ = &fan_out; }
+  void publish_to(ZmqPublisher& zmq_publisher) { zmq_publisher_ = &zmq_publisher; }
 
   // What there is before the first tick.
   void begin_with(std::span<const SceneObject* const> objects) { kernels_.begin_with(objects); }
@@ -71,7 +71,7 @@ class FramePublisher final : public TickSink {
 
   SessionTable& table_;
   AssetStore& assets_;
-  FrameFanOut* fan_out_ = nullptr;
+  ZmqPublisher* zmq_publisher_ = nullptr;
   // The publisher's thread only.
   std::deque<std::shared_ptr<const GaussianAsset>> to_encode_;  // in turn
   std::shared_ptr<const GaussianAsset> encoded_;                // right now, or null

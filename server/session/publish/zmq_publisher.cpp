@@ -16,17 +16,17 @@ constexpr int kMostWaiting = 2;
 
 // XPUB is PUB that also tells of subscriptions: the first byte of what it receives is 1 when the first subscriber comes,
 // and 0 when the last has gone.
-struct FrameFanOut::Socket {
+struct ZmqPublisher::Socket {
   zmq::context_t context{1};
   zmq::socket_t frames{context, zmq::socket_type::xpub};
   std::string address;
   bool heard = false;
 };
 
-FrameFanOut::FrameFanOut(std::unique_ptr<Socket> socket) : socket_(std::move(socket)) {}
-FrameFanOut::~FrameFanOut() = default;
+ZmqPublisher::ZmqPublisher(std::unique_ptr<Socket> socket) : socket_(std::move(socket)) {}
+ZmqPublisher::~ZmqPublisher() = default;
 
-Result<std::unique_ptr<FrameFanOut>> FrameFanOut::bind(const std::string& address) {
+Result<std::unique_ptr<ZmqPublisher>> ZmqPublisher::bind(const std::string& address) {
   const auto where = address.starts_with(kTcp) ? parse_host_port(address.substr(kTcp.size()))
                                                : Result<HostPort>(invalid_argument("begins not with tcp://"));
   if (!where) return invalid_argument("--publish " + address + ": give tcp://127.0.0.1:PORT; " + where.error().message);
@@ -46,12 +46,12 @@ Result<std::unique_ptr<FrameFanOut>> FrameFanOut::bind(const std::string& addres
   } catch (const zmq::error_t& error) {
     return Error{ErrorCode::Unavailable, "--publish " + address + ": " + error.what()};
   }
-  return std::unique_ptr<FrameFanOut>(new FrameFanOut(std::move(socket)));
+  return std::unique_ptr<ZmqPublisher>(new ZmqPublisher(std::move(socket)));
 }
 
-const std::string& FrameFanOut::address() const { return socket_->address; }
+const std::string& ZmqPublisher::address() const { return socket_->address; }
 
-bool FrameFanOut::heard() {
+bool ZmqPublisher::heard() {
   zmq::message_t said;
   try {
     while (socket_->frames.recv(said, zmq::recv_flags::dontwait)) {
@@ -63,7 +63,7 @@ bool FrameFanOut::heard() {
   return socket_->heard;
 }
 
-void FrameFanOut::publish(const Publication& publication) {
+void ZmqPublisher::publish(const Publication& publication) {
   const std::vector<std::byte> bytes = encode_publication(publication);
   try {
     if (socket_->frames.send(zmq::buffer(bytes.data(), bytes.size()), zmq::send_flags::dontwait)) ++published_;

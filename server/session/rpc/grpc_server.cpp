@@ -100,7 +100,7 @@ struct GrpcServer::Parts {
   AdminService admin;
   std::unique_ptr<grpc::Server> server;
   std::unique_ptr<ConnectionLimiter> door;
-  std::unique_ptr<FrameFanOut> fan_out;
+  std::unique_ptr<ZmqPublisher> zmq_publisher;
   std::unique_ptr<FramePublisher> publisher;
   // Where an analysis tells of its proposals; shared with it, for either may end first.
   struct Proposals {
@@ -169,11 +169,11 @@ void GrpcServer::admit(size_t clients) { parts_->table.set_most(clients); }
 void GrpcServer::cap_clients(double mbit_s) { parts_->service.set_cap(mbit_s * 1e6 / 8); }
 
 Result<std::string> GrpcServer::publish(const std::string& address) {
-  auto bound = FrameFanOut::bind(address);
+  auto bound = ZmqPublisher::bind(address);
   if (!bound) return bound.error();
-  parts_->fan_out = std::move(*bound);
-  parts_->publisher->publish_to(*parts_->fan_out);
-  return parts_->fan_out->address();
+  parts_->zmq_publisher = std::move(*bound);
+  parts_->publisher->publish_to(*parts_->zmq_publisher);
+  return parts_->zmq_publisher->address();
 }
 
 SessionRecorder& GrpcServer::recorder() { return parts_->recorder; }

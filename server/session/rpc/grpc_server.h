@@ -49,7 +49,7 @@ class GrpcServer {
   void admit(size_t clients);
   // No client is sent more than this, megabits a second of messages, whatever it wishes for; before open().
   void cap_clients(double mbit_s);
-  // From now on every frame is published there, too (FrameFanOut::bind()); before the first tick. The address as bound.
+  // From now on every frame is published there, too (ZmqPublisher::bind()); before the first tick. The address as bound.
   Result<std::string> publish(const std::string& address);
   // From now on clients may analyse and edit what things are made of. `analysis` outlives shut_down().
   void open_analysis(AnalysisControl& analysis);

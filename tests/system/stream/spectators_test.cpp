@@ -212,19 +212,19 @@ TEST_F(SpectatorsTest, AServerThatIsStartedAnewIsFollowed) {
 
 TEST(Publishing, IsRefusedOffThisMachineAndWhereItCannotBe) {
   for (const std::string address : {"tcp://0.0.0.0:9782", "tcp://192.168.1.5:9782", "tcp://[::]:9782", "tcp://*:9782"}) {
-    const auto bound = FrameFanOut::bind(address);
+    const auto bound = ZmqPublisher::bind(address);
     ASSERT_FALSE(bound) << address;
     EXPECT_EQ(bound.error().code, ErrorCode::InvalidArgument);
     EXPECT_NE(bound.error().message.find("on this machine only"), std::string::npos) << bound.error().message;
   }
   for (const std::string address : {"127.0.0.1:9782", "ipc:///tmp/x", "tcp://127.0.0.1", "tcp://127.0.0.1:99999", ""}) {
-    const auto bound = FrameFanOut::bind(address);
+    const auto bound = ZmqPublisher::bind(address);
     ASSERT_FALSE(bound) << address;
     EXPECT_EQ(bound.error().code, ErrorCode::InvalidArgument);
   }
-  auto first = FrameFanOut::bind("tcp://localhost:0");
+  auto first = ZmqPublisher::bind("tcp://localhost:0");
   ASSERT_TRUE(first) << first.error().message;
-  const auto second = FrameFanOut::bind((*first)->address());
+  const auto second = ZmqPublisher::bind((*first)->address());
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().code, ErrorCode::Unavailable);
   EXPECT_FALSE((*first)->heard());
