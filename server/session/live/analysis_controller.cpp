@@ -81,7 +81,7 @@ AnalysisController::AnalysisController(SceneAnalysis scene, std::unique_ptr<Mode
       options_(options),
       cache_(options.answers) {
   for (const SceneAnalysis::Object& object : scene_.objects()) {
-    known_[object.target.object_id] = {&object, std::make_unique<DecidedPhysics>(object.physics_file)};
+    known_[object.target.object_id] = {&object, std::make_unique<PhysicsOverrides>(object.physics_file)};
   }
   find_proposals();
   thread_ = std::jthread([this](std::stop_token stop) { run(stop); });

@@ -51,7 +51,7 @@ class AnalysisController final : public AnalysisControl {
  private:
   struct Known {
     const SceneAnalysis::Object* object;
-    std::unique_ptr<DecidedPhysics> decided;
+    std::unique_ptr<PhysicsOverrides> decided;
   };
   struct Request {
     std::vector<AnalysisTarget> targets;

@@ -7,7 +7,7 @@
 namespace livegs {
 
 template <class OnDisk, class InMemory>
-Result<v1::PhysicsFile> DecidedPhysics::change(const OnDisk& on_disk, const InMemory& in_memory,
+Result<v1::PhysicsFile> PhysicsOverrides::change(const OnDisk& on_disk, const InMemory& in_memory,
                                                std::string& note) {
   std::lock_guard lock(mutex_);
   if (!file_.empty()) {
@@ -25,7 +25,7 @@ Result<v1::PhysicsFile> DecidedPhysics::change(const OnDisk& on_disk, const InMe
   return in_memory();
 }
 
-Result<v1::PhysicsFile> DecidedPhysics::apply(const v1::PhysicalParameters& physics,
+Result<v1::PhysicsFile> PhysicsOverrides::apply(const v1::PhysicalParameters& physics,
                                               const v1::AnalysisRecord& record, std::string& note) {
   return change([&] { return apply_analysis(file_, physics, record); },
                 [&]() -> Result<v1::PhysicsFile> {
@@ -38,7 +38,7 @@ Result<v1::PhysicsFile> DecidedPhysics::apply(const v1::PhysicalParameters& phys
                 note);
 }
 
-Result<v1::PhysicsFile> DecidedPhysics::edit(const v1::Physics& edits, const std::string& name, std::string& note) {
+Result<v1::PhysicsFile> PhysicsOverrides::edit(const v1::Physics& edits, const std::string& name, std::string& note) {
   return change([&] { return edit_physics(file_, edits, name); },
                 [&]() -> Result<v1::PhysicsFile> {
                   v1::PhysicsFile next = course_[at_];
@@ -50,7 +50,7 @@ Result<v1::PhysicsFile> DecidedPhysics::edit(const v1::Physics& edits, const std
                 note);
 }
 
-Result<v1::PhysicsFile> DecidedPhysics::step(bool redo, std::string& note) {
+Result<v1::PhysicsFile> PhysicsOverrides::step(bool redo, std::string& note) {
   return change([&] { return redo ? redo_physics(file_) : undo_physics(file_); },
                 [&]() -> Result<v1::PhysicsFile> {
                   if (redo ? at_ + 1 >= course_.size() : at_ == 0) {
@@ -62,7 +62,7 @@ Result<v1::PhysicsFile> DecidedPhysics::step(bool redo, std::string& note) {
                 note);
 }
 
-void DecidedPhysics::propose(const v1::PhysicalParameters& physics, const v1::AnalysisRecord& record) {
+void PhysicsOverrides::propose(const v1::PhysicalParameters& physics, const v1::AnalysisRecord& record) {
   std::lock_guard lock(mutex_);
   proposal_.reset();
   if (!file_.empty() && log_proposal(file_, physics, record)) return;
@@ -71,7 +71,7 @@ void DecidedPhysics::propose(const v1::PhysicalParameters& physics, const v1::An
   *proposal_->mutable_analysis() = record;
 }
 
-Result<v1::PhysicsFile> DecidedPhysics::accept(std::string& note) {
+Result<v1::PhysicsFile> PhysicsOverrides::accept(std::string& note) {
   return change([&] { return accept_proposal(file_); },
                 [&]() -> Result<v1::PhysicsFile> {
                   if (!proposal_) return not_found("nothing is proposed; analyse it again");
@@ -83,7 +83,7 @@ Result<v1::PhysicsFile> DecidedPhysics::accept(std::string& note) {
                 note);
 }
 
-Result<v1::PhysicsFile> DecidedPhysics::decline(std::string& note) {
+Result<v1::PhysicsFile> PhysicsOverrides::decline(std::string& note) {
   return change([&] { return decline_proposal(file_); },
                 [&]() -> Result<v1::PhysicsFile> {
                   if (!proposal_) return not_found("nothing is proposed");
@@ -93,24 +93,24 @@ Result<v1::PhysicsFile> DecidedPhysics::decline(std::string& note) {
                 note);
 }
 
-std::optional<v1::PhysicsFile> DecidedPhysics::proposal() const {
+std::optional<v1::PhysicsFile> PhysicsOverrides::proposal() const {
   std::lock_guard lock(mutex_);
   if (proposal_ || file_.empty()) return proposal_;
   return open_proposal(read_decisions(file_));
 }
 
-bool DecidedPhysics::answer_undone() const {
+bool PhysicsOverrides::answer_undone() const {
   std::lock_guard lock(mutex_);
   return !file_.empty() && livegs::answer_undone(read_decisions(file_));
 }
 
-const v1::PhysicsFile& DecidedPhysics::go_on(v1::PhysicsFile next) {
+const v1::PhysicsFile& PhysicsOverrides::go_on(v1::PhysicsFile next) {
   course_.resize(++at_);
   course_.push_back(std::move(next));
   return course_[at_];
 }
 
-Result<v1::PhysicsFile> DecidedPhysics::present() const {
+Result<v1::PhysicsFile> PhysicsOverrides::present() const {
   std::lock_guard lock(mutex_);
   if (file_.empty()) return course_[at_];
   return read_physics_file(file_);

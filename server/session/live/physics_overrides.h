@@ -14,9 +14,9 @@ namespace livegs {
 
 // What was decided about one object of a running scene: in its sidecar, or, for what has none and where the
 // folder cannot be written, in memory until the server ends. Any thread.
-class DecidedPhysics {
+class PhysicsOverrides {
  public:
-  explicit DecidedPhysics(std::filesystem::path file) : file_(std::move(file)) {}
+  explicit PhysicsOverrides(std::filesystem::path file) : file_(std::move(file)) {}
 
   // Each gives what holds from now on. `note` says, once, that it is not kept on disk.
   Result<v1::PhysicsFile> apply(const v1::PhysicalParameters& physics, const v1::AnalysisRecord& record,

@@ -174,8 +174,8 @@ TEST_F(AnalysisControllerTest, AnEditIsLockedAndCanBeUndoneAndRedone) {
 }
 
 // A shape of a scene that has no file.
-TEST(DecidedPhysics, WhatHasNoFileIsToldOnceToHoldUntilTheEnd) {
-  DecidedPhysics decided("");
+TEST(PhysicsOverrides, WhatHasNoFileIsToldOnceToHoldUntilTheEnd) {
+  PhysicsOverrides decided("");
   std::string note;
   v1::Physics edit;
   edit.set_mass_kg(0.7);
