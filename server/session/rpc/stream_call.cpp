@@ -155,7 +155,7 @@ std::optional<grpc::Status> StreamCall::take_message() {
       }
     }
   }
-  table_.hear(*session, *samples);
+  table_.on_input(*session, *samples);
   return std::nullopt;
 }
 

@@ -130,7 +130,7 @@ void SessionTable::remove(const ClientSession& session, const std::lock_guard<st
   totals_.frames_replaced += session.frames_replaced();
   const std::shared_ptr<ClientSession> last_share = std::move(found->second);
   sessions_.erase(found);
-  if (inputs_ != nullptr) inputs_->forget(last_share->number);
+  if (inputs_ != nullptr) inputs_->on_session_closed(last_share->number);
 }
 
 void SessionTable::end(ClientSession& session, const Error& why) {
@@ -340,11 +340,11 @@ std::vector<std::string> SessionTable::object_names() const {
   return names;
 }
 
-void SessionTable::hear(const ClientSession& session, std::span<const InputSample> samples) {
-  // The lock is held until it was heard: what comes after forget() would be kept for a session that nobody ends any more.
+void SessionTable::on_input(const ClientSession& session, std::span<const InputSample> samples) {
+  // The lock is held until it was heard: what comes after on_session_closed() would be kept for a session that nobody ends any more.
   std::lock_guard lock(mutex_);
   if (inputs_ != nullptr && session.who.grant.allows(v1::INTERACT) && sessions_.contains(session.id))
-    inputs_->hear(session.number, samples);
+    inputs_->on_input(session.number, samples);
 }
 
 SessionTable::Status SessionTable::status() const {

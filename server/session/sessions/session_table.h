@@ -80,7 +80,7 @@ class SessionTable {
   // A tick whose kernels are kept in it as `encoding`, for those who asked for that. After deliver() of it.
   void deliver_kernels(std::shared_ptr<const TickEncodings> tick, v1::JoinRequest::Encoding encoding);
   // Ends streams that went silent and drops sessions that were parked or never opened a stream for too long; sees to it
-  // that the others hear something.
+  // that the others on_input something.
   void sweep(int64_t now_ns);
 
   // The scene, for who has no session. Unavailable before open and after close.
@@ -97,7 +97,7 @@ class SessionTable {
   std::set<std::string> asset_hashes() const;
   std::vector<std::shared_ptr<ClientSession>> sessions_now() const;
   // Nothing of a session that may only look, and nothing once it was removed.
-  void hear(const ClientSession& session, std::span<const InputSample> samples);
+  void on_input(const ClientSession& session, std::span<const InputSample> samples);
 
   struct Status {
     std::string scene;

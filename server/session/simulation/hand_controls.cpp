@@ -123,7 +123,7 @@ void HandControls::release(Scene& scene, SessionNumber session) {
   for (size_t i = 0; i < found->second.size(); ++i) let_go(scene, spring_id(session, i), found->second[i]);
 }
 
-void HandControls::forget(Scene& scene, SessionNumber session) {
+void HandControls::on_session_closed(Scene& scene, SessionNumber session) {
   release(scene, session);
   sessions_.erase(session);
 }

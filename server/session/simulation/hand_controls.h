@@ -45,9 +45,9 @@ class HandControls {
  public:
   // Applies one sample of a session. Balls are counted against simulated time, `now_s`.
   void apply(Scene& scene, SessionNumber session, const InputSample& sample, double now_s);
-  // Lets go of what a session holds; forget() also drops its state.
+  // Lets go of what a session holds; on_session_closed() also drops its state.
   void release(Scene& scene, SessionNumber session);
-  void forget(Scene& scene, SessionNumber session);
+  void on_session_closed(Scene& scene, SessionNumber session);
   // Lets go of an object that was taken out of the world.
   void drop_object(Scene& scene, uint32_t object_id);
   // Nobody holds anything any more, since the scene is not to be touched.

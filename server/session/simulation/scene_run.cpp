@@ -38,7 +38,7 @@ void SceneRun::apply(const TickActions& actions) {
   const double now_s = static_cast<double>(tick_) / scene_.world().settings().rate_hz;
   for (const v1::SceneChange& change : actions.changes) livegs::apply(scene_, change);
   for (const SessionNumber session : actions.over) {
-    controls_.forget(scene_, session);
+    controls_.on_session_closed(scene_, session);
     applied_.erase(session);
   }
   for (const SessionSamples& one : actions.samples) {

@@ -37,7 +37,7 @@ void SimulationLoop::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-void SimulationLoop::hear(SessionNumber session, std::span<const InputSample> samples) {
+void SimulationLoop::on_input(SessionNumber session, std::span<const InputSample> samples) {
   const int64_t heard_ns = now_ns();
   std::lock_guard lock(mutex_);
   Mailbox& mailbox = mailboxes_[session];
@@ -50,7 +50,7 @@ void SimulationLoop::hear(SessionNumber session, std::span<const InputSample> sa
   }
 }
 
-void SimulationLoop::forget(SessionNumber session) {
+void SimulationLoop::on_session_closed(SessionNumber session) {
   std::lock_guard lock(mutex_);
   mailboxes_.erase(session);
   gone_.push_back(session);

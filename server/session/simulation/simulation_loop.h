@@ -54,8 +54,8 @@ class SimulationLoop : public InputSink {
   void start();
   void stop();  // returns when the tick that is running is done; more than once is fine
 
-  void hear(SessionNumber session, std::span<const InputSample> samples) override;
-  void forget(SessionNumber session) override;
+  void on_input(SessionNumber session, std::span<const InputSample> samples) override;
+  void on_session_closed(SessionNumber session) override;
 
   // From the first tick on; it outlives the loop. Before start().
   void record_with(TickRecorder& recorder) { recorder_ = &recorder; }

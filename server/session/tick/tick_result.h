@@ -80,9 +80,9 @@ class InputSink {
   virtual ~InputSink() = default;
   // A sign of life of a session, with the samples it brought: oldest first, each already checked, repeated
   // ones welcome (a sequence that was seen before is skipped).
-  virtual void hear(SessionNumber session, std::span<const InputSample> samples) = 0;
+  virtual void on_input(SessionNumber session, std::span<const InputSample> samples) = 0;
   // The session is gone; what it held is let go. It is not heard any more.
-  virtual void forget(SessionNumber session) = 0;
+  virtual void on_session_closed(SessionNumber session) = 0;
 };
 
 }  // namespace livegs

@@ -64,8 +64,8 @@ class NoiseServer {
 
  private:
   class Nobody final : public InputSink {
-    void hear(SessionNumber, std::span<const InputSample>) override {}
-    void forget(SessionNumber) override {}
+    void on_input(SessionNumber, std::span<const InputSample>) override {}
+    void on_session_closed(SessionNumber) override {}
   };
 
   void run() {

@@ -367,7 +367,7 @@ TEST(SessionRecorder, AFullDiskEndsTheRecordingAndNothingElse) {
   uint64_t sent = 0;
   const bool ended = log.wait([&](const std::vector<TickResult>& ticks) {
     const std::array<InputSample, 1> sample{hand_at(++sent, 0.5)};
-    loop.hear(1, sample);
+    loop.on_input(1, sample);
     return !recorder.status().message().empty() || ticks.size() > 2000;
   });
   setrlimit(RLIMIT_FSIZE, &kept);

@@ -19,12 +19,12 @@ namespace livegs {
 // Remembers what the sessions did.
 class InputLog final : public InputSink {
  public:
-  void hear(SessionNumber session, std::span<const InputSample> samples) override {
+  void on_input(SessionNumber session, std::span<const InputSample> samples) override {
     std::lock_guard lock(mutex_);
     for (const InputSample& sample : samples) heard_.emplace_back(session, sample);
     changed_.notify_all();
   }
-  void forget(SessionNumber session) override {
+  void on_session_closed(SessionNumber session) override {
     std::lock_guard lock(mutex_);
     forgotten_.push_back(session);
     changed_.notify_all();

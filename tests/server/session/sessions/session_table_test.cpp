@@ -19,8 +19,8 @@ constexpr int64_t kSecond_ns = 1'000'000'000;
 
 class Forgotten final : public InputSink {
  public:
-  void hear(SessionNumber, std::span<const InputSample>) override {}
-  void forget(SessionNumber session) override { sessions.push_back(session); }
+  void on_input(SessionNumber, std::span<const InputSample>) override {}
+  void on_session_closed(SessionNumber session) override { sessions.push_back(session); }
   std::vector<SessionNumber> sessions;
 };
 
@@ -40,7 +40,7 @@ class Writer final : public SessionWriter {
 // Takes its time over what it hears: until somebody is forgotten, or as long as it would wait for that.
 class SlowListener final : public InputSink {
  public:
-  void hear(SessionNumber session, std::span<const InputSample>) override {
+  void on_input(SessionNumber session, std::span<const InputSample>) override {
     std::unique_lock lock(mutex_);
     hearing_ = true;
     changed_.notify_all();
@@ -48,7 +48,7 @@ class SlowListener final : public InputSink {
     if (forgotten_ == session) ++heard_after;
     hearing_ = false;
   }
-  void forget(SessionNumber session) override {
+  void on_session_closed(SessionNumber session) override {
     std::lock_guard lock(mutex_);
     forgotten_ = session;
     changed_.notify_all();
@@ -69,12 +69,12 @@ class SlowListener final : public InputSink {
 // Counts what it hears of whom it has forgotten.
 class Attentive final : public InputSink {
  public:
-  void hear(SessionNumber session, std::span<const InputSample>) override {
+  void on_input(SessionNumber session, std::span<const InputSample>) override {
     std::lock_guard lock(mutex_);
     ++heard;
     if (gone_.contains(session)) ++heard_after;
   }
-  void forget(SessionNumber session) override {
+  void on_session_closed(SessionNumber session) override {
     std::lock_guard lock(mutex_);
     if (!gone_.insert(session).second) ++forgotten_again;
   }
@@ -218,12 +218,12 @@ TEST(SessionTable, WhoIsForgottenIsNotHeardAnyMore) {
   SessionTable table;
   table.open("scene", 90, {}, inputs);
   const auto session = table.join()->session;
-  std::thread speaker([&] { table.hear(*session, {}); });
+  std::thread speaker([&] { table.on_input(*session, {}); });
   inputs.wait_hearing();
   EXPECT_TRUE(table.end_session(session->id, invalid_argument("enough")));
   speaker.join();
   EXPECT_EQ(inputs.heard_after, 0);
-  table.hear(*session, {});
+  table.on_input(*session, {});
   EXPECT_EQ(inputs.heard_after, 0);
 }
 
@@ -252,8 +252,8 @@ TEST(SessionTable, ClientsThatSpeakWhileTheyAreEndedAreForgottenOnceAndLast) {
       last = session.id;
       const auto writer = std::make_shared<Writer>();
       const auto stream = session.attach(writer);
-      for (int words = 0; words < 100 && table.find(last) && !over; ++words) table.hear(session, {});
-      for (int late = 0; late < 3; ++late) table.hear(session, {});
+      for (int words = 0; words < 100 && table.find(last) && !over; ++words) table.on_input(session, {});
+      for (int late = 0; late < 3; ++late) table.on_input(session, {});
       if (stream) table.stream_ended(session, stream->stream, turn % 2 == 0);
     }
   };

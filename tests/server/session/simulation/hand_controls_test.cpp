@@ -285,7 +285,7 @@ TEST(HandControls, TwoPeopleHoldOneObjectAndItStaysBetweenThem) {
     EXPECT_NEAR(force_n(1).x(), -force_n(2).x(), 0.1);
     EXPECT_GT(std::abs(force_n(1).x()), 1.0);
     if (vanishes) {
-      hands.controls.forget(hands.scene, 2);
+      hands.controls.on_session_closed(hands.scene, 2);
       second_is_here = false;
     } else {
       squeeze[1] = 0.0f;

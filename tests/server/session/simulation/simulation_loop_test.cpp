@@ -47,20 +47,20 @@ void expect_pull_lifts(const char* name, double x) {
   SimulationLoop loop(box_scene(), log);
   const uint32_t id = loop.scene().find(name)->id;
   const Eigen::Vector3d from_m(x, 0.1, 1.0);
-  loop.hear(1, one(hand_sample(1, from_m, 1.0f)));
+  loop.on_input(1, one(hand_sample(1, from_m, 1.0f)));
   loop.start();
   ASSERT_TRUE(log.wait([](const Ticks& ticks) { return !ticks.empty(); }));
   const double start_y = middle_of(log.ticks().front().drivers, id).y();
   // Half a metre up, a centimetre a tick, each sample a sign of life.
   for (uint64_t step = 1; step <= 50; ++step) {
     const size_t seen = log.ticks().size();
-    loop.hear(1, one(hand_sample(1 + step, from_m + Eigen::Vector3d(0, 0.01 * static_cast<double>(step), 0),
+    loop.on_input(1, one(hand_sample(1 + step, from_m + Eigen::Vector3d(0, 0.01 * static_cast<double>(step), 0),
                                  1.0f)));
     ASSERT_TRUE(log.wait([&](const Ticks& ticks) { return ticks.size() > seen; }));
   }
   uint64_t sequence = 51;
   const auto lifted = [&](const Ticks& ticks) {
-    loop.hear(1, one(hand_sample(++sequence, from_m + Eigen::Vector3d(0, 0.5, 0), 1.0f)));
+    loop.on_input(1, one(hand_sample(++sequence, from_m + Eigen::Vector3d(0, 0.5, 0), 1.0f)));
     return middle_of(ticks.back().drivers, id).y() > start_y + 0.25;
   };
   EXPECT_TRUE(log.wait(lifted)) << name << " at " << middle_of(log.ticks().back().drivers, id).transpose();
@@ -70,7 +70,7 @@ void expect_pull_lifts(const char* name, double x) {
   EXPECT_EQ(held.hands[0].hands[1].object_id, id);
 
   // The trigger eases: it falls back to the floor.
-  loop.hear(1, one(hand_sample(++sequence, from_m, 0.0f)));
+  loop.on_input(1, one(hand_sample(++sequence, from_m, 0.0f)));
   EXPECT_TRUE(
       log.wait([&](const Ticks& ticks) { return middle_of(ticks.back().drivers, id).y() < start_y + 0.05; }));
   EXPECT_FALSE(log.ticks().back().hands[0].hands[1].holding);
@@ -87,8 +87,8 @@ TEST(SimulationLoop, ARisingEdgeShootsOneBall) {
   const std::array<InputSample, 4> samples = {
       hand_sample(1, from_m, 0, false), hand_sample(2, from_m, 0, true), hand_sample(3, from_m, 0, true),
       hand_sample(4, from_m, 0, true)};
-  loop.hear(1, samples);
-  loop.hear(1, samples);
+  loop.on_input(1, samples);
+  loop.on_input(1, samples);
   loop.start();
   ASSERT_TRUE(log.wait([](const Ticks& ticks) { return ticks.size() >= 10; }));
   loop.stop();
@@ -108,7 +108,7 @@ TEST(SimulationLoop, ShotsAreLimitedInTime) {
   SimulationLoop loop(box_scene(), log);
   std::vector<InputSample> flicker;
   for (uint64_t i = 1; i <= 40; ++i) flicker.push_back(hand_sample(i, {0, 0.5, 1}, 0, i % 2 == 0));
-  loop.hear(1, flicker);
+  loop.on_input(1, flicker);
   loop.start();
   ASSERT_TRUE(log.wait([](const Ticks& ticks) { return ticks.size() >= 3; }));
   loop.stop();
@@ -118,19 +118,19 @@ TEST(SimulationLoop, ShotsAreLimitedInTime) {
 TEST(SimulationLoop, ASessionThatVanishesLetsGo) {
   TickLog log;
   SimulationLoop loop(box_scene(), log);
-  loop.hear(1, one(hand_sample(1, {-0.5, 0.1, 1}, 1.0f)));
+  loop.on_input(1, one(hand_sample(1, {-0.5, 0.1, 1}, 1.0f)));
   loop.start();
   ASSERT_TRUE(log.wait([](const Ticks& ticks) {
     return !ticks.empty() && !ticks.back().hands.empty() && ticks.back().hands[0].hands[1].holding;
   }));
-  loop.forget(1);
+  loop.on_session_closed(1);
   EXPECT_TRUE(log.wait([](const Ticks& ticks) { return ticks.back().hands.empty(); }));
 }
 
 TEST(SimulationLoop, ASilentSessionLetsGoAfterHalfASecond) {
   TickLog log;
   SimulationLoop loop(box_scene(), log);
-  loop.hear(1, one(hand_sample(1, {-0.5, 0.1, 1}, 1.0f)));
+  loop.on_input(1, one(hand_sample(1, {-0.5, 0.1, 1}, 1.0f)));
   loop.start();
   const auto holds = [](const Ticks& ticks) {
     return !ticks.empty() && !ticks.back().hands.empty() && ticks.back().hands[0].hands[1].holding;
@@ -145,7 +145,7 @@ TEST(SimulationLoop, AHandThatComesBackClosedHoldsNothing) {
   TickLog log;
   SimulationLoop loop(box_scene(), log);
   const Eigen::Vector3d from_m(-0.5, 0.1, 1);
-  loop.hear(1, one(hand_sample(1, from_m, 1.0f)));
+  loop.on_input(1, one(hand_sample(1, from_m, 1.0f)));
   loop.start();
   const auto holds = [](const Ticks& ticks) {
     return !ticks.empty() && !ticks.back().hands.empty() && ticks.back().hands[0].hands[1].holding;
@@ -154,7 +154,7 @@ TEST(SimulationLoop, AHandThatComesBackClosedHoldsNothing) {
   ASSERT_TRUE(log.wait([&](const Ticks& ticks) { return !holds(ticks); }));
   uint64_t sequence = 1;
   const auto send = [&](float trigger) {
-    loop.hear(1, one(hand_sample(++sequence, from_m, trigger)));
+    loop.on_input(1, one(hand_sample(++sequence, from_m, trigger)));
     return log.wait([&](const Ticks& ticks) { return ticks.back().hands[0].input_sequence == sequence; });
   };
   ASSERT_TRUE(send(1.0f));
@@ -173,7 +173,7 @@ TEST(SimulationLoop, AppliesASampleAtTheTickItIsMeantFor) {
   samples[1].for_tick = 7;
   samples[2].for_tick = 6;              // one that is meant for before waits for those before it
   samples[3].for_tick = 1'000'000'000;  // not believed
-  loop.hear(1, samples);
+  loop.on_input(1, samples);
   loop.start();
   ASSERT_TRUE(log.wait([](const Ticks& ticks) { return ticks.size() >= 10; }));
   loop.stop();
@@ -204,7 +204,7 @@ TEST(SimulationLoop, TheOrderOfArrivalOfTwoPeopleChangesNothing) {
       }
     }
     for (const size_t who : swapped ? std::array<size_t, 2>{1, 0} : std::array<size_t, 2>{0, 1}) {
-      loop.hear(who + 1, samples[who]);
+      loop.on_input(who + 1, samples[who]);
     }
     loop.start();
     ASSERT_TRUE(log.wait([](const Ticks& ticks) { return ticks.size() >= 25; }));

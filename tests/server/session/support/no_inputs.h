@@ -11,7 +11,7 @@ namespace livegs {
 class NoInputs final : public InputSink {
  public:
   void hear(SessionNumber, std::span<const InputSample>) override {}
-  void forget(SessionNumber) override {}
+  void on_session_closed(SessionNumber) override {}
 };
 
 }  // namespace livegs
