@@ -196,7 +196,7 @@ uint64_t SessionTable::deliver(std::shared_ptr<TickEncodings> tick, std::span<co
     event_number = event_number_ += events.size();
     tick->reaches = reaches_;
     for (const auto& [id, session] : sessions_) sessions.push_back(session);
-    tell(events, not_reading);
+    broadcast(events, not_reading);
   }
   for (const auto& session : sessions) {
     session->offer(tick);
@@ -206,7 +206,7 @@ uint64_t SessionTable::deliver(std::shared_ptr<TickEncodings> tick, std::span<co
   return event_number;
 }
 
-void SessionTable::tell(std::span<const v1::SessionEvent> events, std::vector<NotReading>& not_reading) {
+void SessionTable::broadcast(std::span<const v1::SessionEvent> events, std::vector<NotReading>& not_reading) {
   for (const auto& [id, session] : sessions_) {
     for (const v1::SessionEvent& event : events) {
       if (!session->add_event(event)) {
@@ -251,7 +251,7 @@ void SessionTable::propose(const std::string& object, const v1::PhysicsFile* pro
       *events.emplace_back().mutable_object_changed() = *one;
     }
     event_number_ += events.size();
-    tell(events, not_reading);
+    broadcast(events, not_reading);
   }
   for (const auto& session : sessions_now()) {
     if (const auto writer = session->writer()) writer->wake();

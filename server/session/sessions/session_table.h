@@ -120,7 +120,7 @@ class SessionTable {
     std::shared_ptr<ClientSession> session;
     ClientSession::Stream stream;
   };
-  void tell(std::span<const v1::SessionEvent> events, std::vector<NotReading>& not_reading);
+  void broadcast(std::span<const v1::SessionEvent> events, std::vector<NotReading>& not_reading);
   static void cut_off(std::span<const NotReading> not_reading);
   void remove(const ClientSession& session);
   void remove(const ClientSession& session, const std::lock_guard<std::mutex>& lock);
