@@ -45,7 +45,7 @@ constexpr const char* kHowToDecide =
 
 // As a client may read it; where that leaves something out, the log has it.
 std::string told(const std::string& object, const std::string& message) {
-  std::string line = without_folders(message);
+  std::string line = redact_paths(message);
   if (line != message) log_warn("%s: %s", shown_text(object, 80).c_str(), message.c_str());
   return line;
 }
@@ -306,7 +306,7 @@ std::string AnalysisController::land(const AnalysisUpdate& update) {
 Result<v1::PhysicsReply> AnalysisController::reply_of(const Known& known, const v1::PhysicsFile& file, const std::string& note) {
   const SceneAnalysis::Object object = loaded(known);
   v1::PhysicsReply reply;
-  if (!note.empty()) reply.add_warnings(without_folders(logged(object.name, note)));
+  if (!note.empty()) reply.add_warnings(redact_paths(logged(object.name, note)));
   std::string size_note;
   auto layered = layered_physics(file, object.written, *facts_by_name(object, file), size_note);
   if (!layered) return layered.error();

@@ -51,7 +51,7 @@ Result<void> RunController::reset() {
   loop_.set_loading(true, "");
   const auto failed = [this](const std::string& why) {
     log_warn("reset: %s", why.c_str());
-    loop_.set_loading(false, "reset: " + without_folders(why));
+    loop_.set_loading(false, "reset: " + redact_paths(why));
   };
   try {
     loading_ = std::jthread([this, failed, first_id = (now.resets + 1) * kIdsOfOneLoading + 1] {

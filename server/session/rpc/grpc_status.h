@@ -31,7 +31,7 @@ inline grpc::Status to_status(const Error& error) {
     }
     return grpc::StatusCode::INTERNAL;
   }();
-  std::string told = without_folders(error.message);
+  std::string told = redact_paths(error.message);
   if (told != error.message) log_warn("a client was told: %s", error.message.c_str());
   return {code, std::move(told)};
 }

@@ -10,7 +10,7 @@ bool ends_word(char c) { return c == ' ' || c == '"' || c == '\'' || c == '(' ||
 
 }  // namespace
 
-std::string without_folders(std::string_view message) {
+std::string redact_paths(std::string_view message) {
   std::string told;
   for (size_t at = 0; at < message.size();) {
     const bool begins = message[at] == '/' && (at == 0 || ends_word(message[at - 1]));
