@@ -175,9 +175,9 @@ void StreamCall::write_next(const std::lock_guard<std::mutex>& lock) {
   }
 }
 
-void StreamCall::beat(int64_t now) {
+void StreamCall::send_keepalive(int64_t now) {
   std::lock_guard lock(mutex_);
-  if (writing_ || finish_status_ || !session_ || now - written_ns_ < kBeatAfter_ns) return;
+  if (writing_ || finish_status_ || !session_ || now - written_ns_ < kKeepaliveInterval_ns) return;
   write({}, lock);
 }
 

@@ -34,7 +34,7 @@ class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
   static StreamCall* start(SessionTable& table, Result<Grant> grant, grpc::CallbackServerContext& context);
 
   void wake() override;
-  void beat(int64_t now_ns) override;
+  void send_keepalive(int64_t now_ns) override;
   void close(const std::string& reason) override;
   void end(const Error& why) override;
   void end_without_session() override;

@@ -20,8 +20,8 @@ class SessionWriter {
  public:
   virtual ~SessionWriter() = default;
   virtual void wake() = 0;
-  // Writes a message of no content if nothing was written for kBeatAfter_ns.
-  virtual void beat(int64_t now_ns) = 0;
+  // Writes a message of no content if nothing was written for kKeepaliveInterval_ns.
+  virtual void send_keepalive(int64_t now_ns) = 0;
   // Writes what waits, then ends the stream with UNAVAILABLE and `reason`.
   virtual void close(const std::string& reason) = 0;
   // Ends the stream with the error as soon as the write that is under way is done. What waits is not written.
@@ -32,7 +32,7 @@ class SessionWriter {
   virtual void abort() = 0;
 };
 
-inline constexpr int64_t kBeatAfter_ns = 200'000'000;
+inline constexpr int64_t kKeepaliveInterval_ns = 200'000'000;
 
 // Who has a session.
 struct ClientIdentity {

@@ -307,7 +307,7 @@ void SessionTable::sweep(int64_t now) {
                                                                          : kJoinExpiry_ns;
     const auto [writer, stream] = session->stream();
     if (silent_ns < patience_ns) {
-      if (writer) writer->beat(now);
+      if (writer) writer->send_keepalive(now);
       continue;
     }
     if (state == ClientSession::State::Streaming) {

@@ -32,7 +32,7 @@ class Reader final : public SessionWriter {
     }
     changed_.notify_all();
   }
-  void beat(int64_t) override {}
+  void send_keepalive(int64_t) override {}
   void close(const std::string&) override {}
   void end(const Error&) override {}
   void end_without_session() override {}

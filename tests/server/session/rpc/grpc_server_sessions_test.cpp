@@ -34,10 +34,10 @@ TEST_F(GrpcServerTest, ASilentStreamIsDropped) {
   client.open();
   publish(1);
   ASSERT_EQ(client.read().tick(), 1u);
-  v1::ServerMessage beat;
+  v1::ServerMessage send_keepalive;
   int beats = 0;
-  while (client.read_any(beat)) {
-    EXPECT_TRUE(beat.frame().empty());
+  while (client.read_any(send_keepalive)) {
+    EXPECT_TRUE(send_keepalive.frame().empty());
     ++beats;
   }
   EXPECT_GE(beats, 4);  // one every 200 to 300 ms

@@ -27,7 +27,7 @@ class Forgotten final : public InputSink {
 class Writer final : public SessionWriter {
  public:
   void wake() override {}
-  void beat(int64_t) override { ++beats; }
+  void send_keepalive(int64_t) override { ++beats; }
   void close(const std::string&) override {}
   void end(const Error& why) override { ended = why.message; }
   void end_without_session() override { ++overdue; }
