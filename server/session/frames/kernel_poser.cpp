@@ -33,7 +33,7 @@ KernelFrame KernelPoser::pose(const DriverFrame& frame, KernelEncoding encoding)
     Object& object = of_revision->second;
     bytes += kernel_bytes(object.asset->size(), encoding);
     if (bytes > kMaxFrameBytes) {
-      if (!std::exchange(told_of_room_, true))
+      if (!std::exchange(warned_of_room_, true))
         log_warn("%s and what comes after it is not streamed as kernels: a frame holds no more", object.name.c_str());
       break;
     }

@@ -35,7 +35,7 @@ class KernelPoser {
   static bool tie(Object& object);
 
   std::map<uint32_t, std::map<uint32_t, Object>> objects_;  // by id, then revision
-  bool told_of_room_ = false;
+  bool warned_of_room_ = false;
 };
 
 }  // namespace livegs

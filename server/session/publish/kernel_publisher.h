@@ -35,7 +35,7 @@ class KernelPublisher {
   SessionTable& table_;
   KernelPoser poser_;  // the thread's, like the next
   size_t slow_ = 0;    // frames, one after the other, that took long
-  bool told_ = false;  // of them
+  bool warned_ = false;  // of them
 
   std::mutex mutex_;  // guards everything below but the thread
   std::condition_variable changed_;
