@@ -265,7 +265,7 @@ void AnalysisController::work(Request& request, std::stop_token stop) {
             wait_for_person(update.object_id, waiting);  // the scene stays as it is
           }
           if (progress.verdict() == v1::AnalysisProgress::ACCEPTED) {
-            if (const std::string note = land(update); !note.empty()) progress.set_message(told(known.object->name, note));
+            if (const std::string note = apply_answer(update); !note.empty()) progress.set_message(told(known.object->name, note));
           }
           if (!update.cancelled) log_finished(known.object->name, progress);
         }
@@ -289,7 +289,7 @@ void AnalysisController::work(Request& request, std::stop_token stop) {
   }
 }
 
-std::string AnalysisController::land(const AnalysisUpdate& update) {
+std::string AnalysisController::apply_answer(const AnalysisUpdate& update) {
   const Known& known = known_.at(update.object_id);
   std::string note;
   std::lock_guard deciding(deciding_);

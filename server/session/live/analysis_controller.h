@@ -66,7 +66,7 @@ class AnalysisController final : public AnalysisControl {
   // What objects have now, in the targets and beside them.
   std::vector<AnalysisNeighbour> refresh(std::vector<AnalysisTarget>& targets);
   // Takes an answer into the object's decided values and the scene; empty, or why not.
-  std::string land(const AnalysisUpdate& update);
+  std::string apply_answer(const AnalysisUpdate& update);
   // What the object has with `file`, brought into the scene at the next tick.
   Result<v1::PhysicsReply> apply(const Known& known, const v1::PhysicsFile& file, const std::string& note);
   // The same without the last step.

@@ -15,11 +15,11 @@ Result<v1::PhysicsFile> PhysicsOverrides::change(const OnDisk& on_disk, const In
     if (changed) proposal_.reset();  // of an earlier time when it could not be written
     if (changed || changed.error().code != ErrorCode::PermissionDenied) return changed;
     note = changed.error().message + "; they hold until the server ends";
-    if (auto kept = read_physics_file(file_)) course_ = {std::move(*kept)};
+    if (auto kept = read_physics_file(file_)) revisions_ = {std::move(*kept)};
     if (!proposal_) proposal_ = open_proposal(read_decisions(file_));
-    at_ = 0;
+    current_ = 0;
     file_.clear();
-  } else if (at_ == 0 && course_.size() == 1) {
+  } else if (current_ == 0 && revisions_.size() == 1) {
     note = "there is no file to keep it in: it holds until the server ends; write it into the scene file";
   }
   return in_memory();
@@ -29,11 +29,11 @@ Result<v1::PhysicsFile> PhysicsOverrides::apply(const v1::PhysicalParameters& ph
                                               const v1::AnalysisRecord& record, std::string& note) {
   return change([&] { return apply_analysis(file_, physics, record); },
                 [&]() -> Result<v1::PhysicsFile> {
-                  v1::PhysicsFile next = course_[at_];
+                  v1::PhysicsFile next = revisions_[current_];
                   *next.mutable_physics() = physics;
                   *next.mutable_analysis() = record;
                   proposal_.reset();
-                  return go_on(std::move(next));
+                  return push_revision(std::move(next));
                 },
                 note);
 }
@@ -41,11 +41,11 @@ Result<v1::PhysicsFile> PhysicsOverrides::apply(const v1::PhysicalParameters& ph
 Result<v1::PhysicsFile> PhysicsOverrides::edit(const v1::Physics& edits, const std::string& name, std::string& note) {
   return change([&] { return edit_physics(file_, edits, name); },
                 [&]() -> Result<v1::PhysicsFile> {
-                  v1::PhysicsFile next = course_[at_];
+                  v1::PhysicsFile next = revisions_[current_];
                   merge_edits(*next.mutable_edits(), edits);
                   if (!name.empty()) next.set_name(physics_name(name));
                   proposal_.reset();
-                  return go_on(std::move(next));
+                  return push_revision(std::move(next));
                 },
                 note);
 }
@@ -53,11 +53,11 @@ Result<v1::PhysicsFile> PhysicsOverrides::edit(const v1::Physics& edits, const s
 Result<v1::PhysicsFile> PhysicsOverrides::step(bool redo, std::string& note) {
   return change([&] { return redo ? redo_physics(file_) : undo_physics(file_); },
                 [&]() -> Result<v1::PhysicsFile> {
-                  if (redo ? at_ + 1 >= course_.size() : at_ == 0) {
+                  if (redo ? current_ + 1 >= revisions_.size() : current_ == 0) {
                     return not_found(std::string("there is nothing to ") + (redo ? "redo" : "undo"));
                   }
-                  at_ += redo ? 1 : -1;
-                  return course_[at_];
+                  current_ += redo ? 1 : -1;
+                  return revisions_[current_];
                 },
                 note);
 }
@@ -75,10 +75,10 @@ Result<v1::PhysicsFile> PhysicsOverrides::accept(std::string& note) {
   return change([&] { return accept_proposal(file_); },
                 [&]() -> Result<v1::PhysicsFile> {
                   if (!proposal_) return not_found("nothing is proposed; analyse it again");
-                  v1::PhysicsFile next = course_[at_];
+                  v1::PhysicsFile next = revisions_[current_];
                   take_proposal(*proposal_, next);
                   proposal_.reset();
-                  return go_on(std::move(next));
+                  return push_revision(std::move(next));
                 },
                 note);
 }
@@ -88,7 +88,7 @@ Result<v1::PhysicsFile> PhysicsOverrides::decline(std::string& note) {
                 [&]() -> Result<v1::PhysicsFile> {
                   if (!proposal_) return not_found("nothing is proposed");
                   proposal_.reset();
-                  return course_[at_];
+                  return revisions_[current_];
                 },
                 note);
 }
@@ -104,15 +104,15 @@ bool PhysicsOverrides::answer_undone() const {
   return !file_.empty() && livegs::answer_undone(read_decisions(file_));
 }
 
-const v1::PhysicsFile& PhysicsOverrides::go_on(v1::PhysicsFile next) {
-  course_.resize(++at_);
-  course_.push_back(std::move(next));
-  return course_[at_];
+const v1::PhysicsFile& PhysicsOverrides::push_revision(v1::PhysicsFile next) {
+  revisions_.resize(++current_);
+  revisions_.push_back(std::move(next));
+  return revisions_[current_];
 }
 
 Result<v1::PhysicsFile> PhysicsOverrides::present() const {
   std::lock_guard lock(mutex_);
-  if (file_.empty()) return course_[at_];
+  if (file_.empty()) return revisions_[current_];
   return read_physics_file(file_);
 }
 

@@ -31,14 +31,14 @@ class PhysicsOverrides {
   bool answer_undone() const;                       // physics_file.h
 
  private:
-  const v1::PhysicsFile& go_on(v1::PhysicsFile next);  // in memory
+  const v1::PhysicsFile& push_revision(v1::PhysicsFile next);  // in memory
   template <class OnDisk, class InMemory>
   Result<v1::PhysicsFile> change(const OnDisk& on_disk, const InMemory& in_memory, std::string& note);
 
   mutable std::mutex mutex_;    // guards all below
   std::filesystem::path file_;  // empty: in memory
-  std::vector<v1::PhysicsFile> course_ = std::vector<v1::PhysicsFile>(1);
-  size_t at_ = 0;
+  std::vector<v1::PhysicsFile> revisions_ = std::vector<v1::PhysicsFile>(1);
+  size_t current_ = 0;
   std::optional<v1::PhysicsFile> proposal_;  // in memory; its physics and analysis
 };
 
