@@ -119,35 +119,35 @@ void AnalysisController::begin() {
 void AnalysisController::find_proposals() {
   for (const auto& [id, known] : known_) {
     if (const auto proposal = known.decided->proposal()) {
-      wait_for_person(id, *proposal);
+      add_proposal(id, *proposal);
     } else {
-      wait_for_nobody(id);  // another program has accepted it
+      remove_proposal(id);  // another program has accepted it
     }
   }
 }
 
-void AnalysisController::wait_for_person(uint32_t object_id, const v1::PhysicsFile& proposal) {
+void AnalysisController::add_proposal(uint32_t object_id, const v1::PhysicsFile& proposal) {
   std::lock_guard lock(mutex_);
-  v1::PhysicsFile& waiting = waiting_[object_id];
+  v1::PhysicsFile& waiting = proposals_[object_id];
   waiting = proposal;
   if (proposed_) proposed_(known_.at(object_id).object->name, &waiting);
 }
 
-void AnalysisController::wait_for_nobody(uint32_t object_id) {
+void AnalysisController::remove_proposal(uint32_t object_id) {
   std::lock_guard lock(mutex_);
-  if (waiting_.erase(object_id) > 0 && proposed_) proposed_(known_.at(object_id).object->name, nullptr);
+  if (proposals_.erase(object_id) > 0 && proposed_) proposed_(known_.at(object_id).object->name, nullptr);
 }
 
 bool AnalysisController::waits(uint32_t object_id) {
   std::lock_guard lock(mutex_);
-  return waiting_.contains(object_id);
+  return proposals_.contains(object_id);
 }
 
 void AnalysisController::watch_proposals(Proposed proposed) {
   std::lock_guard lock(mutex_);
   proposed_ = std::move(proposed);
   if (!proposed_) return;
-  for (const auto& [id, proposal] : waiting_) proposed_(known_.at(id).object->name, &proposal);
+  for (const auto& [id, proposal] : proposals_) proposed_(known_.at(id).object->name, &proposal);
 }
 
 SceneAnalysis::Object AnalysisController::loaded(const Known& known) {
@@ -262,7 +262,7 @@ void AnalysisController::work(Request& request, std::stop_token stop) {
             v1::PhysicsFile waiting;
             *waiting.mutable_physics() = update.judgement.proposal;
             *waiting.mutable_analysis() = update.record;
-            wait_for_person(update.object_id, waiting);  // the scene stays as it is
+            add_proposal(update.object_id, waiting);  // the scene stays as it is
           }
           if (progress.verdict() == v1::AnalysisProgress::ACCEPTED) {
             if (const std::string note = apply_answer(update); !note.empty()) progress.set_message(told(known.object->name, note));
@@ -295,7 +295,7 @@ std::string AnalysisController::apply_answer(const AnalysisUpdate& update) {
   std::lock_guard deciding(deciding_);
   auto file = known.decided->apply(update.parameters, update.record, note);
   if (!file) return file.error().message;
-  wait_for_nobody(update.object_id);
+  remove_proposal(update.object_id);
   auto applied = apply(known, *file, note);
   if (!applied) return applied.error().message;
   std::string told;
@@ -348,7 +348,7 @@ Result<v1::PhysicsReply> AnalysisController::set_physics(const std::string& obje
   std::lock_guard deciding(deciding_);
   auto file = (*known)->decided->edit(physics, name, note);
   if (!file) return file.error();
-  wait_for_nobody((*known)->object->target.object_id);
+  remove_proposal((*known)->object->target.object_id);
   if (!name.empty() && file->has_physics()) {
     note += (note.empty() ? "" : "; ") + std::string("its values were found under another name; analyse it again");
   }
@@ -364,7 +364,7 @@ Result<v1::PhysicsReply> AnalysisController::accept_proposal(const std::string& 
   std::lock_guard deciding(deciding_);
   auto file = (*known)->decided->accept(note);
   if (!file) return file.error();
-  wait_for_nobody((*known)->object->target.object_id);
+  remove_proposal((*known)->object->target.object_id);
   return apply(**known, *file, note);
 }
 
@@ -375,7 +375,7 @@ Result<v1::PhysicsReply> AnalysisController::decline_proposal(const std::string&
   std::lock_guard deciding(deciding_);
   auto file = (*known)->decided->decline(note);
   if (!file) return file.error();
-  wait_for_nobody((*known)->object->target.object_id);
+  remove_proposal((*known)->object->target.object_id);
   return reply_of(**known, *file, note);
 }
 

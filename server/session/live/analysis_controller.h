@@ -77,8 +77,8 @@ class AnalysisController final : public AnalysisControl {
   Result<Known*> find(const std::string& name);
   // Proposals that nobody has judged yet: the log tells of them, and whoever watches. They change nothing of the scene.
   void find_proposals();
-  void wait_for_person(uint32_t object_id, const v1::PhysicsFile& proposal);
-  void wait_for_nobody(uint32_t object_id);
+  void add_proposal(uint32_t object_id, const v1::PhysicsFile& proposal);
+  void remove_proposal(uint32_t object_id);
   bool waits(uint32_t object_id);
 
   SceneAnalysis scene_;
@@ -92,7 +92,7 @@ class AnalysisController final : public AnalysisControl {
   std::mutex deciding_;
   std::mutex mutex_;  // guards the next five
   std::map<uint32_t, SceneAnalysis::Object> reloaded_;         // by the id it had at first
-  std::map<uint32_t, v1::PhysicsFile> waiting_;                // proposals, by object
+  std::map<uint32_t, v1::PhysicsFile> proposals_;                // proposals, by object
   Proposed proposed_;
   std::condition_variable_any changed_;
   std::deque<Request> requests_;
