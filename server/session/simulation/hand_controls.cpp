@@ -20,7 +20,7 @@ void HandControls::apply(Scene& scene, SessionNumber session, const InputSample&
     Hand& hand = hands[i];
     const HandSample& input = sample.hands[i];
     if (!input.active) {  // a hand that is lost from view holds nothing
-      let_go(scene, spring_id(session, i), hand);
+      release_hand(scene, spring_id(session, i), hand);
       hand.triggered = hand.shooting = hand.squeezed = hand.tracked = false;
       continue;
     }
@@ -49,7 +49,7 @@ void HandControls::apply_ray(Scene& scene, uint64_t spring, Hand& hand, const Ha
     }
   }
   hand.triggered = pressed;
-  if (!pressed && hand.holding) let_go(scene, spring, hand);
+  if (!pressed && hand.holding) release_hand(scene, spring, hand);
   if (!hand.holding) return;
 
   // Of the sherd, once it has broken.
@@ -98,7 +98,7 @@ void HandControls::apply_grab(Scene& scene, uint64_t grab_id, Hand& hand, const 
   if (squeezed && !hand.squeezed) {  // a hand that is closed already takes nothing
     if (const auto met = world.nearest(input.grip.position_m, kGrabReach_m)) {
       if (const double mass_kg = world.mass_at_kg(met->object_id, met->rest_point_m, met->piece); mass_kg > 0) {
-        let_go(scene, grab_id, hand);
+        release_hand(scene, grab_id, hand);
         hand.grabbing = world.grab(grab_id, met->object_id, input.grip, hand_grip(mass_kg)).has_value();
         hand.object_id = met->object_id;
         hand.rest_point_m = met->rest_point_m;
@@ -107,11 +107,11 @@ void HandControls::apply_grab(Scene& scene, uint64_t grab_id, Hand& hand, const 
     }
   }
   hand.squeezed = squeezed;
-  if (!squeezed && hand.grabbing) let_go(scene, grab_id, hand);
+  if (!squeezed && hand.grabbing) release_hand(scene, grab_id, hand);
   if (hand.grabbing) world.move_grab(grab_id, input.grip, hand.velocity_m_s, hand.spin_rad_s, hand.extrapolation_s);
 }
 
-void HandControls::let_go(Scene& scene, uint64_t spring, Hand& hand) {
+void HandControls::release_hand(Scene& scene, uint64_t spring, Hand& hand) {
   if (hand.grabbing) scene.world().release_grab(spring);
   if (hand.holding) scene.world().clear_spring(spring);
   hand.grabbing = hand.holding = false;
@@ -120,7 +120,7 @@ void HandControls::let_go(Scene& scene, uint64_t spring, Hand& hand) {
 void HandControls::release(Scene& scene, SessionNumber session) {
   const auto found = sessions_.find(session);
   if (found == sessions_.end()) return;
-  for (size_t i = 0; i < found->second.size(); ++i) let_go(scene, spring_id(session, i), found->second[i]);
+  for (size_t i = 0; i < found->second.size(); ++i) release_hand(scene, spring_id(session, i), found->second[i]);
 }
 
 void HandControls::on_session_closed(Scene& scene, SessionNumber session) {
@@ -128,10 +128,10 @@ void HandControls::on_session_closed(Scene& scene, SessionNumber session) {
   sessions_.erase(session);
 }
 
-void HandControls::drop_object(Scene& scene, uint32_t object_id) {
+void HandControls::release_object(Scene& scene, uint32_t object_id) {
   for (auto& [session, hands] : sessions_) {
     for (size_t i = 0; i < hands.size(); ++i) {
-      if (hands[i].object_id == object_id) let_go(scene, spring_id(session, i), hands[i]);
+      if (hands[i].object_id == object_id) release_hand(scene, spring_id(session, i), hands[i]);
     }
   }
 }

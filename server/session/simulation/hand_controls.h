@@ -49,7 +49,7 @@ class HandControls {
   void release(Scene& scene, SessionNumber session);
   void on_session_closed(Scene& scene, SessionNumber session);
   // Lets go of an object that was taken out of the world.
-  void drop_object(Scene& scene, uint32_t object_id);
+  void release_object(Scene& scene, uint32_t object_id);
   // Nobody holds anything any more, since the scene is not to be touched.
 
   bool holding(SessionNumber session) const;
@@ -79,7 +79,7 @@ class HandControls {
   void apply_ray(Scene& scene, uint64_t spring_id, Hand& hand, const HandSample& sample);
   void apply_grab(Scene& scene, uint64_t grab_id, Hand& hand, const HandSample& sample);
   static void track(Hand& hand, const HandSample& sample, int64_t sampled_ns);
-  void let_go(Scene& scene, uint64_t spring_id, Hand& hand);
+  void release_hand(Scene& scene, uint64_t spring_id, Hand& hand);
 
   std::map<SessionNumber, Hands> sessions_;
   uint64_t shots_ = 0;

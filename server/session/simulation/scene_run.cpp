@@ -27,7 +27,7 @@ SceneRun::SceneRun(Scene scene) : scene_(std::move(scene)), tick_(scene_.world()
 
 void SceneRun::replace(Scene next) {
   simulated_before_ns_ = simulated_ns_;
-  for (const SceneObject& object : scene_.objects()) controls_.drop_object(scene_, object.id);
+  for (const SceneObject& object : scene_.objects()) controls_.release_object(scene_, object.id);
   replaced_.assign(known_ids_.begin(), known_ids_.end());
   (void)next.take_changes();  // all of it is new
   scene_ = std::move(next);
@@ -73,7 +73,7 @@ TickResult SceneRun::advance(const TickActions& actions) {
 void SceneRun::note_changes(TickResult& tick) {
   Scene::Changes changes = scene_.take_changes();
   tick.cuts = std::move(changes.cut);
-  for (const uint32_t id : changes.removed) controls_.drop_object(scene_, id);
+  for (const uint32_t id : changes.removed) controls_.release_object(scene_, id);
   if (std::exchange(scene_is_new_, false)) {
     tick.scene_is_new = true;
     tick.added.assign(scene_.objects().begin(), scene_.objects().end());
