@@ -202,7 +202,7 @@ void FramePublisher::take(TickResult tick) {
     ++frames_;
   }
   kernels_.publish(published);
-  if (zmq_publisher_ && zmq_publisher_->heard())
+  if (zmq_publisher_ && zmq_publisher_->has_subscribers())
     zmq_publisher_->publish({table_.instance(), event_number, tick.stepped_ns, published->drivers()});
 }
 

@@ -20,7 +20,7 @@ struct ZmqPublisher::Socket {
   zmq::context_t context{1};
   zmq::socket_t frames{context, zmq::socket_type::xpub};
   std::string address;
-  bool heard = false;
+  bool has_subscribers = false;
 };
 
 ZmqPublisher::ZmqPublisher(std::unique_ptr<Socket> socket) : socket_(std::move(socket)) {}
@@ -51,16 +51,16 @@ Result<std::unique_ptr<ZmqPublisher>> ZmqPublisher::bind(const std::string& addr
 
 const std::string& ZmqPublisher::address() const { return socket_->address; }
 
-bool ZmqPublisher::heard() {
+bool ZmqPublisher::has_subscribers() {
   zmq::message_t said;
   try {
     while (socket_->frames.recv(said, zmq::recv_flags::dontwait)) {
-      if (said.size() > 0) socket_->heard = *said.data<uint8_t>() == 1;
+      if (said.size() > 0) socket_->has_subscribers = *said.data<uint8_t>() == 1;
     }
   } catch (const zmq::error_t&) {
     // Nobody is told apart by it; the next look tells.
   }
-  return socket_->heard;
+  return socket_->has_subscribers;
 }
 
 void ZmqPublisher::publish(const Publication& publication) {

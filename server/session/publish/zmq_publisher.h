@@ -23,7 +23,7 @@ class ZmqPublisher {
 
   const std::string& address() const;  // as it was bound
   // Whether anybody listens: else a frame need not be made.
-  bool heard();
+  bool has_subscribers();
   // Never waits; who does not keep up misses it.
   void publish(const Publication& publication);
   uint64_t published() const { return published_; }
