@@ -13,7 +13,7 @@ void KernelPoser::take(const SceneObject& object) {
   revisions[object.rest.revision] = {object.name, object.asset, object.rest, {}, false};
 }
 
-bool KernelPoser::tie(Object& object) {
+bool KernelPoser::bind_object(Object& object) {
   if (object.bindings || object.failed) return !object.failed;
   auto bindings = bind_kernels(*object.asset, object.rest);
   object.failed = !bindings;
@@ -37,7 +37,7 @@ KernelFrame KernelPoser::pose(const DriverFrame& frame, KernelEncoding encoding)
         log_warn("%s and what comes after it is not streamed as kernels: a frame holds no more", object.name.c_str());
       break;
     }
-    if (!tie(object) || !check_drivers(object.rest, drivers)) continue;
+    if (!bind_object(object) || !check_drivers(object.rest, drivers)) continue;
     ObjectKernels& one = posed.objects.emplace_back();
     one.object_id = drivers.object_id;
     one.revision = drivers.revision;

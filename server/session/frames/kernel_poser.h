@@ -32,7 +32,7 @@ class KernelPoser {
     std::optional<KernelBindings> bindings;
     bool failed = false;  // they cannot be tied
   };
-  static bool tie(Object& object);
+  static bool bind_object(Object& object);
 
   std::map<uint32_t, std::map<uint32_t, Object>> objects_;  // by id, then revision
   bool warned_of_room_ = false;

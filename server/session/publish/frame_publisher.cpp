@@ -122,7 +122,7 @@ void FramePublisher::encode_next() {
 }
 
 void FramePublisher::hold(const SceneObject& object, bool known) {
-  Held& held = held_[object.id];
+  PendingObject& held = held_[object.id];
   held.object = object;
   held.known = known;
   encode(object.asset, true);
@@ -169,7 +169,7 @@ FramePublisher::Events FramePublisher::take_events(const TickResult& tick) {
     if (known) events.removed.push_back(id);
   }
   std::erase_if(held_, [&](const auto& one) {
-    const Held& held = one.second;
+    const PendingObject& held = one.second;
     if (!assets_.has(held.object.asset)) return false;
     (held.known ? events.changed : events.added).push_back(held.object);
     return true;

@@ -56,7 +56,7 @@ class FramePublisher final : public TickSink {
   void encode(const std::shared_ptr<const GaussianAsset>& asset, bool stands_still);
   void encode_next();
 
-  struct Held {
+  struct PendingObject {
     SceneObject object;                  // as it is now
     bool known = false;                  // as it was before, to clients
     std::optional<ObjectDrivers> shown;  // of that
@@ -78,7 +78,7 @@ class FramePublisher final : public TickSink {
   std::future<void> encoding_;                                  // of it
   int64_t dropped_ns_ = 0;
   // What waits for its kernels to be encoded, by id.
-  std::map<uint32_t, Held> held_;        // what is drawn with them
+  std::map<uint32_t, PendingObject> held_;        // what is drawn with them
   std::map<uint32_t, SceneObject> cut_;  // whole; announced when the kernels of its pieces are encoded
   std::shared_ptr<const TickEncodings> last_;
   KernelPublisher kernels_{table_};

@@ -50,7 +50,7 @@ void KernelPublisher::take(std::span<const SceneObject> added, std::span<const S
 }
 
 void KernelPublisher::publish(std::shared_ptr<TickEncodings> tick) {
-  const bool wanted = table_.wants(v1::JoinRequest::KERNELS) || table_.wants(v1::JoinRequest::KERNELS_EXACT);
+  const bool wanted = table_.has_clients_for(v1::JoinRequest::KERNELS) || table_.has_clients_for(v1::JoinRequest::KERNELS_EXACT);
   {
     std::lock_guard lock(mutex_);
     const bool news = std::exchange(taken_, false);
@@ -86,7 +86,7 @@ void KernelPublisher::run() {
     for (const uint32_t id : removed) poser_.remove(id);
     for (const auto& [asked, encoding] : {std::pair{v1::JoinRequest::KERNELS, KernelEncoding::Quantised},
                                           {v1::JoinRequest::KERNELS_EXACT, KernelEncoding::Exact}}) {
-      if (!table_.wants(asked)) continue;
+      if (!table_.has_clients_for(asked)) continue;
       const int64_t begun_ns = now_ns();
       std::vector<std::byte> frame = encode_kernels(poser_.pose(tick->drivers(), encoding), encoding);
       note_time(now_ns() - begun_ns, frame.size());

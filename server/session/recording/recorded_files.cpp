@@ -82,7 +82,7 @@ std::vector<std::string> files_of(const v1::SceneSource& source) {
   return files;
 }
 
-Result<void> hold_files(const v1::SceneSource& source, std::set<std::string>& held, RecordingWriter& recording) {
+Result<void> embed_files(const v1::SceneSource& source, std::set<std::string>& held, RecordingWriter& recording) {
   for (const std::string& name : files_of(source)) {
     if (!held.insert(name).second) continue;
     const auto bytes = read_file(fs::path(source.folder()) / name);

@@ -20,7 +20,7 @@ std::vector<std::string> files_of(const v1::SceneSource& source);
 
 // Writes those into a recording that it does not hold yet, as they are on the disk now. One that cannot be read is told in the
 // log and left out. Fails only with the recording.
-Result<void> hold_files(const v1::SceneSource& source, std::set<std::string>& held, RecordingWriter& recording);
+Result<void> embed_files(const v1::SceneSource& source, std::set<std::string>& held, RecordingWriter& recording);
 
 // The files that a recording holds, in a folder of their own that goes with this. What a scene calls them is never taken for a
 // path: it may be anywhere, or "../".

@@ -87,7 +87,7 @@ class SessionRecorder::Session {
       if (auto done = add(tick, object, event); !done) return done;
     }
     if (job.scene && options_.assets) {
-      if (auto held = hold_files(*job.scene, files_, *writer_); !held) return held;
+      if (auto held = embed_files(*job.scene, files_, *writer_); !held) return held;
     }
     RecordingWriter::Tick written;
     written.tick = tick;
@@ -110,7 +110,7 @@ class SessionRecorder::Session {
     if (!writer) return writer.error();
     writer_.emplace(std::move(*writer));
     if (options_.assets) {
-      if (auto held = hold_files(source, files_, *writer_); !held) return held;
+      if (auto held = embed_files(source, files_, *writer_); !held) return held;
     }
     for (const auto& block : job.past) {
       for (const std::vector<std::byte>& tick : *block) {

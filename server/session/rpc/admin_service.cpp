@@ -127,7 +127,7 @@ grpc::ServerUnaryReactor* AdminService::RevokeToken(grpc::CallbackServerContext*
                                                     const v1::RevokeTokenRequest* request, v1::Token* reply) {
   if (!security_) return finish(context, kNoTokens);
   auto revoked = security_->tokens().revoke(request->id());
-  table_.end_refused();  // also when it could not be kept on disk
+  table_.end_unauthorised();  // also when it could not be kept on disk
   if (!revoked) return finish(context, to_status(revoked.error()));
   log_info("token %s: revoked", revoked->id().c_str());
   *reply = std::move(*revoked);

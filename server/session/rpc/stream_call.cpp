@@ -148,8 +148,8 @@ std::optional<grpc::Status> StreamCall::take_message() {
     heard_ns_ = heard_ns;
     if (*view) view_ = *view;
     if (message.key_frame_wanted()) baseline_ = nullptr;
-    for (; !unanswered_.empty() && unanswered_.front().tick <= message.acknowledged_tick(); unanswered_.pop_front()) {
-      if (const Written& frame = unanswered_.front(); frame.tick == message.acknowledged_tick()) {
+    for (; !unacknowledged_.empty() && unacknowledged_.front().tick <= message.acknowledged_tick(); unacknowledged_.pop_front()) {
+      if (const Written& frame = unacknowledged_.front(); frame.tick == message.acknowledged_tick()) {
         session->add_answer(milliseconds_from_ns(heard_ns - frame.written_ns),
                             milliseconds_from_ns(heard_ns - frame.stepped_ns));
       }
@@ -195,7 +195,7 @@ void StreamCall::write(const SendWindow::Outgoing& outgoing, const std::lock_gua
     slices.push_back(frame.tail->slice);  // counted, not copied
   }
   written_ns_ = now_ns();
-  if (outgoing.tick) unanswered_.push_back({outgoing.tick->tick(), outgoing.tick->stepped_ns, written_ns_});
+  if (outgoing.tick) unacknowledged_.push_back({outgoing.tick->tick(), outgoing.tick->stepped_ns, written_ns_});
   header.set_sent_ns(written_ns_);
   header.set_echoed_ns(echoed_ns_);
   header.set_heard_ns(heard_ns_);

@@ -72,7 +72,7 @@ class StreamCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::
     uint64_t tick = 0;
     int64_t stepped_ns = 0, written_ns = 0;
   };
-  std::deque<Written> unanswered_;          // frames, at most a window of them
+  std::deque<Written> unacknowledged_;          // frames, at most a window of them
   TokenBucket messages_{kMaxMessagesPerSecond, 2 * kMaxMessagesPerSecond};
   SendBudget budget_;
   int position_bits_ = 16;                  // as the session asked for, like the next

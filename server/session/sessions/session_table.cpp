@@ -147,7 +147,7 @@ void SessionTable::end(ClientSession& session, const Error& why) {
   remove(session);
 }
 
-void SessionTable::end_refused() {
+void SessionTable::end_unauthorised() {
   if (!grant_check_) return;
   for (const auto& session : sessions_now()) {
     if (const auto holds = grant_check_(session->who.grant); !holds) end(*session, holds.error());
@@ -171,7 +171,7 @@ uint64_t SessionTable::deliver(std::shared_ptr<TickEncodings> tick, std::span<co
                                std::span<const Object> changed, std::span<const uint32_t> removed) {
   uint64_t event_number = 0;
   std::vector<std::shared_ptr<ClientSession>> sessions;
-  std::vector<NotReading> not_reading;
+  std::vector<StalledSession> stalled;
   {
     std::lock_guard lock(mutex_);
     std::vector<v1::SessionEvent> events;
@@ -196,29 +196,29 @@ uint64_t SessionTable::deliver(std::shared_ptr<TickEncodings> tick, std::span<co
     event_number = event_number_ += events.size();
     tick->reaches = reaches_;
     for (const auto& [id, session] : sessions_) sessions.push_back(session);
-    broadcast(events, not_reading);
+    broadcast(events, stalled);
   }
   for (const auto& session : sessions) {
     session->offer(tick);
     if (const auto writer = session->writer()) writer->wake();
   }
-  cut_off(not_reading);
+  abort_streams(stalled);
   return event_number;
 }
 
-void SessionTable::broadcast(std::span<const v1::SessionEvent> events, std::vector<NotReading>& not_reading) {
+void SessionTable::broadcast(std::span<const v1::SessionEvent> events, std::vector<StalledSession>& stalled) {
   for (const auto& [id, session] : sessions_) {
     for (const v1::SessionEvent& event : events) {
       if (!session->add_event(event)) {
-        not_reading.push_back({session, session->stream()});
+        stalled.push_back({session, session->stream()});
         break;
       }
     }
   }
 }
 
-void SessionTable::cut_off(std::span<const NotReading> not_reading) {
-  for (const auto& [session, stream] : not_reading) {
+void SessionTable::abort_streams(std::span<const StalledSession> stalled) {
+  for (const auto& [session, stream] : stalled) {
     if (stream.writer) stream.writer->abort();
     session->give_up(stream.number);  // when it comes back it is told of all there is
   }
@@ -235,7 +235,7 @@ SessionTable::Object SessionTable::with_proposal(Object object) const {
 }
 
 void SessionTable::propose(const std::string& object, const v1::PhysicsFile* proposal) {
-  std::vector<NotReading> not_reading;
+  std::vector<StalledSession> stalled;
   {
     std::lock_guard lock(mutex_);
     proposal ? void(proposals_[object] = *proposal) : void(proposals_.erase(object));
@@ -251,15 +251,15 @@ void SessionTable::propose(const std::string& object, const v1::PhysicsFile* pro
       *events.emplace_back().mutable_object_changed() = *one;
     }
     event_number_ += events.size();
-    broadcast(events, not_reading);
+    broadcast(events, stalled);
   }
   for (const auto& session : sessions_now()) {
     if (const auto writer = session->writer()) writer->wake();
   }
-  cut_off(not_reading);
+  abort_streams(stalled);
 }
 
-bool SessionTable::wants(v1::JoinRequest::Encoding encoding) const {
+bool SessionTable::has_clients_for(v1::JoinRequest::Encoding encoding) const {
   std::lock_guard lock(mutex_);
   return std::any_of(sessions_.begin(), sessions_.end(), [&](const auto& one) {
     return one.second->encoding() == encoding && one.second->state() == ClientSession::State::Streaming;
@@ -298,7 +298,7 @@ void SessionTable::sweep(int64_t now) {
   }
   for (const auto& writer : overdue) writer->end_without_session();
   for (const auto& writer : stuck) writer->abort();
-  if (check_grants) end_refused();
+  if (check_grants) end_unauthorised();
   for (const auto& session : sessions_now()) {
     const ClientSession::State state = session->state();
     const int64_t silent_ns = now - session->heard_ns.load();

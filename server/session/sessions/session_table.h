@@ -61,11 +61,11 @@ class SessionTable {
   // for its client. Nothing if the session has gone on without that stream.
   void stream_ended(ClientSession& session, uint64_t stream, bool in_order);
 
-  // Whether what a session was opened with still holds; asked once a second and by end_refused(). Before open().
+  // Whether what a session was opened with still holds; asked once a second and by end_unauthorised(). Before open().
   using GrantCheck = std::function<Result<void>(const Grant&)>;
   void check_grants_with(GrantCheck check) { grant_check_ = std::move(check); }
   // Ends every session whose grant does not hold any more, with the reason why.
-  void end_refused();
+  void end_unauthorised();
   // Ends the one session whose id begins so; its id. NotFound for none, InvalidArgument for several or too few digits.
   Result<std::string> end_session(std::string_view id_begin, const Error& why);
 
@@ -76,7 +76,7 @@ class SessionTable {
   // warnings; nullptr: none waits any more. Who is there is told at once, whether there are ticks or not.
   void propose(const std::string& object, const v1::PhysicsFile* proposal);
   // Whether anybody who is there asked for frames of this encoding.
-  bool wants(v1::JoinRequest::Encoding encoding) const;
+  bool has_clients_for(v1::JoinRequest::Encoding encoding) const;
   // A tick whose kernels are kept in it as `encoding`, for those who asked for that. After deliver() of it.
   void deliver_kernels(std::shared_ptr<const TickEncodings> tick, v1::JoinRequest::Encoding encoding);
   // Ends streams that went silent and drops sessions that were parked or never opened a stream for too long; sees to it
@@ -116,12 +116,12 @@ class SessionTable {
  private:
   Object with_proposal(Object object) const;  // under the lock
   // Tells everybody, under the lock; adds those who do not read, to be cut off without it, to the list.
-  struct NotReading {
+  struct StalledSession {
     std::shared_ptr<ClientSession> session;
     ClientSession::Stream stream;
   };
-  void broadcast(std::span<const v1::SessionEvent> events, std::vector<NotReading>& not_reading);
-  static void cut_off(std::span<const NotReading> not_reading);
+  void broadcast(std::span<const v1::SessionEvent> events, std::vector<StalledSession>& stalled);
+  static void abort_streams(std::span<const StalledSession> stalled);
   void remove(const ClientSession& session);
   void remove(const ClientSession& session, const std::lock_guard<std::mutex>& lock);
   void end(ClientSession& session, const Error& why);

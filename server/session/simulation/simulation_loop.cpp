@@ -53,7 +53,7 @@ void SimulationLoop::on_input(SessionNumber session, std::span<const InputSample
 void SimulationLoop::on_session_closed(SessionNumber session) {
   std::lock_guard lock(mutex_);
   mailboxes_.erase(session);
-  gone_.push_back(session);
+  closed_sessions_.push_back(session);
 }
 
 void SimulationLoop::run() {
@@ -165,7 +165,7 @@ TickActions SimulationLoop::take_actions(std::vector<v1::SceneChange> changes) {
   TickActions actions;
   actions.changes = std::move(changes);
   std::lock_guard lock(mutex_);
-  actions.over.swap(gone_);
+  actions.over.swap(closed_sessions_);
   for (auto& [session, mailbox] : mailboxes_) {
     auto samples = due(mailbox.samples, next_tick);
     if (!samples.empty()) actions.samples.push_back({session, std::move(samples)});

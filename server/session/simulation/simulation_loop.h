@@ -100,13 +100,13 @@ class SimulationLoop : public InputSink {
   std::function<void(const Scene&)> observe_;
   TickRecorder* recorder_ = nullptr;
 
-  mutable std::mutex mutex_;  // guards everything down to gone_
+  mutable std::mutex mutex_;  // guards everything down to closed_sessions_
   RunStatus run_;
   uint32_t steps_left_ = 0;  // while halted
   std::optional<Scene> next_scene_;
   std::vector<v1::SceneChange> posted_;
   std::map<SessionNumber, Mailbox> mailboxes_;
-  std::vector<SessionNumber> gone_;
+  std::vector<SessionNumber> closed_sessions_;
 
   mutable std::mutex summary_mutex_;  // guards the next five
   DurationHistogram step_ms_;

@@ -211,7 +211,7 @@ TEST(RecordedFiles, AreAllThatAFolderHas) {
   start.set_rate_hz(90);
   auto writer = RecordingWriter::create(folder / "a.lvgrec", start);
   ASSERT_TRUE(writer);
-  ASSERT_TRUE(hold_files(source, held, *writer));
+  ASSERT_TRUE(embed_files(source, held, *writer));
   ASSERT_TRUE(writer->finish());
   EXPECT_EQ(held, (std::set<std::string>{"thing/a.webp", "thing/meta.json", "gone.ply"}));
   auto reader = RecordingReader::open(folder / "a.lvgrec");

@@ -261,7 +261,7 @@ TEST(SessionTable, ClientsThatSpeakWhileTheyAreEndedAreForgottenOnceAndLast) {
   while (joins == 0) std::this_thread::yield();
   for (size_t turn = 0; joins < 400; ++turn) {
     for (const auto& session : table.sessions_now()) (void)table.end_session(session->id, invalid_argument("enough"));
-    if (turn % 2 == 0) table.end_refused();
+    if (turn % 2 == 0) table.end_unauthorised();
     table.sweep(now_ns());
   }
   table.close("the test is over");
