@@ -205,25 +205,25 @@ size_t SessionRecorder::bytes_of(const TickResult& tick) {
   return bytes;
 }
 
-void SessionRecorder::keep_past(const TickActions& actions, const TickResult& tick, const Scene& scene) {
-  if (!std::exchange(past_.begun, true)) {
-    past_.scene = scene.source();
-    past_.whole = tick.drivers.tick == 1 && !tick.scene_is_new;
+void SessionRecorder::append_history(const TickActions& actions, const TickResult& tick, const Scene& scene) {
+  if (!std::exchange(history_.begun, true)) {
+    history_.scene = scene.source();
+    history_.whole = tick.drivers.tick == 1 && !tick.scene_is_new;
   }
   const bool says = !actions.empty() || !actions.stepped || tick.scene_is_new;
-  if (!says || !past_.whole) return;
+  if (!says || !history_.whole) return;
   TickRecord record;
   record.tick = tick.drivers.tick;
   record.actions = actions;
   if (tick.scene_is_new) record.scene = scene.source();
-  past_.open.push_back(encode_tick(record, past_.samples));
-  past_.bytes += past_.open.back().size();
-  if (past_.open.size() == kTicksOfBlock)
-    past_.full.push_back(std::make_shared<const Block>(std::exchange(past_.open, {})));
-  if (past_.bytes <= most_past_bytes_) return;
-  past_.whole = false;
-  past_.open = {};
-  past_.full = {};
+  history_.open.push_back(encode_tick(record, history_.samples));
+  history_.bytes += history_.open.back().size();
+  if (history_.open.size() == kTicksOfBlock)
+    history_.full.push_back(std::make_shared<const Block>(std::exchange(history_.open, {})));
+  if (history_.bytes <= most_past_bytes_) return;
+  history_.whole = false;
+  history_.open = {};
+  history_.full = {};
   log_info("recordings that begin from now on cannot be simulated again: more was done than is kept");
 }
 
@@ -241,12 +241,12 @@ void SessionRecorder::record(const TickActions& taken, const TickResult& tick, c
   auto job = writes ? std::make_unique<Job>() : nullptr;
   if (begins) {
     job->begins = true;
-    job->past = past_.full;
-    job->past.push_back(std::make_shared<const Block>(past_.open));
-    job->begun_with = past_.begun ? past_.scene : scene.source();
-    job->whole = past_.begun ? past_.whole : tick.drivers.tick == 1 && !tick.scene_is_new;
+    job->past = history_.full;
+    job->past.push_back(std::make_shared<const Block>(history_.open));
+    job->begun_with = history_.begun ? history_.scene : scene.source();
+    job->whole = history_.begun ? history_.whole : tick.drivers.tick == 1 && !tick.scene_is_new;
   }
-  keep_past(actions, tick, scene);
+  append_history(actions, tick, scene);
   if (!writes) return;
   job->actions = std::move(actions);
   job->rate_hz = scene.world().settings().rate_hz;

@@ -56,14 +56,14 @@ class SessionRecorder final : public TickRecorder {
   void run();
   static size_t bytes_of(const TickResult& tick);
   void fail(const std::string& why);
-  void keep_past(const TickActions& actions, const TickResult& tick, const Scene& scene);
+  void append_history(const TickActions& actions, const TickResult& tick, const Scene& scene);
 
   // Ticks that had anything to say, as encode_tick() has them, since the first; the simulation's thread only. Full blocks
   // are shared with the recording that begins, so that a tick copies one at most.
   using Block = std::vector<std::vector<std::byte>>;
   using Blocks = std::vector<std::shared_ptr<const Block>>;
   static constexpr size_t kTicksOfBlock = 256;
-  struct Past {
+  struct History {
     v1::SceneSource scene;  // that the first tick began with
     bool begun = false, whole = true;
     Blocks full;
@@ -72,7 +72,7 @@ class SessionRecorder final : public TickRecorder {
     SamplesBefore samples;
   };
   const size_t most_past_bytes_;
-  Past past_;
+  History history_;
 
   AssetStore& assets_;
   mutable std::mutex mutex_;  // guards everything below but the thread

@@ -79,7 +79,7 @@ Result<void> check_encoding(v1::JoinRequest::Encoding encoding, const SessionTab
     return invalid_argument("encoding: " + std::to_string(encoding) +
                             " is none; 0 to 3 are DRIVERS, DRIVERS_RAW, KERNELS and KERNELS_EXACT, livegs.v1.JoinRequest.Encoding");
   }
-  if (!is_of_kernels(encoding)) return {};
+  if (!is_kernel_encoding(encoding)) return {};
   size_t bytes = kKernelFrameHeaderBytes, kernels = 0;
   for (const SessionTable::Object& object : scene.objects) {
     kernels += object->kernel_count();

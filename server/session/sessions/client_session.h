@@ -49,7 +49,7 @@ struct JoinTerms {
   int64_t tick_ns = 11'111'111;   // between ticks
 };
 
-inline bool is_of_kernels(v1::JoinRequest::Encoding encoding) {
+inline bool is_kernel_encoding(v1::JoinRequest::Encoding encoding) {
   return encoding == v1::JoinRequest::KERNELS || encoding == v1::JoinRequest::KERNELS_EXACT;
 }
 
@@ -152,7 +152,7 @@ class ClientSession {
   // something else.
   void offer(std::shared_ptr<const TickEncodings> tick, std::optional<v1::JoinRequest::Encoding> kernels = {}) {
     std::lock_guard lock(mutex_);
-    if (state_ == State::Parked || (kernels ? terms_.encoding != *kernels : is_of_kernels(terms_.encoding))) return;
+    if (state_ == State::Parked || (kernels ? terms_.encoding != *kernels : is_kernel_encoding(terms_.encoding))) return;
     // The same ticks for all of the same pace, so that they share bytes; should the one be left out, the next in its place.
     const uint64_t turn = tick->tick() / terms_.every;
     if (offered_ && turn == turn_) return;
