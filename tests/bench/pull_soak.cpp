@@ -192,7 +192,7 @@ double reach_m(const Scene& scene, int tick) {
   return reach;
 }
 
-// The lowest centre of what moves; a broken object's every sherd counts.
+// The lowest centre of what moves; a broken object's every fragment counts.
 double lowest_centre_m(const Scene& scene) {
   double lowest = INFINITY;
   for (const BodyState& body : scene.world().bodies()) lowest = std::min(lowest, body.world_from_body.position_m.y());

@@ -4,7 +4,7 @@
 // settle, then 60 are timed. Bullet (single precision, 10 iterations) runs twice: one step a frame, as games use it, and
 // four as ours do. `ratio` is processor time over that of Bullet with as many steps.
 //   pyramid           465 boxes
-//   pile of sherds    eight cups cut into 25 pieces each and taken apart, in a bin. To Bullet a sherd is its convex hull,
+//   pile of sherds    eight cups cut into 25 pieces each and taken apart, in a bin. To Bullet a fragment is its convex hull,
 //                     which is less to do
 //   mixed objects     balls, boxes, the pieces of a cup and soft blocks, in a bin. To Bullet a soft block is a rigid box, so
 //                     this ratio has the price of softness in it

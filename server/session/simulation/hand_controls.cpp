@@ -52,7 +52,7 @@ void HandControls::apply_ray(Scene& scene, uint64_t spring, Hand& hand, const Ha
   if (!pressed && hand.holding) release_hand(scene, spring, hand);
   if (!hand.holding) return;
 
-  // Of the sherd, once it has broken.
+  // Of the fragment, once it has broken.
   const double mass_kg = world.mass_at_kg(hand.object_id, hand.rest_point_m, hand.piece);
   if (mass_kg <= 0) return;  // what never moves is not pulled
   World::Spring pull = ray_spring(mass_kg);

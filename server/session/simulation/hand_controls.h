@@ -70,7 +70,7 @@ class HandControls {
     Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero(), spin_rad_s = Eigen::Vector3d::Zero();
     uint32_t object_id = 0;
     Eigen::Vector3d rest_point_m = Eigen::Vector3d::Zero();
-    std::optional<uint32_t> piece;  // of the sherd the ray met
+    std::optional<uint32_t> piece;  // of the fragment the ray met
     double distance_m = 0;  // along the ray, where the point was met
     double last_shot_s = -1e9;
   };

@@ -200,8 +200,8 @@ TEST(HandControls, JumpingHandsPullNoHarderThanTheGripIs) {
   EXPECT_FALSE(hands.held().holding);
 }
 
-// A hand or a ray on a thing that comes apart goes on with the sherd it is at, and bears its weight alone; so does one that
-// takes a sherd of what lies there broken.
+// A hand or a ray on a thing that comes apart goes on with the fragment it is at, and bears its weight alone; so does one that
+// takes a fragment of what lies there broken.
 TEST(HandControls, OfABrokenThingOneSherdIsHeld) {
   for (const bool whole : {true, false}) {
     for (const bool ray : {false, true}) {
