@@ -96,7 +96,7 @@ class Watcher {
 
   ScratchFolder folder_;
   SinkLog sink_;
-  std::unique_ptr<LiveView> live_;
+  std::unique_ptr<ConnectedScene> live_;
   std::optional<Camera> camera_;
   size_t fetched_ = 0;
 };

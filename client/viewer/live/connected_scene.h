@@ -41,15 +41,15 @@ Result<AssetCache> asset_cache(const std::filesystem::path& folder);
 
 // A session that looks for its server again, also one that was started anew; what it has fetched; and the view that draws
 // it, with all objects of the scene: whole, or as far as their assets have come. Made by LiveLoading.
-struct LiveView {
-  LiveView(std::stop_source ending, std::unique_ptr<SessionClient> joined, AssetCache kept, std::unique_ptr<SplatRenderer> renderer)
+struct ConnectedScene {
+  ConnectedScene(std::stop_source ending, std::unique_ptr<SessionClient> joined, AssetCache kept, std::unique_ptr<SplatRenderer> renderer)
       : stop(std::move(ending)),
         client(std::move(joined)),
         cache(std::move(kept)),
         assets(*client, cache, stop.get_token()),
         objects(assets),
         view(std::move(renderer)) {}
-  ~LiveView() { stop.request_stop(); }
+  ~ConnectedScene() { stop.request_stop(); }
 
   std::stop_source stop;  // ends the session and what is being fetched
   const std::unique_ptr<SessionClient> client;

@@ -60,12 +60,12 @@ LiveLoading::Progress LiveLoading::progress() const {
   return {text_of(assets), share};
 }
 
-Result<std::unique_ptr<LiveView>> LiveLoading::take() {
+Result<std::unique_ptr<ConnectedScene>> LiveLoading::take() {
   thread_.join();
   return *std::move(done_);
 }
 
-Result<void> LiveLoading::show_scene(LiveView& live) const {
+Result<void> LiveLoading::show_scene(ConnectedScene& live) const {
   const bool kernels = FrameReader::brings_kernels(options_.encoding);
   if (options_.coarse_first && !kernels) live.assets.show_parts();
   const std::vector<StreamedObject>& objects = live.client->scene().objects;
@@ -77,7 +77,7 @@ Result<void> LiveLoading::show_scene(LiveView& live) const {
   return {};
 }
 
-Result<std::unique_ptr<LiveView>> LiveLoading::load() {
+Result<std::unique_ptr<ConnectedScene>> LiveLoading::load() {
   ConnectOptions connect;
   connect.access = options_.access;
   connect.most_mbit_s = options_.most_mbit_s;
@@ -97,7 +97,7 @@ Result<std::unique_ptr<LiveView>> LiveLoading::load() {
   }
   auto renderer = make_renderer_();
   if (!renderer) return renderer.error();
-  auto live = std::make_unique<LiveView>(stop_, std::move(*joined), std::move(*cache), std::move(*renderer));
+  auto live = std::make_unique<ConnectedScene>(stop_, std::move(*joined), std::move(*cache), std::move(*renderer));
   {
     std::lock_guard lock(mutex_);
     loading_ = live.get();

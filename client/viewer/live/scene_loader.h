@@ -34,11 +34,11 @@ class LiveLoading {
   };
   Progress progress() const;
   // Waits until it is done. Once.
-  Result<std::unique_ptr<LiveView>> take();
+  Result<std::unique_ptr<ConnectedScene>> take();
 
  private:
-  Result<std::unique_ptr<LiveView>> load();
-  Result<void> show_scene(LiveView& live) const;
+  Result<std::unique_ptr<ConnectedScene>> load();
+  Result<void> show_scene(ConnectedScene& live) const;
 
   const JoinOptions options_;
   const MakeRenderer make_renderer_;
@@ -47,8 +47,8 @@ class LiveLoading {
 
   mutable std::mutex mutex_;  // guards the next three
   std::condition_variable changed_;
-  const LiveView* loading_ = nullptr;  // while its assets come
-  std::optional<Result<std::unique_ptr<LiveView>>> done_;
+  const ConnectedScene* loading_ = nullptr;  // while its assets come
+  std::optional<Result<std::unique_ptr<ConnectedScene>>> done_;
   std::thread thread_;
 };
 

@@ -263,10 +263,10 @@ HeadsetRunSummary HeadsetRun::summary() const {
 }
 
 // Null when the runtime ended the session, or it was interrupted.
-Result<std::unique_ptr<LiveView>> load_in_headset(LiveLoading& loading, HeadsetDisplay& display, const std::atomic<bool>& interrupted) {
+Result<std::unique_ptr<ConnectedScene>> load_in_headset(LiveLoading& loading, HeadsetDisplay& display, const std::atomic<bool>& interrupted) {
   while (!loading.wait(0)) {
     const auto planned = display.wait_frame();  // sleeps
-    if (!planned || interrupted) return std::unique_ptr<LiveView>();
+    if (!planned || interrupted) return std::unique_ptr<ConnectedScene>();
     display.set_notice(loading.progress().text);
     if (auto submitted = display.submit(*planned, {}); !submitted) return submitted.error();
   }
