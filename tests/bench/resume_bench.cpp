@@ -45,7 +45,7 @@ class Watcher {
     options.address = "127.0.0.1:" + std::to_string(port);
     options.cache = folder_ / "cache";
     options.connect_timeout_s = 60;
-    LiveLoading loading(options, [] { return Result<std::unique_ptr<SplatRenderer>>(create_cpu_renderer()); });
+    SceneLoader loading(options, [] { return Result<std::unique_ptr<SplatRenderer>>(create_cpu_renderer()); });
     auto joined = loading.take();
     if (!joined) give_up(joined.error().message);
     live_ = std::move(*joined);

@@ -40,7 +40,7 @@ struct JoinOptions {
 Result<AssetCache> asset_cache(const std::filesystem::path& folder);
 
 // A session that looks for its server again, also one that was started anew; what it has fetched; and the view that draws
-// it, with all objects of the scene: whole, or as far as their assets have come. Made by LiveLoading.
+// it, with all objects of the scene: whole, or as far as their assets have come. Made by SceneLoader.
 struct ConnectedScene {
   ConnectedScene(std::stop_source ending, std::unique_ptr<SessionClient> joined, AssetCache kept, std::unique_ptr<SplatRenderer> renderer)
       : stop(std::move(ending)),

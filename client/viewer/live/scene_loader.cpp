@@ -27,7 +27,7 @@ std::string text_of(const AssetLibrary::Progress& progress) {
 
 }  // namespace
 
-LiveLoading::LiveLoading(JoinOptions options, MakeRenderer make_renderer, Check check)
+SceneLoader::SceneLoader(JoinOptions options, MakeRenderer make_renderer, Check check)
     : options_(std::move(options)), make_renderer_(std::move(make_renderer)), check_(std::move(check)) {
   thread_ = std::thread([this] {
     pthread_setname_np(pthread_self(), "loading");
@@ -41,18 +41,18 @@ LiveLoading::LiveLoading(JoinOptions options, MakeRenderer make_renderer, Check 
   });
 }
 
-LiveLoading::~LiveLoading() {
+SceneLoader::~SceneLoader() {
   if (!thread_.joinable()) return;  // what was taken goes on
   stop_.request_stop();
   thread_.join();
 }
 
-bool LiveLoading::wait(double seconds) {
+bool SceneLoader::wait(double seconds) {
   std::unique_lock lock(mutex_);
   return changed_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return done_.has_value(); });
 }
 
-LiveLoading::Progress LiveLoading::progress() const {
+SceneLoader::Progress SceneLoader::progress() const {
   std::lock_guard lock(mutex_);
   if (!loading_) return {"connecting to " + options_.address, 0};
   const AssetLibrary::Progress assets = loading_->assets.progress();
@@ -60,12 +60,12 @@ LiveLoading::Progress LiveLoading::progress() const {
   return {text_of(assets), share};
 }
 
-Result<std::unique_ptr<ConnectedScene>> LiveLoading::take() {
+Result<std::unique_ptr<ConnectedScene>> SceneLoader::take() {
   thread_.join();
   return *std::move(done_);
 }
 
-Result<void> LiveLoading::show_scene(ConnectedScene& live) const {
+Result<void> SceneLoader::show_scene(ConnectedScene& live) const {
   const bool kernels = FrameReader::brings_kernels(options_.encoding);
   if (options_.coarse_first && !kernels) live.assets.show_parts();
   const std::vector<StreamedObject>& objects = live.client->scene().objects;
@@ -77,7 +77,7 @@ Result<void> LiveLoading::show_scene(ConnectedScene& live) const {
   return {};
 }
 
-Result<std::unique_ptr<ConnectedScene>> LiveLoading::load() {
+Result<std::unique_ptr<ConnectedScene>> SceneLoader::load() {
   ConnectOptions connect;
   connect.access = options_.access;
   connect.most_mbit_s = options_.most_mbit_s;

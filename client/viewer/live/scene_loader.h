@@ -17,14 +17,14 @@ namespace livegs {
 
 // Joins a server and loads what its scene shows, whole or until there is a first picture of each object (JoinOptions), on a
 // thread of its own, so that whoever waits can show how far it is and give up. The functions are for the thread that made it.
-class LiveLoading {
+class SceneLoader {
  public:
   using MakeRenderer = std::function<Result<std::unique_ptr<SplatRenderer>>()>;
   // Whether the scene is one that can be shown; asked before anything is fetched.
   using Check = std::function<Result<void>(const JoinedScene& scene)>;
   // `make_renderer` and `check` are called on that thread.
-  LiveLoading(JoinOptions options, MakeRenderer make_renderer, Check check = {});
-  ~LiveLoading();  // gives up what is not done yet, and waits no longer than an asset takes to be decoded
+  SceneLoader(JoinOptions options, MakeRenderer make_renderer, Check check = {});
+  ~SceneLoader();  // gives up what is not done yet, and waits no longer than an asset takes to be decoded
 
   // Waits so long at most; whether it is done.
   bool wait(double seconds);

@@ -263,7 +263,7 @@ HeadsetRunSummary HeadsetRun::summary() const {
 }
 
 // Null when the runtime ended the session, or it was interrupted.
-Result<std::unique_ptr<ConnectedScene>> load_in_headset(LiveLoading& loading, HeadsetDisplay& display, const std::atomic<bool>& interrupted) {
+Result<std::unique_ptr<ConnectedScene>> load_in_headset(SceneLoader& loading, HeadsetDisplay& display, const std::atomic<bool>& interrupted) {
   while (!loading.wait(0)) {
     const auto planned = display.wait_frame();  // sleeps
     if (!planned || interrupted) return std::unique_ptr<ConnectedScene>();
@@ -280,7 +280,7 @@ Result<HeadsetRunSummary> run_headset(const HeadsetRunOptions& options, HeadsetD
   // Made before the loading begins: its device is the display's, which this thread goes on with.
   auto renderer = choose_renderer(options.renderer, display.device());
   if (!renderer) return renderer.error();
-  LiveLoading loading(options, [&] { return std::move(renderer); });
+  SceneLoader loading(options, [&] { return std::move(renderer); });
   auto live = load_in_headset(loading, display, interrupted);
   if (!live) return live.error();
   if (!*live) {

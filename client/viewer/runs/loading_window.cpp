@@ -8,12 +8,12 @@ constexpr double kPicture_s = 1.0 / 30;  // a display that nobody looks at does 
 
 }  // namespace
 
-Result<std::unique_ptr<ConnectedScene>> load_in_window(LiveLoading& loading, WindowDisplay& display, const std::atomic<bool>& interrupted) {
+Result<std::unique_ptr<ConnectedScene>> load_in_window(SceneLoader& loading, WindowDisplay& display, const std::atomic<bool>& interrupted) {
   const Image dark{1, 1, {0.08f, 0.08f, 0.1f, 1.0f}};
   while (!loading.wait(kPicture_s)) {
     const auto planned = display.wait_frame();
     if (!planned || interrupted) return std::unique_ptr<ConnectedScene>();
-    const LiveLoading::Progress progress = loading.progress();
+    const SceneLoader::Progress progress = loading.progress();
     WindowOverlay overlay;
     overlay.panels.loading = LoadingPanel{progress.text, progress.share};
     display.set_overlay(std::move(overlay));

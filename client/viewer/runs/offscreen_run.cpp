@@ -95,7 +95,7 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
   if (!prepared) return prepared.error();
   JoinOptions join = options;
   join.coarse_first = false;  // pictures that are kept show all there is
-  LiveLoading loading(
+  SceneLoader loading(
       std::move(join), [&] { return choose_renderer(options.renderer); },
       [&](const JoinedScene& joined) { return check_names(prepared->script, joined); });
   while (!loading.wait(kWaitSlice_s)) {

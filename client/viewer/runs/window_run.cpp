@@ -535,7 +535,7 @@ Result<void> run_window(const WindowRunOptions& options, const std::atomic<bool>
   if (!display) return display.error();
   JoinOptions join = options;
   join.coarse_first = options.forces.empty();  // a recording that begins at once shows all there is
-  LiveLoading loading(std::move(join), [&] { return choose_renderer(options.renderer); });
+  SceneLoader loading(std::move(join), [&] { return choose_renderer(options.renderer); });
   auto live = load_in_window(loading, **display, interrupted);
   if (!live) return live.error();
   if (!*live) return {};
