@@ -7,20 +7,20 @@
 
 namespace livegs {
 
-void LiveStream::on_lost(const std::string& reason) {
+void FrameQueue::on_lost(const std::string& reason) {
   std::lock_guard lock(mutex_);
   news_.lost = reason;
   lost_ = true;
 }
 
-void LiveStream::on_resumed(const ResumedSession& resumed) {
+void FrameQueue::on_resumed(const ResumedSession& resumed) {
   std::lock_guard lock(mutex_);
   if (resumed.same_server || holds_) return;
   holds_ = true;
   events_to_take_ = events_.size();
 }
 
-void LiveStream::on_frame(ReceivedFrame frame) {
+void FrameQueue::on_frame(ReceivedFrame frame) {
   std::lock_guard lock(mutex_);
   if (std::exchange(lost_, false)) {
     news_.back = true;
@@ -35,45 +35,45 @@ void LiveStream::on_frame(ReceivedFrame frame) {
   news_.frames.push_back(std::move(frame));
 }
 
-void LiveStream::keep_all(bool keep) {
+void FrameQueue::keep_all(bool keep) {
   std::lock_guard lock(mutex_);
   keeps_all_ = keep;
 }
 
-std::vector<ReceivedFrame> LiveStream::take_kept() {
+std::vector<ReceivedFrame> FrameQueue::take_kept() {
   std::lock_guard lock(mutex_);
   return std::exchange(kept_, {});
 }
 
-void LiveStream::on_object_added(StreamedObject object) {
+void FrameQueue::on_object_added(StreamedObject object) {
   objects_.ask_for(object);
   std::lock_guard lock(mutex_);
   const uint32_t id = object.id;
   events_.push_back({std::move(object), true, id});
 }
 
-void LiveStream::on_object_changed(StreamedObject object) {
+void FrameQueue::on_object_changed(StreamedObject object) {
   objects_.ask_for(object);
   std::lock_guard lock(mutex_);
   const uint32_t id = object.id;
   events_.push_back({std::move(object), false, id});
 }
 
-void LiveStream::on_object_removed(uint32_t object_id) {
+void FrameQueue::on_object_removed(uint32_t object_id) {
   std::lock_guard lock(mutex_);
   events_.push_back({std::nullopt, false, object_id});
 }
 
-void LiveStream::on_draining(const std::string& reason) {
+void FrameQueue::on_draining(const std::string& reason) {
   std::lock_guard lock(mutex_);
   news_.goodbye = reason;
 }
 
-bool LiveStream::Pending::ready() const {
+bool FrameQueue::Pending::ready() const {
   return !bound.valid() || bound.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
 }
 
-void LiveStream::take_event(Event event, const SceneView& view) {
+void FrameQueue::take_event(Event event, const SceneView& view) {
   Pending pending{std::move(event), {}};
   if (pending.event.object) {
     const StreamedObject& object = *pending.event.object;
@@ -87,7 +87,7 @@ void LiveStream::take_event(Event event, const SceneView& view) {
   pending_.push_back(std::move(pending));
 }
 
-Result<void> LiveStream::show(Pending pending, SceneView& view, News& news) {
+Result<void> FrameQueue::show(Pending pending, SceneView& view, News& news) {
   if (!pending.event.object) {
     objects_.remove(pending.event.id, view);
     news.removed.push_back(pending.event.id);
@@ -102,7 +102,7 @@ Result<void> LiveStream::show(Pending pending, SceneView& view, News& news) {
   return {};
 }
 
-Result<LiveStream::News> LiveStream::take(SceneView& view) {
+Result<FrameQueue::News> FrameQueue::take(SceneView& view) {
   News news;
   {
     std::lock_guard lock(mutex_);

@@ -16,9 +16,9 @@ namespace livegs {
 
 // What a stream brought, for a drawer that shows the present: of frames that were not taken in time the oldest are
 // dropped, events never.
-class LiveStream final : public StreamSink {
+class FrameQueue final : public StreamSink {
  public:
-  explicit LiveStream(ArrivingObjects& objects) : objects_(objects) {}
+  explicit FrameQueue(ArrivingObjects& objects) : objects_(objects) {}
 
   // On the session's threads.
   void on_lost(const std::string& reason) override;

@@ -5,7 +5,7 @@
 
 namespace livegs {
 
-void SessionNotice::take(const LiveStream::News& news, SessionClient& client) {
+void SessionNotice::take(const FrameQueue::News& news, SessionClient& client) {
   const auto say = [this](std::string text) {
     text_ = std::move(text);
     log_warn("%s", text_.c_str());

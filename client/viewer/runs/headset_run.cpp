@@ -55,7 +55,7 @@ class HeadsetRun {
 
   const HeadsetRunOptions& options_;
   SessionClient& client_;
-  LiveStream stream_;
+  FrameQueue stream_;
   SceneView& view_;
   HeadsetDisplay& display_;
 

@@ -77,7 +77,7 @@ class WindowRun {
   SessionClient& client_;
   ControlCalls calls_;
   const ArrivingObjects& arriving_;
-  LiveStream stream_;
+  FrameQueue stream_;
   SceneView& view_;
   WindowDisplay& display_;
 

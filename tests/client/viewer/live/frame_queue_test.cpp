@@ -102,10 +102,10 @@ ReceivedFrame frame_of(uint64_t tick, std::initializer_list<std::tuple<uint32_t,
   return frame;
 }
 
-class LiveStreamTest : public ::testing::Test {
+class FrameQueueTest : public ::testing::Test {
  protected:
   // What the drawer does for a picture.
-  LiveStream::News picture() {
+  FrameQueue::News picture() {
     auto news = stream_.take(view_);
     EXPECT_TRUE(news) << news.error().message;
     if (!news) return {};
@@ -117,7 +117,7 @@ class LiveStreamTest : public ::testing::Test {
     return std::move(*news);
   }
   // Pictures until one of the objects that are new or changed is there.
-  LiveStream::News picture_with_news() {
+  FrameQueue::News picture_with_news() {
     for (;;) {
       auto news = picture();
       if (!news.described.empty() || news.anew || HasFailure()) return news;
@@ -132,11 +132,11 @@ class LiveStreamTest : public ::testing::Test {
   AssetLibrary assets_{[this](const std::string& hash, uint64_t, uint64_t, const TakeChunk& take) { return held_.fetch(hash, take); }, cache_};
   SceneView view_;
   ArrivingObjects objects_{assets_};
-  LiveStream stream_{objects_};
+  FrameQueue stream_{objects_};
   std::shared_ptr<const DriverFrame> drivers_;
 };
 
-TEST_F(LiveStreamTest, AnObjectThatBrokeStandsAsItWasUntilItsPiecesAreThere) {
+TEST_F(FrameQueueTest, AnObjectThatBrokeStandsAsItWasUntilItsPiecesAreThere) {
   const StreamedObject whole = held_.object(1, 10), other = held_.object(2, 12), broken = held_.object(1, 14, 1);
   held_.give(whole);
   held_.give(other);
@@ -163,7 +163,7 @@ TEST_F(LiveStreamTest, AnObjectThatBrokeStandsAsItWasUntilItsPiecesAreThere) {
   EXPECT_NEAR(middle_m(1), 7.06, 1e-3);
 }
 
-TEST_F(LiveStreamTest, AnObjectThatIsNewIsSeenOnceItIsThereAndHoldsUpNoOther) {
+TEST_F(FrameQueueTest, AnObjectThatIsNewIsSeenOnceItIsThereAndHoldsUpNoOther) {
   const StreamedObject slow = held_.object(1, 10), quick = held_.object(2, 12);
   held_.give(quick);
   stream_.on_object_added(slow);
@@ -182,7 +182,7 @@ TEST_F(LiveStreamTest, AnObjectThatIsNewIsSeenOnceItIsThereAndHoldsUpNoOther) {
 }
 
 // Coarse at first: what else is told of it meanwhile changes nothing about that, and it needs no new frame to be whole.
-TEST_F(LiveStreamTest, AnObjectIsSeenWithItsFirstKernelsAndThenWhole) {
+TEST_F(FrameQueueTest, AnObjectIsSeenWithItsFirstKernelsAndThenWhole) {
   assets_.show_parts();
   StreamedObject object = held_.object(1, 8192);
   held_.give_first(object, 0.5);
@@ -212,7 +212,7 @@ TEST_F(LiveStreamTest, AnObjectIsSeenWithItsFirstKernelsAndThenWhole) {
 }
 
 // A ball that was shot and has gone before its asset came.
-TEST_F(LiveStreamTest, WhatWentBeforeItWasThereNeverComes) {
+TEST_F(FrameQueueTest, WhatWentBeforeItWasThereNeverComes) {
   const StreamedObject ball = held_.object(1, 10), other = held_.object(2, 12);
   stream_.on_object_added(ball);
   stream_.on_object_removed(1);
@@ -228,7 +228,7 @@ TEST_F(LiveStreamTest, WhatWentBeforeItWasThereNeverComes) {
 }
 
 // A changed mass is told with a description whose kernels are there already.
-TEST_F(LiveStreamTest, ADescriptionAloneComesAtOnceAndInOrder) {
+TEST_F(FrameQueueTest, ADescriptionAloneComesAtOnceAndInOrder) {
   StreamedObject object = held_.object(1, 10);
   held_.give(object);
   stream_.on_object_added(object);
@@ -243,7 +243,7 @@ TEST_F(LiveStreamTest, ADescriptionAloneComesAtOnceAndInOrder) {
 }
 
 // The same id is another thing there: nothing of it is shown before all of it can be.
-TEST_F(LiveStreamTest, AServerThatIsStartedAnewShowsItselfOnceAllItsObjectsAreThere) {
+TEST_F(FrameQueueTest, AServerThatIsStartedAnewShowsItselfOnceAllItsObjectsAreThere) {
   const StreamedObject before = held_.object(1, 10), one = held_.object(1, 16, 1), two = held_.object(2, 12);
   held_.give(before);
   stream_.on_object_added(before);
