@@ -9,7 +9,7 @@ namespace livegs {
 
 void FrameQueue::on_lost(const std::string& reason) {
   std::lock_guard lock(mutex_);
-  news_.lost = reason;
+  update_.lost = reason;
   lost_ = true;
 }
 
@@ -23,26 +23,26 @@ void FrameQueue::on_resumed(const ResumedSession& resumed) {
 void FrameQueue::on_frame(ReceivedFrame frame) {
   std::lock_guard lock(mutex_);
   if (std::exchange(lost_, false)) {
-    news_.back = true;
-    news_.lost.reset();  // it is over before anybody heard of it
+    update_.back = true;
+    update_.lost.reset();  // it is over before anybody heard of it
   }
   if (std::exchange(holds_, false)) {
-    news_.anew = true;
-    news_.frames.clear();
+    update_.anew = true;
+    update_.frames.clear();
   }
-  if (keeps_all_) kept_.push_back(frame);
-  if (news_.frames.size() == kMostFrames) news_.frames.erase(news_.frames.begin());
-  news_.frames.push_back(std::move(frame));
+  if (records_frames_) recorded_.push_back(frame);
+  if (update_.frames.size() == kMostFrames) update_.frames.erase(update_.frames.begin());
+  update_.frames.push_back(std::move(frame));
 }
 
-void FrameQueue::keep_all(bool keep) {
+void FrameQueue::record_frames(bool keep) {
   std::lock_guard lock(mutex_);
-  keeps_all_ = keep;
+  records_frames_ = keep;
 }
 
-std::vector<ReceivedFrame> FrameQueue::take_kept() {
+std::vector<ReceivedFrame> FrameQueue::take_recorded() {
   std::lock_guard lock(mutex_);
-  return std::exchange(kept_, {});
+  return std::exchange(recorded_, {});
 }
 
 void FrameQueue::on_object_added(StreamedObject object) {
@@ -66,7 +66,7 @@ void FrameQueue::on_object_removed(uint32_t object_id) {
 
 void FrameQueue::on_draining(const std::string& reason) {
   std::lock_guard lock(mutex_);
-  news_.goodbye = reason;
+  update_.goodbye = reason;
 }
 
 bool FrameQueue::Pending::ready() const {
@@ -87,10 +87,10 @@ void FrameQueue::take_event(Event event, const SceneView& view) {
   pending_.push_back(std::move(pending));
 }
 
-Result<void> FrameQueue::show(Pending pending, SceneView& view, News& news) {
+Result<void> FrameQueue::show(Pending pending, SceneView& view, StreamUpdate& update) {
   if (!pending.event.object) {
     objects_.remove(pending.event.id, view);
-    news.removed.push_back(pending.event.id);
+    update.removed.push_back(pending.event.id);
     return {};
   }
   if (pending.bound.valid()) {
@@ -98,12 +98,12 @@ Result<void> FrameQueue::show(Pending pending, SceneView& view, News& news) {
     if (!bound) return bound.error();
     objects_.show(*std::move(bound), view, pending.event.added);
   }
-  news.described.push_back(std::move(*pending.event.object));
+  update.described.push_back(std::move(*pending.event.object));
   return {};
 }
 
-Result<FrameQueue::News> FrameQueue::take(SceneView& view) {
-  News news;
+Result<FrameQueue::StreamUpdate> FrameQueue::take(SceneView& view) {
+  StreamUpdate update;
   {
     std::lock_guard lock(mutex_);
     const auto ready = holds_ ? events_.begin() + static_cast<std::ptrdiff_t>(events_to_take_) : events_.end();
@@ -111,12 +111,12 @@ Result<FrameQueue::News> FrameQueue::take(SceneView& view) {
     events_.erase(events_.begin(), ready);
     events_to_take_ = 0;
     const bool all_there = std::all_of(pending_.begin(), pending_.end(), [](const Pending& one) { return one.ready(); });
-    if (news_.anew && !all_there) {
-      news.goodbye = std::exchange(news_.goodbye, std::nullopt);
-      news.lost = std::exchange(news_.lost, std::nullopt);
-      return news;
+    if (update_.anew && !all_there) {
+      update.goodbye = std::exchange(update_.goodbye, std::nullopt);
+      update.lost = std::exchange(update_.lost, std::nullopt);
+      return update;
     }
-    news = std::exchange(news_, {});
+    update = std::exchange(update_, {});
   }
   std::deque<Pending> later;
   const auto waits = [&](const Pending& one) {
@@ -132,14 +132,14 @@ Result<FrameQueue::News> FrameQueue::take(SceneView& view) {
       later.push_back(std::move(one));
       continue;
     }
-    if (auto shown = show(std::move(one), view, news); !shown) return shown.error();
+    if (auto shown = show(std::move(one), view, update); !shown) return shown.error();
   }
   pending_ = std::move(later);
   std::erase_if(unwanted_, [](const auto& one) { return one.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
   auto refined = objects_.refine(view);
   if (!refined) return refined.error();
-  news.refined = std::move(*refined);
-  return news;
+  update.refined = std::move(*refined);
+  return update;
 }
 
 }  // namespace livegs

@@ -33,7 +33,7 @@ class FrameQueue final : public StreamSink {
   // nothing: an object that is new, or broke, is fetched and tied to its drivers on a thread of its own and comes, with its
   // first kernels, with a later call; until then a new one is not seen, and one that broke stands as it was. A server that was
   // started anew shows itself when its first frame and all of its objects are there, so that the last picture can still be drawn.
-  struct News {
+  struct StreamUpdate {
     std::vector<ReceivedFrame> frames;      // oldest first
     bool anew = false;                      // they are of a server that was started anew
     std::vector<StreamedObject> described;  // added or changed
@@ -43,11 +43,11 @@ class FrameQueue final : public StreamSink {
     std::optional<std::string> lost;  // why the stream is gone
     bool back = false;                // the frames are the first of a stream that came back
   };
-  Result<News> take(SceneView& view);
+  Result<StreamUpdate> take(SceneView& view);
 
   // From now on every frame is kept, too, for a recording; or no longer.
-  void keep_all(bool keep);
-  std::vector<ReceivedFrame> take_kept();
+  void record_frames(bool keep);
+  std::vector<ReceivedFrame> take_recorded();
 
  private:
   using Binding = ArrivingObjects::Binding;
@@ -64,7 +64,7 @@ class FrameQueue final : public StreamSink {
     bool ready() const;
   };
   void take_event(Event event, const SceneView& view);
-  Result<void> show(Pending pending, SceneView& view, News& news);
+  Result<void> show(Pending pending, SceneView& view, StreamUpdate& update);
 
   ArrivingObjects& objects_;
   std::deque<Pending> pending_;                         // the drawer's, in the order of events
@@ -74,9 +74,9 @@ class FrameQueue final : public StreamSink {
   size_t events_to_take_ = 0;  // those of before such a server
   bool holds_ = false;         // the others, until the next frame
   bool lost_ = false;
-  News news_;
-  bool keeps_all_ = false;
-  std::vector<ReceivedFrame> kept_;
+  StreamUpdate update_;
+  bool records_frames_ = false;
+  std::vector<ReceivedFrame> recorded_;
 };
 
 }  // namespace livegs

@@ -12,7 +12,7 @@ namespace livegs {
 class SessionNotice {
  public:
   // After each take() of the stream. Logs what is new.
-  void take(const FrameQueue::News& news, SessionClient& client);
+  void take(const FrameQueue::StreamUpdate& update, SessionClient& client);
 
   // `otherwise`, what is of less weight, while all is well with the session.
   std::string text(const std::string& otherwise) const { return text_.empty() ? otherwise : text_; }

@@ -42,7 +42,7 @@ class HeadsetRun {
   HeadsetRunSummary summary() const;
 
  private:
-  Result<void> take_news();
+  Result<void> poll_updates();
   Result<void> place();
   void send_hands(int64_t displayed_ns);
   void send_hands_again(int64_t displayed_ns);
@@ -97,20 +97,20 @@ Result<void> HeadsetRun::place() {
   return {};
 }
 
-Result<void> HeadsetRun::take_news() {
-  auto news = stream_.take(view_);
-  if (!news) return news.error();
-  for (const StreamedObject& object : news->described) {
+Result<void> HeadsetRun::poll_updates() {
+  auto update = stream_.take(view_);
+  if (!update) return update.error();
+  for (const StreamedObject& object : update->described) {
     masses_kg_[object.id] = object.mass_kg;
     sizes_m_.erase(object.id);
   }
-  for (const uint32_t id : news->refined) sizes_m_.erase(id);
-  notice_.take(*news, client_);
-  if (news->anew) playout_.begin_again();
-  if (news->frames.empty()) return {};
-  const auto newest = news->frames.back().drivers;
-  run_message_ = news->frames.back().run.message();
-  for (ReceivedFrame& frame : news->frames) {
+  for (const uint32_t id : update->refined) sizes_m_.erase(id);
+  notice_.take(*update, client_);
+  if (update->anew) playout_.begin_again();
+  if (update->frames.empty()) return {};
+  const auto newest = update->frames.back().drivers;
+  run_message_ = update->frames.back().run.message();
+  for (ReceivedFrame& frame : update->frames) {
     feel(frame);
     playout_.add(std::move(frame));
   }
@@ -236,10 +236,10 @@ Result<void> HeadsetRun::run(const std::atomic<bool>& interrupted) {
   client_.start(stream_);
   const int64_t begun_ns = now_ns();
   while (!interrupted) {
-    if (auto taken = take_news(); !taken) return taken;
+    if (auto taken = poll_updates(); !taken) return taken;
     auto planned = display_.wait_frame();
     if (!planned) break;
-    if (auto taken = take_news(); !taken) return taken;  // what came while it waited
+    if (auto taken = poll_updates(); !taken) return taken;  // what came while it waited
     display_.set_notice(notice_.text(run_message_.empty() ? view_.notice() : run_message_));
     if (placed_) send_hands(planned->display_time_ns);
     if (auto done = planned->views.empty() || !placed_ ? display_.submit(*planned, {}) : draw(*planned); !done) return done;

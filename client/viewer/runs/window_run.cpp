@@ -49,7 +49,7 @@ class WindowRun {
 
  private:
   Result<void> show(const std::atomic<bool>& interrupted);
-  Result<void> take_news();
+  Result<void> poll_updates();
   Result<void> first_frame();
   void move_camera(const WindowInput& input);
   void point(const WindowInput& input, const Camera& window);
@@ -151,27 +151,27 @@ Result<ForceStudy> WindowRun::study_of(const v1::Event::Force& force) const {
   return study;
 }
 
-Result<void> WindowRun::take_news() {
-  auto news = stream_.take(view_);
-  if (!news) return news.error();
-  for (StreamedObject& object : news->described) {
+Result<void> WindowRun::poll_updates() {
+  auto update = stream_.take(view_);
+  if (!update) return update.error();
+  for (StreamedObject& object : update->described) {
     study_.follow(object.name, object.id);
     objects_[object.id] = std::move(object);
   }
-  for (const uint32_t id : news->removed) objects_.erase(id);
-  for (const uint32_t id : news->refined) {
+  for (const uint32_t id : update->removed) objects_.erase(id);
+  for (const uint32_t id : update->refined) {
     study_.find_kernel_again(id, view_);
     if (recording_) recording_->find_kernels_again(id, view_);
   }
-  notice_.take(*news, client_);
+  notice_.take(*update, client_);
   if (recording_) {
-    for (const ReceivedFrame& frame : stream_.take_kept()) recording_->add(frame);
-    stream_.keep_all(recording_->collecting());
+    for (const ReceivedFrame& frame : stream_.take_recorded()) recording_->add(frame);
+    stream_.record_frames(recording_->collecting());
   }
-  if (news->anew) playout_.begin_again();
-  if (news->frames.empty()) return {};
-  frame_ = news->frames.back();
-  for (ReceivedFrame& frame : news->frames) playout_.add(std::move(frame));
+  if (update->anew) playout_.begin_again();
+  if (update->frames.empty()) return {};
+  frame_ = update->frames.back();
+  for (ReceivedFrame& frame : update->frames) playout_.add(std::move(frame));
   return camera_ ? Result<void>() : first_frame();
 }
 
@@ -233,7 +233,7 @@ Result<void> WindowRun::begin_recording(std::vector<ForceStudy> studies) {
   auto begun = StudyRecording::begin(folder, std::move(studies), camera_->camera(size.x(), size.y()), client_.scene().rate_hz);
   if (!begun) return begun.error();
   recording_.emplace(std::move(*begun));
-  stream_.keep_all(true);
+  stream_.record_frames(true);
   return {};
 }
 
@@ -253,7 +253,7 @@ void WindowRun::abandon_recording() {
   if (!recording_) return;
   recording_->abandon();
   recording_.reset();
-  stream_.keep_all(false);
+  stream_.record_frames(false);
 }
 
 // Nobody waits for the rest of it.
@@ -466,7 +466,7 @@ Result<void> WindowRun::show(const std::atomic<bool>& interrupted) {
   begun_ns_ = now_ns();
   int64_t second_ns = now_ns(), last_ns = now_ns();
   while (!interrupted) {
-    if (auto taken = take_news(); !taken) return taken;
+    if (auto taken = poll_updates(); !taken) return taken;
     if (auto taken = take_answers(); !taken) return taken;
     bool records = recording_ && recording_->next();
     const Eigen::Vector2i size = display_.size_px();

@@ -105,22 +105,22 @@ ReceivedFrame frame_of(uint64_t tick, std::initializer_list<std::tuple<uint32_t,
 class FrameQueueTest : public ::testing::Test {
  protected:
   // What the drawer does for a picture.
-  FrameQueue::News picture() {
-    auto news = stream_.take(view_);
-    EXPECT_TRUE(news) << news.error().message;
-    if (!news) return {};
-    if (!news->frames.empty()) drivers_ = news->frames.back().drivers;
+  FrameQueue::StreamUpdate picture() {
+    auto update = stream_.take(view_);
+    EXPECT_TRUE(update) << update.error().message;
+    if (!update) return {};
+    if (!update->frames.empty()) drivers_ = update->frames.back().drivers;
     if (drivers_) {
       const auto posed = view_.pose(*drivers_);
       EXPECT_TRUE(posed) << posed.error().message;
     }
-    return std::move(*news);
+    return std::move(*update);
   }
   // Pictures until one of the objects that are new or changed is there.
-  FrameQueue::News picture_with_news() {
+  FrameQueue::StreamUpdate picture_with_news() {
     for (;;) {
-      auto news = picture();
-      if (!news.described.empty() || news.anew || HasFailure()) return news;
+      auto update = picture();
+      if (!update.described.empty() || update.anew || HasFailure()) return update;
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   }
@@ -149,16 +149,16 @@ TEST_F(FrameQueueTest, AnObjectThatBrokeStandsAsItWasUntilItsPiecesAreThere) {
   stream_.on_object_changed(broken);
   stream_.on_frame(frame_of(2, {{1, 1, 7.0}, {2, 0, 21.0}}));
   for (int i = 0; i < 20; ++i) {
-    const auto news = picture();  // and it came back
-    EXPECT_EQ(news.frames.size(), i == 0 ? 1u : 0u);
-    EXPECT_TRUE(news.described.empty());
+    const auto update = picture();  // and it came back
+    EXPECT_EQ(update.frames.size(), i == 0 ? 1u : 0u);
+    EXPECT_TRUE(update.described.empty());
     EXPECT_NEAR(middle_m(1), 5.04, 1e-3);   // as it was
     EXPECT_NEAR(middle_m(2), 21.05, 1e-3);  // everything else goes on
   }
   held_.give(broken);
-  const auto news = picture_with_news();
-  ASSERT_EQ(news.described.size(), 1u);
-  EXPECT_EQ(news.described[0].rest.revision, 1u);
+  const auto update = picture_with_news();
+  ASSERT_EQ(update.described.size(), 1u);
+  EXPECT_EQ(update.described[0].rest.revision, 1u);
   (void)picture();
   EXPECT_NEAR(middle_m(1), 7.06, 1e-3);
 }
@@ -216,8 +216,8 @@ TEST_F(FrameQueueTest, WhatWentBeforeItWasThereNeverComes) {
   const StreamedObject ball = held_.object(1, 10), other = held_.object(2, 12);
   stream_.on_object_added(ball);
   stream_.on_object_removed(1);
-  const auto news = picture();
-  ASSERT_EQ(news.removed, (std::vector<uint32_t>{1}));
+  const auto update = picture();
+  ASSERT_EQ(update.removed, (std::vector<uint32_t>{1}));
   held_.give(ball);
   held_.give(other);
   stream_.on_object_added(other);
@@ -237,9 +237,9 @@ TEST_F(FrameQueueTest, ADescriptionAloneComesAtOnceAndInOrder) {
   stream_.on_object_changed(object);
   object.mass_kg = 3;
   stream_.on_object_changed(object);
-  const auto news = picture();
-  ASSERT_EQ(news.described.size(), 2u);
-  EXPECT_EQ(news.described.back().mass_kg, 3);
+  const auto update = picture();
+  ASSERT_EQ(update.described.size(), 2u);
+  EXPECT_EQ(update.described.back().mass_kg, 3);
 }
 
 // The same id is another thing there: nothing of it is shown before all of it can be.
@@ -258,17 +258,17 @@ TEST_F(FrameQueueTest, AServerThatIsStartedAnewShowsItselfOnceAllItsObjectsAreTh
   stream_.on_frame(frame_of(1, {{1, 1, 7.0}, {2, 0, 8.0}}));
   held_.give(one);
   for (int i = 0; i < 20; ++i) {
-    const auto news = picture();
-    EXPECT_TRUE(news.frames.empty());
-    EXPECT_FALSE(news.back);
+    const auto update = picture();
+    EXPECT_TRUE(update.frames.empty());
+    EXPECT_FALSE(update.back);
     EXPECT_NEAR(middle_m(1), 5.04, 1e-3);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   held_.give(two);
-  const auto news = picture_with_news();
-  EXPECT_TRUE(news.anew);
-  EXPECT_TRUE(news.back);
-  EXPECT_EQ(news.described.size(), 2u);
+  const auto update = picture_with_news();
+  EXPECT_TRUE(update.anew);
+  EXPECT_TRUE(update.back);
+  EXPECT_EQ(update.described.size(), 2u);
   EXPECT_NEAR(middle_m(1), 7.07, 1e-3);
   EXPECT_NEAR(middle_m(2), 8.05, 1e-3);
 }
