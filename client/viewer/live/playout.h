@@ -18,7 +18,7 @@ class Playout {
   // In the order they came.
   void add(ReceivedFrame frame);
   // What comes next has nothing to do with what came: a server that was started anew.
-  void begin_again() { *this = Playout(); }
+  void reset() { *this = Playout(); }
 
   // The drivers of a picture that is drawn now and seen then, by now_ns(). Nothing before the first frame.
   std::optional<DriverFrame> at(int64_t now_ns, int64_t displayed_ns);

@@ -60,7 +60,7 @@ void ReceivedLog::add(const ReceivedFrame& frame) {
   step_ms_.push_back(frame.step_ms);
 }
 
-void ReceivedLog::begin_again() { last_tick_.reset(); }
+void ReceivedLog::reset() { last_tick_.reset(); }
 
 ReceivedLog::Summary ReceivedLog::summary() const {
   Summary summary;

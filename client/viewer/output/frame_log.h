@@ -27,7 +27,7 @@ class ReceivedLog {
   static Result<ReceivedLog> create(const std::filesystem::path& path);
   void add(const ReceivedFrame& frame);
   // The next tick belongs to another count.
-  void begin_again();
+  void reset();
 
   struct Summary {
     uint64_t frames = 0;

@@ -44,8 +44,8 @@ void Recorder::on_resumed(const ResumedSession& resumed) {
     outages_.restarted += resumed.same_server ? 0 : 1;
     outages_.seconds += resumed.outage_s;
     if (!resumed.same_server) {
-      ticks_begin_again_ = true;
-      log_.begin_again();
+      ticks_reset_ = true;
+      log_.reset();
     }
   }
   queue_.add(resumed);
@@ -62,11 +62,11 @@ void Recorder::on_frame(ReceivedFrame frame) {
     if (first_ns_ == 0) {
       first_ns_ = frame.received_ns;
       first_tick_ = static_cast<int64_t>(frame.tick);
-    } else if (ticks_begin_again_) {  // the script goes on where it would be by now
+    } else if (ticks_reset_) {  // the script goes on where it would be by now
       const double now_s = last_time_s_ + seconds_from_ns(frame.received_ns - last_ns_);
       first_tick_ = static_cast<int64_t>(frame.tick) - std::llround(now_s * client_.scene().rate_hz);
     }
-    ticks_begin_again_ = false;
+    ticks_reset_ = false;
     last_ns_ = frame.received_ns;
     last_time_s_ = time_s(frame);
     log_.add(frame);

@@ -73,7 +73,7 @@ class Recorder final : public StreamSink {
   int64_t first_tick_ = 0;           // in ticks of the server that is there now
   int64_t last_ns_ = 0;              // when the newest frame came
   double last_time_s_ = 0;           // and its time_s()
-  bool ticks_begin_again_ = false;   // with the next frame
+  bool ticks_reset_ = false;   // with the next frame
   Outages outages_;
   const int64_t made_ns_ = now_ns();
   bool done_ = false, gave_up_ = false;

@@ -12,7 +12,7 @@ Result<void> Player::play() {
       taken = take(*frame);
     else if (const auto* resumed = std::get_if<ResumedSession>(&*item))
       take(*resumed);
-    else if (begins_again_)
+    else if (resets_)
       postponed_.push_back(std::move(*item));
     else
       taken = take_object(*item);
@@ -48,20 +48,20 @@ Result<void> Player::take(const ObjectChanged& changed) {
 
 void Player::take(const ResumedSession& resumed) {
   holds_ = true;
-  begins_again_ = (begins_again_ || !resumed.same_server) && !history_.empty();
+  resets_ = (resets_ || !resumed.same_server) && !history_.empty();
 }
 
 // Frames of before the outage and after it are not interpolated: the last of before is shown until shortly before.
 Result<void> Player::hold_until(const ReceivedFrame& frame) {
   DriverFrame held = history_.newest();
-  if (begins_again_) {
+  if (resets_) {
     const int64_t shown_ns = held.simulated_ns + (frame.received_ns - last_.received_ns);
     shift_ns_ = shown_ns - frame.drivers->simulated_ns;
   }
   held.simulated_ns = frame.drivers->simulated_ns + shift_ns_ - 1;
   history_.add(std::move(held));
   if (auto drawn = draw_until_newest(); !drawn) return drawn;
-  if (!begins_again_) return {};
+  if (!resets_) return {};
   history_ = FrameHistory(kFramesKept);  // drivers of the server before do not fit the objects of this one
   for (const StreamItem& item : std::exchange(postponed_, {})) {
     if (auto taken = take_object(item); !taken) return taken;
@@ -74,7 +74,7 @@ Result<void> Player::take(const ReceivedFrame& frame) {
   if (holds_ && !history_.empty()) {
     if (auto held = hold_until(frame); !held) return held;
   }
-  holds_ = begins_again_ = false;
+  holds_ = resets_ = false;
   drivers.simulated_ns += shift_ns_;
   if (!first_simulated_ns_) {
     first_simulated_ns_ = drivers.simulated_ns;

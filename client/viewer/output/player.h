@@ -63,7 +63,7 @@ class Player {
   ReceivedFrame last_;  // the newest taken
   // The history's time is simulated time plus this: it goes on when a server that was started anew begins at zero.
   int64_t shift_ns_ = 0;
-  bool holds_ = false, begins_again_ = false;  // with the next frame
+  bool holds_ = false, resets_ = false;  // with the next frame
   std::vector<StreamItem> postponed_;          // until then: objects of a server that was started anew
   std::optional<int64_t> first_simulated_ns_;
   std::optional<PlannedFrame> planned_;

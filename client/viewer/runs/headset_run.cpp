@@ -106,7 +106,7 @@ Result<void> HeadsetRun::poll_updates() {
   }
   for (const uint32_t id : update->refined) sizes_m_.erase(id);
   notice_.take(*update, client_);
-  if (update->anew) playout_.begin_again();
+  if (update->anew) playout_.reset();
   if (update->frames.empty()) return {};
   const auto newest = update->frames.back().drivers;
   run_message_ = update->frames.back().run.message();

@@ -34,7 +34,7 @@ class Watcher final : public StreamSink {
   void on_resumed(const ResumedSession& resumed) override {
     {
       std::lock_guard lock(mutex_);
-      if (!resumed.same_server) log_.begin_again();
+      if (!resumed.same_server) log_.reset();
     }
     queue_.add(resumed);
   }
