@@ -31,7 +31,7 @@ RestBody rest_of_part(const RestBody& rest, std::span<const uint32_t> indices) {
   return part;
 }
 
-std::future<Result<ArrivingObjects::Binding>> ArrivingObjects::bind_more(const StreamedObject& object, size_t than_step) {
+std::future<Result<ProgressiveObjects::Binding>> ProgressiveObjects::bind_more(const StreamedObject& object, size_t than_step) {
   return std::async(std::launch::async, [&assets = assets_, object, than_step]() -> Result<Binding> {
     const auto arrived = assets.wait_for_more(object.asset_hash, than_step);
     if (!arrived) return arrived.error();
@@ -42,35 +42,35 @@ std::future<Result<ArrivingObjects::Binding>> ArrivingObjects::bind_more(const S
   });
 }
 
-std::future<Result<ArrivingObjects::Binding>> ArrivingObjects::bind(const StreamedObject& object) { return bind_more(object, 0); }
+std::future<Result<ProgressiveObjects::Binding>> ProgressiveObjects::bind(const StreamedObject& object) { return bind_more(object, 0); }
 
-void ArrivingObjects::forget(uint32_t object_id) {
+void ProgressiveObjects::forget(uint32_t object_id) {
   const auto known = coarse_.find(object_id);
   if (known == coarse_.end()) return;
   if (known->second.finer.valid()) unwanted_.push_back(std::move(known->second.finer));
   coarse_.erase(known);
 }
 
-void ArrivingObjects::show(Binding binding, SceneView& view, bool added) {
+void ProgressiveObjects::show(Binding binding, SceneView& view, bool added) {
   const uint32_t id = binding.object.id;
   forget(id);
   if (!binding.whole) coarse_[id] = {std::move(binding.object), binding.bound.asset->size(), binding.step, {}};
   added ? view.add(id, std::move(binding.bound)) : view.change(id, std::move(binding.bound));
 }
 
-Result<void> ArrivingObjects::add(const StreamedObject& object, SceneView& view) {
+Result<void> ProgressiveObjects::add(const StreamedObject& object, SceneView& view) {
   auto binding = bind(object).get();
   if (!binding) return binding.error();
   show(*std::move(binding), view, true);
   return {};
 }
 
-void ArrivingObjects::remove(uint32_t object_id, SceneView& view) {
+void ProgressiveObjects::remove(uint32_t object_id, SceneView& view) {
   forget(object_id);
   view.remove(object_id);
 }
 
-Result<std::vector<uint32_t>> ArrivingObjects::refine(SceneView& view) {
+Result<std::vector<uint32_t>> ProgressiveObjects::refine(SceneView& view) {
   std::erase_if(unwanted_, [](const auto& one) { return is_ready(one); });
   std::vector<uint32_t> refined;
   for (auto at = coarse_.begin(); at != coarse_.end();) {
@@ -93,7 +93,7 @@ Result<std::vector<uint32_t>> ArrivingObjects::refine(SceneView& view) {
   return refined;
 }
 
-ArrivingObjects::Progress ArrivingObjects::progress() const {
+ProgressiveObjects::Progress ProgressiveObjects::progress() const {
   Progress progress;
   for (const auto& [id, coarse] : coarse_) {
     ++progress.objects;

@@ -55,7 +55,7 @@ struct ConnectedScene {
   const std::unique_ptr<SessionClient> client;
   const AssetCache cache;
   AssetLibrary assets;
-  ArrivingObjects objects;
+  ProgressiveObjects objects;
   SceneView view;
 };
 

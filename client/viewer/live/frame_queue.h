@@ -18,7 +18,7 @@ namespace livegs {
 // dropped, events never.
 class FrameQueue final : public StreamSink {
  public:
-  explicit FrameQueue(ArrivingObjects& objects) : objects_(objects) {}
+  explicit FrameQueue(ProgressiveObjects& objects) : objects_(objects) {}
 
   // On the session's threads.
   void on_lost(const std::string& reason) override;
@@ -50,7 +50,7 @@ class FrameQueue final : public StreamSink {
   std::vector<ReceivedFrame> take_recorded();
 
  private:
-  using Binding = ArrivingObjects::Binding;
+  using Binding = ProgressiveObjects::Binding;
   static constexpr size_t kMostFrames = 32;
   struct Event {
     std::optional<StreamedObject> object;
@@ -66,7 +66,7 @@ class FrameQueue final : public StreamSink {
   void take_event(Event event, const SceneView& view);
   Result<void> show(Pending pending, SceneView& view, StreamUpdate& update);
 
-  ArrivingObjects& objects_;
+  ProgressiveObjects& objects_;
   std::deque<Pending> pending_;                         // the drawer's, in the order of events
   std::vector<std::future<Result<Binding>>> unwanted_;  // its as well: of objects that went before they were there
   std::mutex mutex_;  // guards everything below

@@ -33,7 +33,7 @@ constexpr size_t kMostLatencies = 1 << 20;
 
 class HeadsetRun {
  public:
-  HeadsetRun(const HeadsetRunOptions& options, SessionClient& client, ArrivingObjects& arriving, SceneView& view, HeadsetDisplay& display)
+  HeadsetRun(const HeadsetRunOptions& options, SessionClient& client, ProgressiveObjects& arriving, SceneView& view, HeadsetDisplay& display)
       : options_(options), client_(client), stream_(arriving), view_(view), display_(display) {
     for (const StreamedObject& object : client.scene().objects) masses_kg_[object.id] = object.mass_kg;
   }

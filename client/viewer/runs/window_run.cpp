@@ -37,7 +37,7 @@ constexpr const char* kHelp =
 
 class WindowRun {
  public:
-  WindowRun(const WindowRunOptions& options, SessionClient& client, SceneControl& control, ArrivingObjects& arriving,
+  WindowRun(const WindowRunOptions& options, SessionClient& client, SceneControl& control, ProgressiveObjects& arriving,
             SceneView& view, WindowDisplay& display)
       : options_(options), client_(client), calls_(control), arriving_(arriving), stream_(arriving), view_(view), display_(display),
         scale_(options.full_size ? kUnhurried_ms : window_budget_ms(display.refresh_hz())) {
@@ -76,7 +76,7 @@ class WindowRun {
   const WindowRunOptions& options_;
   SessionClient& client_;
   ControlCalls calls_;
-  const ArrivingObjects& arriving_;
+  const ProgressiveObjects& arriving_;
   FrameQueue stream_;
   SceneView& view_;
   WindowDisplay& display_;

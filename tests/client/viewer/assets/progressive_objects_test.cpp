@@ -76,7 +76,7 @@ class SlowSource {
 class Arriving : public ::testing::Test {
  protected:
   // Waits until a call of refine() shows something.
-  void wait_refined(ArrivingObjects& objects) {
+  void wait_refined(ProgressiveObjects& objects) {
     for (int i = 0; i < 6000; ++i) {
       const auto refined = objects.refine(view_);
       ASSERT_TRUE(refined) << refined.error().message;
@@ -107,7 +107,7 @@ TEST_F(Arriving, AnObjectIsSeenCoarseAndThenWhole) {
   SlowSource source(ball(20'000));
   AssetLibrary assets(source.fetch(), cache_);
   assets.show_parts();
-  ArrivingObjects objects(assets);
+  ProgressiveObjects objects(assets);
   objects.ask_for(source.object);
   source.let(0.10);
   ASSERT_TRUE(objects.add(source.object, view_));
@@ -143,7 +143,7 @@ TEST_F(Arriving, AnAssetThatNeverComesIsAnError) {
   SlowSource source(ball(20'000));
   AssetLibrary assets(source.fetch(), cache_);
   assets.show_parts();
-  ArrivingObjects objects(assets);
+  ProgressiveObjects objects(assets);
   objects.ask_for(source.object);
   source.let(0.2);
   ASSERT_TRUE(objects.add(source.object, view_));

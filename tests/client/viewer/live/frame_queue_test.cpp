@@ -131,7 +131,7 @@ class FrameQueueTest : public ::testing::Test {
   HeldAssets held_;
   AssetLibrary assets_{[this](const std::string& hash, uint64_t, uint64_t, const TakeChunk& take) { return held_.fetch(hash, take); }, cache_};
   SceneView view_;
-  ArrivingObjects objects_{assets_};
+  ProgressiveObjects objects_{assets_};
   FrameQueue stream_{objects_};
   std::shared_ptr<const DriverFrame> drivers_;
 };
