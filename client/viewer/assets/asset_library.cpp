@@ -6,15 +6,15 @@
 
 namespace livegs {
 
-void AssetLibrary::ask_for(const StreamedObject& object) {
-  ask_for(object.asset_hash, object.asset_bytes, object.name);
-  if (!object.broken_asset_hash.empty()) ask_for(object.broken_asset_hash, object.broken_asset_bytes, object.name + ", broken");
+void AssetLibrary::request(const StreamedObject& object) {
+  request(object.asset_hash, object.asset_bytes, object.name);
+  if (!object.broken_asset_hash.empty()) request(object.broken_asset_hash, object.broken_asset_bytes, object.name + ", broken");
 }
 
-void AssetLibrary::ask_for(const std::string& hash, uint64_t bytes, const std::string& object) {
+void AssetLibrary::request(const std::string& hash, uint64_t bytes, const std::string& object) {
   std::lock_guard lock(mutex_);
   if (assets_.contains(hash)) return;
-  auto asked = std::make_shared<Asked>();
+  auto asked = std::make_shared<RequestedAsset>();
   asked->object = object;
   asked->bytes = bytes;
   assets_.emplace(hash, asked);
@@ -35,7 +35,7 @@ void AssetLibrary::ask_for(const std::string& hash, uint64_t bytes, const std::s
   }));
 }
 
-Result<AssetLibrary::Loaded> AssetLibrary::load(const std::string& hash, uint64_t bytes, Asked& asked) {
+Result<AssetLibrary::Loaded> AssetLibrary::load(const std::string& hash, uint64_t bytes, RequestedAsset& asked) {
   AssetCache::Progress progress;
   if (shows_parts_) {
     // A part costs who draws it as much as it holds: they double.
@@ -62,7 +62,7 @@ Result<AssetLibrary::Loaded> AssetLibrary::load(const std::string& hash, uint64_
   return Loaded{std::make_shared<const GaussianAsset>(std::move(file->asset)), obtained->fetched_bytes};
 }
 
-void AssetLibrary::keep_part(const ProgressiveDecoder& so_far, Asked& asked) {
+void AssetLibrary::keep_part(const ProgressiveDecoder& so_far, RequestedAsset& asked) {
   auto part = std::make_shared<const AssetPart>(so_far.part());
   if (part->indices.empty()) return;
   std::lock_guard lock(mutex_);

@@ -39,7 +39,7 @@ class AssetLibrary {
   // From now on, what has come of assets that are asked for can be had before they are whole.
   void show_parts() { shows_parts_ = true; }
   // The object's own asset and, if it has one, that of its fragments.
-  void ask_for(const StreamedObject& object);
+  void request(const StreamedObject& object);
   // Waits for it. Precondition: it was asked for.
   Result<Asset> get(const std::string& hash);
 
@@ -78,16 +78,16 @@ class AssetLibrary {
     uint64_t fetched_bytes = 0;
   };
   // Guarded by the mutex; shared with the thread that fetches it.
-  struct Asked {
+  struct RequestedAsset {
     std::string object;  // that has it
     uint64_t bytes = 0, arrived_bytes = 0;
     std::optional<Result<Loaded>> loaded;
     std::shared_ptr<const AssetPart> part;
     size_t step = 0;  // as Arrived has it
   };
-  void ask_for(const std::string& hash, uint64_t bytes, const std::string& object);
-  Result<Loaded> load(const std::string& hash, uint64_t bytes, Asked& asked);
-  void keep_part(const ProgressiveDecoder& so_far, Asked& asked);
+  void request(const std::string& hash, uint64_t bytes, const std::string& object);
+  Result<Loaded> load(const std::string& hash, uint64_t bytes, RequestedAsset& asked);
+  void keep_part(const ProgressiveDecoder& so_far, RequestedAsset& asked);
 
   const FetchAsset fetch_;
   const AssetCache& cache_;
@@ -96,8 +96,8 @@ class AssetLibrary {
   mutable std::mutex mutex_;  // guards all below
   std::condition_variable arrived_;
   Totals totals_;
-  std::map<std::string, std::shared_ptr<Asked>> assets_;
-  std::vector<std::shared_ptr<const Asked>> in_order_;  // they were asked for in
+  std::map<std::string, std::shared_ptr<RequestedAsset>> assets_;
+  std::vector<std::shared_ptr<const RequestedAsset>> in_order_;  // they were asked for in
   std::vector<std::future<void>> threads_;  // last: they use all of the above
 };
 

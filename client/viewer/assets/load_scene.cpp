@@ -4,7 +4,7 @@
 namespace livegs {
 
 Result<void> load_scene(const JoinedScene& scene, AssetLibrary& assets, SceneView& view) {
-  for (const StreamedObject& object : scene.objects) assets.ask_for(object);
+  for (const StreamedObject& object : scene.objects) assets.request(object);
   for (const StreamedObject& object : scene.objects) {
     auto asset = assets.get(object.asset_hash);
     if (!asset) return asset.error();

@@ -15,14 +15,14 @@ namespace livegs {
 
 // Shows objects with what has come of their assets, coarse at first, and anew when there is more: a person sees the scene while
 // it is still being fetched. Kernels are tied to their drivers on threads of their own. The drawer's thread, except for
-// ask_for().
+// request().
 class ProgressiveObjects {
  public:
   // The library outlives this; objects come coarse if it shows parts. The end waits for kernels that are being tied.
   explicit ProgressiveObjects(AssetLibrary& assets) : assets_(assets) {}
 
   // Any thread.
-  void ask_for(const StreamedObject& object) { assets_.ask_for(object); }
+  void request(const StreamedObject& object) { assets_.request(object); }
 
   // An object with as much of its asset as there was.
   struct Binding {

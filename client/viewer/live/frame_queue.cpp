@@ -46,14 +46,14 @@ std::vector<ReceivedFrame> FrameQueue::take_recorded() {
 }
 
 void FrameQueue::on_object_added(StreamedObject object) {
-  objects_.ask_for(object);
+  objects_.request(object);
   std::lock_guard lock(mutex_);
   const uint32_t id = object.id;
   events_.push_back({std::move(object), true, id});
 }
 
 void FrameQueue::on_object_changed(StreamedObject object) {
-  objects_.ask_for(object);
+  objects_.request(object);
   std::lock_guard lock(mutex_);
   const uint32_t id = object.id;
   events_.push_back({std::move(object), false, id});

@@ -69,7 +69,7 @@ Result<void> SceneLoader::show_scene(ConnectedScene& live) const {
   const bool kernels = FrameReader::brings_kernels(options_.encoding);
   if (options_.coarse_first && !kernels) live.assets.show_parts();
   const std::vector<StreamedObject>& objects = live.client->scene().objects;
-  for (const StreamedObject& object : objects) live.objects.ask_for(object);
+  for (const StreamedObject& object : objects) live.objects.request(object);
   for (const StreamedObject& object : objects) {
     if (stop_.stop_requested()) return Error{ErrorCode::Unavailable, "the scene is no longer wanted"};
     if (auto added = live.objects.add(object, live.view); !added) return added;

@@ -92,7 +92,7 @@ void Recorder::play_script(const ReceivedFrame& frame) {
 }
 
 void Recorder::on_object_added(StreamedObject object) {
-  assets_.ask_for(object);
+  assets_.request(object);
   {
     std::lock_guard lock(mutex_);
     changed_objects_[object.id] = object;
@@ -101,7 +101,7 @@ void Recorder::on_object_added(StreamedObject object) {
 }
 
 void Recorder::on_object_changed(StreamedObject object) {
-  assets_.ask_for(object);
+  assets_.request(object);
   {
     std::lock_guard lock(mutex_);
     changed_objects_[object.id] = object;

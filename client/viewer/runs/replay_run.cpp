@@ -25,8 +25,8 @@ class Stretch final : public ItemSource {
     if (interrupted_) return std::nullopt;
     auto item = playback_.take();
     if (!item) return item;
-    if (const auto* added = std::get_if<ObjectAdded>(&*item)) assets_.ask_for(added->object);
-    if (const auto* changed = std::get_if<ObjectChanged>(&*item)) assets_.ask_for(changed->object);
+    if (const auto* added = std::get_if<ObjectAdded>(&*item)) assets_.request(added->object);
+    if (const auto* changed = std::get_if<ObjectChanged>(&*item)) assets_.request(changed->object);
     if (const auto* frame = std::get_if<ReceivedFrame>(&*item)) {
       if (!first_ns_) first_ns_ = frame->drivers->simulated_ns;
       const int64_t passed_ns = frame->drivers->simulated_ns - *first_ns_;

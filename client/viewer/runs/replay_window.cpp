@@ -98,7 +98,7 @@ class ReplayWindow {
     }
     const auto* added = std::get_if<ObjectAdded>(&item);
     const StreamedObject& object = added ? added->object : std::get<ObjectChanged>(item).object;
-    assets_.ask_for(object);
+    assets_.request(object);
     auto asset = assets_.get(object.asset_hash);
     if (!asset) return asset.error();
     return added ? view_.add(object.id, *asset, object.rest, object.environment)

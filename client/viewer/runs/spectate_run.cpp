@@ -48,11 +48,11 @@ class Watcher final : public StreamSink {
     queue_.add(std::move(frame));
   }
   void on_object_added(StreamedObject object) override {
-    assets_.ask_for(object);
+    assets_.request(object);
     queue_.add(ObjectAdded{std::move(object)});
   }
   void on_object_changed(StreamedObject object) override {
-    assets_.ask_for(object);
+    assets_.request(object);
     queue_.add(ObjectChanged{std::move(object)});
   }
   void on_object_removed(uint32_t object_id) override { queue_.add(ObjectRemoved{object_id}); }

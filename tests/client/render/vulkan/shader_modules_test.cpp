@@ -19,13 +19,13 @@ constexpr uint32_t kMagic = 0x07230203, kSpirv16 = 0x00010600;
 constexpr uint32_t kOpExtension = 10, kOpCapability = 17;
 constexpr uint32_t kShader = 1, kFirstOfSubgroups = 61, kLastOfSubgroups = 68, kMultiView = 4439;  // GroupNonUniform, ...Quad
 
-struct Asked {
+struct RequestedAsset {
   std::set<uint32_t> capabilities;
   size_t extensions = 0;
 };
 
-Asked asked_by(const std::vector<uint32_t>& words) {
-  Asked asked;
+RequestedAsset asked_by(const std::vector<uint32_t>& words) {
+  RequestedAsset asked;
   for (size_t i = 5, length = 0; i < words.size(); i += length) {
     length = std::max<uint32_t>(1, words[i] >> 16);
     if ((words[i] & 0xffff) == kOpCapability) asked.capabilities.insert(words.at(i + 1));
@@ -58,7 +58,7 @@ TEST(ShaderModules, AskForNoSubgroupsAndForNothingBeyondVulkan13) {
     ASSERT_GT(words.size(), 5u) << header;
     EXPECT_EQ(words[0], kMagic) << name;
     EXPECT_LE(words[1], kSpirv16) << name;
-    const Asked asked = asked_by(words);
+    const RequestedAsset asked = asked_by(words);
     EXPECT_TRUE(asked.capabilities.contains(kShader)) << name;
     EXPECT_EQ(asked.extensions, 0u) << name;
     for (const uint32_t capability : asked.capabilities) {
@@ -73,7 +73,7 @@ TEST(ShaderModules, AskForNoSubgroupsAndForNothingBeyondVulkan13) {
 
 TEST(ShaderModules, OneThatAskedForSubgroupsWouldBeFound) {
   const std::vector<uint32_t> words = {kMagic, kSpirv16, 0, 1, 0, 2u << 16 | kOpCapability, kShader, 2u << 16 | kOpCapability, 63};
-  const Asked asked = asked_by(words);
+  const RequestedAsset asked = asked_by(words);
   EXPECT_EQ(asked.capabilities, (std::set<uint32_t>{kShader, 63}));
   EXPECT_TRUE(std::any_of(asked.capabilities.begin(), asked.capabilities.end(), is_of_subgroups));
 }

@@ -108,7 +108,7 @@ TEST_F(Arriving, AnObjectIsSeenCoarseAndThenWhole) {
   AssetLibrary assets(source.fetch(), cache_);
   assets.show_parts();
   ProgressiveObjects objects(assets);
-  objects.ask_for(source.object);
+  objects.request(source.object);
   source.let(0.10);
   ASSERT_TRUE(objects.add(source.object, view_));
   const Image coarse = drawn();
@@ -144,7 +144,7 @@ TEST_F(Arriving, AnAssetThatNeverComesIsAnError) {
   AssetLibrary assets(source.fetch(), cache_);
   assets.show_parts();
   ProgressiveObjects objects(assets);
-  objects.ask_for(source.object);
+  objects.request(source.object);
   source.let(0.2);
   ASSERT_TRUE(objects.add(source.object, view_));
   source.break_off();
