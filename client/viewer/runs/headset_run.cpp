@@ -82,7 +82,7 @@ class HeadsetRun {
 // One stands where the camera would, upright.
 Result<void> HeadsetRun::place() {
   constexpr PictureSize kAsSeen{640, 640};
-  const auto first = first_camera(view_, kAsSeen, options_.camera_file);
+  const auto first = initial_camera(view_, kAsSeen, options_.camera_file);
   if (!first) return first.error();
   const Camera& camera = *first;
   const Eigen::Vector3d ahead = camera.world_from_camera.orientation * -Eigen::Vector3d::UnitZ();

@@ -56,7 +56,7 @@ class ReplayWindow {
     const Eigen::Vector2i size = display_.size_px();
     if (auto posed = view_.pose(history_.newest()); !posed) return posed;
     const auto free = columns_beside_panels(size.x(), true);
-    const auto camera = first_camera(view_, {size.x(), size.y()}, options_.camera_file,
+    const auto camera = initial_camera(view_, {size.x(), size.y()}, options_.camera_file,
                                      free ? std::optional(PictureColumns{free->first, free->second}) : std::nullopt);
     if (!camera) return camera.error();
     camera_ = orbit_of(view_, *camera);
