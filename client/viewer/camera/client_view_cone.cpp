@@ -20,7 +20,7 @@ Eigen::Vector3d direction(const Camera& eye, double x_px, double y_px) {
 
 }  // namespace
 
-ViewCone seen_cone(std::span<const Camera> eyes) {
+ViewCone client_view_cone(std::span<const Camera> eyes) {
   LIVEGS_ASSERT(!eyes.empty());
   ViewCone cone;
   cone.forward.setZero();

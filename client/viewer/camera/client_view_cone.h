@@ -10,6 +10,6 @@ namespace livegs {
 
 // What a server should take as seen: all that these eyes, one or two, show, and what they can turn to in the tenth of a second in
 // which the server hears of it and sends the next frame.
-ViewCone seen_cone(std::span<const Camera> eyes);
+ViewCone client_view_cone(std::span<const Camera> eyes);
 
 }  // namespace livegs

@@ -26,7 +26,7 @@ void expect_all_seen(std::span<const Camera> eyes, const ViewCone& cone) {
 
 TEST(SeenCone, HoldsAllThatAWindowShows) {
   const Camera window = look_at({1, 2, 3}, {0, 0.5, 0}, {0, 1, 0}, 0.9, 1280, 720);
-  expect_all_seen(std::span(&window, 1), seen_cone(std::span(&window, 1)));
+  expect_all_seen(std::span(&window, 1), client_view_cone(std::span(&window, 1)));
 }
 
 // Asymmetric, 64 mm apart, and canted as some headsets' are.
@@ -38,7 +38,7 @@ TEST(SeenCone, HoldsAllThatTwoEyesShow) {
     eyes[static_cast<size_t>(eye)] = eye == 0 ? camera_from_fov(pose, -0.9, 0.7, 0.7, -0.8, 800, 900)
                                               : camera_from_fov(pose, -0.7, 0.9, 0.7, -0.8, 800, 900);
   }
-  const ViewCone cone = seen_cone(eyes);
+  const ViewCone cone = client_view_cone(eyes);
   expect_all_seen(eyes, cone);
   // A head that turns by 0.3 rad before the server knows sees nothing old.
   std::array<Camera, 2> turned = eyes;
