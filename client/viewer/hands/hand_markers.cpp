@@ -41,7 +41,7 @@ GaussianAsset hand_asset() {
 
 }  // namespace
 
-Result<void> HandMarks::add_to(SceneView& view) {
+Result<void> HandMarkers::add_to(SceneView& view) {
   const auto asset = std::make_shared<const GaussianAsset>(hand_asset());
   RestBody rest;
   rest.bodies.resize(2 + kBeads);
@@ -53,9 +53,9 @@ Result<void> HandMarks::add_to(SceneView& view) {
   return {};
 }
 
-bool HandMarks::is_mark(uint32_t object_id) { return object_id >= kFirstId; }
+bool HandMarkers::is_marker(uint32_t object_id) { return object_id >= kFirstId; }
 
-void HandMarks::append(const std::array<HandSample, 2>& hands, std::span<const Force> forces, DriverFrame& drivers) {
+void HandMarkers::append(const std::array<HandSample, 2>& hands, std::span<const Force> forces, DriverFrame& drivers) {
   for (uint32_t hand = 0; hand < 2; ++hand) {
     if (!hands[hand].active) continue;
     ObjectDrivers& marks = drivers.objects.emplace_back();

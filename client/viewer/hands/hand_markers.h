@@ -13,11 +13,11 @@ namespace livegs {
 
 // What is seen of the hands in a headset: a ball where each is, its ray, and a row of beads from the point it holds along
 // the force there. They are kernels as all else, sorted with the scene.
-class HandMarks {
+class HandMarkers {
  public:
   // Once. Their ids are the last two there are; a server counts from 1.
   static Result<void> add_to(SceneView& view);
-  static bool is_mark(uint32_t object_id);
+  static bool is_marker(uint32_t object_id);
 
   // A force that a hand exerts.
   struct Force {

@@ -48,7 +48,7 @@ std::optional<TouchPrediction::Touch> TouchPrediction::at(size_t hand, const Han
     const Eigen::AlignedBox3f looked_at(box.min() - wider, box.max() + wider);
     std::vector<DrawnObject> others = view.drawn_near(looked_at);
     std::erase_if(others, [&](const DrawnObject& object) {
-      return object.object_id == held_id || HandMarks::is_mark(object.object_id);
+      return object.object_id == held_id || HandMarkers::is_marker(object.object_id);
     });
     const auto surface = surface_within(others, looked_at, kMostSurface);
     for (int step = 0; step <= kSteps && !touch.touches; ++step) {

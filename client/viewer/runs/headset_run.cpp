@@ -90,7 +90,7 @@ Result<void> HeadsetRun::place() {
   display_.set_scene_from_local(
       {camera.world_from_camera.position_m, Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitY()))});
   if (options_.marks) {
-    if (auto added = HandMarks::add_to(view_); !added) return added;
+    if (auto added = HandMarkers::add_to(view_); !added) return added;
   }
   placed_ = true;
   placed_ns_ = now_ns();
@@ -180,7 +180,7 @@ double HeadsetRun::size_when_taken_m(uint32_t object_id) {
 }
 
 void HeadsetRun::add_marks(DriverFrame& drivers) {
-  std::vector<HandMarks::Force> forces;
+  std::vector<HandMarkers::Force> forces;
   for (const HeldByHand& held : playout_.shown()->hands) {
     const auto mass = masses_kg_.find(held.object_id);
     const double size_m = size_when_taken_m(held.object_id);
@@ -188,7 +188,7 @@ void HeadsetRun::add_marks(DriverFrame& drivers) {
     const double metres_a_newton = arrow_metres_per_newton(mass->second, size_m);
     forces.push_back({held.hand, held.point_m.cast<double>(), metres_a_newton * held.force_n.cast<double>()});
   }
-  HandMarks::append(display_.input().hands, forces, drivers);
+  HandMarkers::append(display_.input().hands, forces, drivers);
 }
 
 Result<void> HeadsetRun::draw(PlannedFrame& planned) {
