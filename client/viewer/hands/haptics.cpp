@@ -18,7 +18,7 @@ constexpr int64_t kOver_ns = 100'000'000;
 
 }  // namespace
 
-std::optional<TouchFeel::Pulse> TouchFeel::holds(size_t hand, uint32_t object_id) {
+std::optional<Haptics::Pulse> Haptics::holds(size_t hand, uint32_t object_id) {
   Hand& h = hands_[hand];
   if (h.held == object_id) return std::nullopt;
   h = {};
@@ -27,23 +27,23 @@ std::optional<TouchFeel::Pulse> TouchFeel::holds(size_t hand, uint32_t object_id
   return Pulse{kTakeAmplitude, kTake_s};
 }
 
-std::optional<TouchFeel::Pulse> TouchFeel::foreseen(size_t hand, bool touches, double speed_m_s, int64_t now_ns) {
+std::optional<Haptics::Pulse> Haptics::foreseen(size_t hand, bool touches, double speed_m_s, int64_t now_ns) {
   Hand& h = hands_[hand];
   const bool begins = touches && h.touches == false;
   h.touches = touches;
-  if (!begins || (h.told_ns && now_ns - *h.told_ns < kSame_ns)) return std::nullopt;
-  h.foreseen_ns = now_ns;
+  if (!begins || (h.impulse_ns && now_ns - *h.impulse_ns < kSame_ns)) return std::nullopt;
+  h.predicted_ns = now_ns;
   return Pulse{static_cast<float>(std::clamp(std::sqrt(speed_m_s / kFull_m_s), 0.1, 1.0)), kContact_s};
 }
 
-std::optional<TouchFeel::Pulse> TouchFeel::told(size_t hand, float impulse_n_s, int64_t now_ns) {
+std::optional<Haptics::Pulse> Haptics::told(size_t hand, float impulse_n_s, int64_t now_ns) {
   Hand& h = hands_[hand];
   if (!(impulse_n_s > kFelt_n_s)) return std::nullopt;
-  const bool goes_on = h.told_ns && now_ns - *h.told_ns < kOver_ns;
-  const bool knocks = goes_on && impulse_n_s > kKnock * h.usual_n_s;
-  const bool same = !goes_on && h.foreseen_ns && now_ns - *h.foreseen_ns < kSame_ns;
-  h.usual_n_s = goes_on ? std::max(impulse_n_s, 0.8f * h.usual_n_s + 0.2f * impulse_n_s) : impulse_n_s;
-  h.told_ns = now_ns;
+  const bool goes_on = h.impulse_ns && now_ns - *h.impulse_ns < kOver_ns;
+  const bool knocks = goes_on && impulse_n_s > kKnock * h.contact_impulse_n_s;
+  const bool same = !goes_on && h.predicted_ns && now_ns - *h.predicted_ns < kSame_ns;
+  h.contact_impulse_n_s = goes_on ? std::max(impulse_n_s, 0.8f * h.contact_impulse_n_s + 0.2f * impulse_n_s) : impulse_n_s;
+  h.impulse_ns = now_ns;
   if (same || (goes_on && !knocks)) return std::nullopt;
   return Pulse{std::min(1.0f, std::sqrt(impulse_n_s / kFull_n_s)), kContact_s};
 }

@@ -10,7 +10,7 @@ namespace livegs {
 
 // When a controller vibrates and how strongly, so that a touch is felt once, whether it is foreseen here or told by the
 // server, which comes a network and a simulation later. Moments are of now_ns(). Pure; one thread.
-class TouchFeel {
+class Haptics {
  public:
   struct Pulse {
     float amplitude = 0;  // 0..1
@@ -29,14 +29,14 @@ class TouchFeel {
   std::optional<Pulse> told(size_t hand, float impulse_n_s, int64_t now_ns);
 
   // Nothing is known of it in this picture: what is said next tells how things stand.
-  void not_foreseen(size_t hand) { hands_[hand].touches.reset(); }
+  void on_no_prediction(size_t hand) { hands_[hand].touches.reset(); }
 
  private:
   struct Hand {
     uint32_t held = 0;
     std::optional<bool> touches;
-    std::optional<int64_t> foreseen_ns, told_ns;  // the last
-    float usual_n_s = 0;  // of the touch that the server tells of
+    std::optional<int64_t> predicted_ns, impulse_ns;  // the last
+    float contact_impulse_n_s = 0;  // of the touch that the server tells of
   };
   std::array<Hand, 2> hands_;
 };

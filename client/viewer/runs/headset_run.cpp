@@ -46,7 +46,7 @@ class HeadsetRun {
   Result<void> place();
   void send_hands(int64_t displayed_ns);
   void send_hands_again(int64_t displayed_ns);
-  void vibrate(size_t hand, const std::optional<TouchFeel::Pulse>& pulse);
+  void vibrate(size_t hand, const std::optional<Haptics::Pulse>& pulse);
   void feel(const ReceivedFrame& frame);
   void foresee(int64_t displayed_ns);
   double size_when_taken_m(uint32_t object_id);
@@ -65,7 +65,7 @@ class HeadsetRun {
   bool placed_ = false;
   int64_t placed_ns_ = 0;
   InputSample sample_;
-  TouchFeel feel_;
+  Haptics feel_;
   TouchPrediction touch_;
   FrameMeter meter_;
   uint64_t measured_sequence_ = 0;
@@ -134,7 +134,7 @@ void HeadsetRun::send_hands_again(int64_t displayed_ns) {
   if (display_.update_input()) send_hands(displayed_ns);
 }
 
-void HeadsetRun::vibrate(size_t hand, const std::optional<TouchFeel::Pulse>& pulse) {
+void HeadsetRun::vibrate(size_t hand, const std::optional<Haptics::Pulse>& pulse) {
   if (!pulse) return;
   display_.vibrate(hand, pulse->amplitude, pulse->seconds);
   ++vibrations_;
@@ -165,7 +165,7 @@ void HeadsetRun::foresee(int64_t displayed_ns) {
     if (touch)
       vibrate(hand, feel_.foreseen(hand, touch->touches, touch->speed_m_s, now_ns()));
     else
-      feel_.not_foreseen(hand);
+      feel_.on_no_prediction(hand);
   }
 }
 

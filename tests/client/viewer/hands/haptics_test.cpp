@@ -8,8 +8,8 @@ namespace {
 
 constexpr int64_t ms(int64_t milliseconds) { return milliseconds * 1'000'000; }
 
-TEST(TouchFeel, AHandThatComesToTouchIsFeltOnce) {
-  TouchFeel feel;
+TEST(Haptics, AHandThatComesToTouchIsFeltOnce) {
+  Haptics feel;
   EXPECT_FALSE(feel.foreseen(1, false, 1.0, ms(0)));
   const auto pulse = feel.foreseen(1, true, 1.0, ms(11));
   ASSERT_TRUE(pulse);
@@ -23,8 +23,8 @@ TEST(TouchFeel, AHandThatComesToTouchIsFeltOnce) {
 }
 
 // What the server tells later of the same touch is not felt again, however long it lasts.
-TEST(TouchFeel, WhatWasForeseenIsNotFeltAgainWhenItIsTold) {
-  TouchFeel feel;
+TEST(Haptics, WhatWasForeseenIsNotFeltAgainWhenItIsTold) {
+  Haptics feel;
   EXPECT_TRUE(feel.holds(0, 7));
   EXPECT_FALSE(feel.foreseen(0, false, 1.0, ms(0)));
   EXPECT_TRUE(feel.foreseen(0, true, 1.0, ms(100)));
@@ -33,8 +33,8 @@ TEST(TouchFeel, WhatWasForeseenIsNotFeltAgainWhenItIsTold) {
   EXPECT_TRUE(feel.told(0, 0.9f, ms(180 + 2200)));
 }
 
-TEST(TouchFeel, WhatWasToldIsNotFeltAgainWhenItIsSeen) {
-  TouchFeel feel;
+TEST(Haptics, WhatWasToldIsNotFeltAgainWhenItIsSeen) {
+  Haptics feel;
   EXPECT_TRUE(feel.holds(0, 7));
   EXPECT_FALSE(feel.foreseen(0, false, 1.0, ms(0)));
   EXPECT_TRUE(feel.told(0, 0.1f, ms(50)));
@@ -45,8 +45,8 @@ TEST(TouchFeel, WhatWasToldIsNotFeltAgainWhenItIsSeen) {
 }
 
 // A thing taken from a table touches it already, and lies on it with m g dt a tick.
-TEST(TouchFeel, TakingIsFeltAndWhatIsTouchedThenIsNot) {
-  TouchFeel feel;
+TEST(Haptics, TakingIsFeltAndWhatIsTouchedThenIsNot) {
+  Haptics feel;
   const auto took = feel.holds(0, 7);
   ASSERT_TRUE(took);
   EXPECT_FALSE(feel.holds(0, 7));
@@ -56,15 +56,15 @@ TEST(TouchFeel, TakingIsFeltAndWhatIsTouchedThenIsNot) {
 }
 
 // A hand that appears within a thing has not just come to it.
-TEST(TouchFeel, AHandThatWasNotSeenTellsHowThingsStandFirst) {
-  TouchFeel feel;
+TEST(Haptics, AHandThatWasNotSeenTellsHowThingsStandFirst) {
+  Haptics feel;
   EXPECT_FALSE(feel.foreseen(0, false, 1.0, ms(0)));
-  feel.not_foreseen(0);
+  feel.on_no_prediction(0);
   EXPECT_FALSE(feel.foreseen(0, true, 1.0, ms(11)));
 }
 
-TEST(TouchFeel, WhatIsTooWeakIsNotFelt) {
-  TouchFeel feel;
+TEST(Haptics, WhatIsTooWeakIsNotFelt) {
+  Haptics feel;
   EXPECT_FALSE(feel.told(0, 0.01f, ms(0)));
   const auto strong = feel.told(0, 50.0f, ms(10));
   ASSERT_TRUE(strong);
