@@ -112,11 +112,11 @@ std::string proposal_text(const v1::PhysicalParameters& proposal) {
          (proposal.material().empty() ? "" : " of " + proposal.material()) + ", " + behavior_text(proposal.behavior());
 }
 
-ValueRow value_row(PhysicalField field, const v1::PhysicalParameters& physics) {
+ValueRow value_row(SliderParameter field, const v1::PhysicalParameters& physics) {
   const v1::EstimatedValue value = shown_value(field, physics);
-  const Unit unit = field_unit(field);
+  const Unit unit = parameter_unit(field);
   ValueRow row;
-  row.name = field_name(field);
+  row.name = parameter_name(field);
   row.value = quantity_text(value.best(), unit);
   row.origin = source_text(value.source());
   if (value.high() > value.low()) row.origin += ", " + range_text(value.low(), value.high(), unit);
@@ -138,7 +138,7 @@ ObjectsPanel ObjectPanel::shown(const Objects& objects) const {
   const StreamedObject* object = named(objects, selected_);
   if (!object) return panel;
   panel.facts = object_facts(*object);
-  for (const PhysicalField field : fields_of(object->physics)) panel.rows.push_back(value_row(field, object->physics));
+  for (const SliderParameter field : slider_parameters(object->physics)) panel.rows.push_back(value_row(field, object->physics));
   if (object->physics.behavior() == v1::Physics::RIGID) panel.fragile = object->physics.fragile();
   if (const std::string proposal = open_proposal(*object); !proposal.empty()) panel.proposal = "Proposed: " + proposal;
   if (const auto said = messages_.find(selected_); said != messages_.end()) panel.messages = said->second;
@@ -166,7 +166,7 @@ std::vector<ObjectCall> ObjectPanel::act(const PanelActions& actions, const Obje
   const std::vector<const StreamedObject*> list = listed(objects);
   const StreamedObject* object = named(objects, selected_);
   if (object) {
-    const std::vector<PhysicalField> fields = fields_of(object->physics);
+    const std::vector<SliderParameter> fields = slider_parameters(object->physics);
     const auto set = [&](v1::Physics physics) {
       calls.push_back(SetPhysicsCall{selected_, std::move(physics)});
       messages_[selected_].clear();
@@ -174,14 +174,14 @@ std::vector<ObjectCall> ObjectPanel::act(const PanelActions& actions, const Obje
       ++answers_missing_;
     };
     if (actions.released && actions.released->row < fields.size()) {
-      const PhysicalField field = fields[actions.released->row];
+      const SliderParameter field = fields[actions.released->row];
       set(edit_of(field, slider_value(field, actions.released->position)));
     }
     if (actions.typed && actions.typed->row < fields.size()) {
-      const PhysicalField field = fields[actions.typed->row];
-      const auto value = parse_quantity(actions.typed->text, field_unit(field));
+      const SliderParameter field = fields[actions.typed->row];
+      const auto value = parse_quantity(actions.typed->text, parameter_unit(field));
       value ? set(edit_of(field, *value))
-            : refuse(selected_, std::string(field_name(field)) + ": " + value.error().message);
+            : refuse(selected_, std::string(parameter_name(field)) + ": " + value.error().message);
     }
     if (actions.fragile) set(edit_of_fragile(*actions.fragile));
     if (const std::string proposal = open_proposal(*object); (actions.accept || actions.decline) && !proposal.empty()) {

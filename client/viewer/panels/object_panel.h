@@ -18,7 +18,7 @@ ObjectsPanel::Entry list_entry(const StreamedObject& object);
 std::vector<std::string> object_facts(const StreamedObject& object);
 // What a model's answer would make of it: "5.0 kg (4.5 to 5.5 kg) of softwood, rigid".
 std::string proposal_text(const v1::PhysicalParameters& proposal);
-ValueRow value_row(PhysicalField field, const v1::PhysicalParameters& physics);
+ValueRow value_row(SliderParameter field, const v1::PhysicalParameters& physics);
 
 // What is asked of the server.
 struct SetPhysicsCall {

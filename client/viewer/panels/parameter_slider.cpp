@@ -14,7 +14,7 @@ struct FieldRow {
   bool logarithmic;
 };
 
-const FieldRow& row_of(PhysicalField field) {
+const FieldRow& row_of(SliderParameter field) {
   static constexpr FieldRow kRows[] = {
       {"Mass", Unit::Kilogram, 1e-3, 1e3, true},
       {"Young's modulus", Unit::Pascal, 1e2, 1e11, true},
@@ -28,30 +28,30 @@ const FieldRow& row_of(PhysicalField field) {
 
 }  // namespace
 
-std::vector<PhysicalField> fields_of(const v1::PhysicalParameters& physics) {
+std::vector<SliderParameter> slider_parameters(const v1::PhysicalParameters& physics) {
   switch (physics.behavior()) {
     case v1::Physics::ELASTIC:
-      return {PhysicalField::Mass, PhysicalField::YoungsModulus, PhysicalField::DeformationResistance,
-              PhysicalField::Plasticity, PhysicalField::Friction};
+      return {SliderParameter::Mass, SliderParameter::YoungsModulus, SliderParameter::DeformationResistance,
+              SliderParameter::Plasticity, SliderParameter::Friction};
     case v1::Physics::STATIC:
-      return {PhysicalField::Friction};
+      return {SliderParameter::Friction};
     default:
-      if (physics.fragile()) return {PhysicalField::Mass, PhysicalField::BreakImpulse, PhysicalField::Friction};
-      return {PhysicalField::Mass, PhysicalField::Friction};
+      if (physics.fragile()) return {SliderParameter::Mass, SliderParameter::BreakImpulse, SliderParameter::Friction};
+      return {SliderParameter::Mass, SliderParameter::Friction};
   }
 }
 
-const char* field_name(PhysicalField field) { return row_of(field).name; }
-Unit field_unit(PhysicalField field) { return row_of(field).unit; }
+const char* parameter_name(SliderParameter field) { return row_of(field).name; }
+Unit parameter_unit(SliderParameter field) { return row_of(field).unit; }
 
-double slider_position(PhysicalField field, double value) {
+double slider_position(SliderParameter field, double value) {
   const FieldRow& row = row_of(field);
   const double inside = std::clamp(value, row.low, row.high);
   if (!row.logarithmic) return (inside - row.low) / (row.high - row.low);
   return std::log(inside / row.low) / std::log(row.high / row.low);
 }
 
-double slider_value(PhysicalField field, double position) {
+double slider_value(SliderParameter field, double position) {
   const FieldRow& row = row_of(field);
   const double share = std::clamp(position, 0.0, 1.0);
   const double value = row.logarithmic ? row.low * std::pow(row.high / row.low, share)
@@ -59,11 +59,11 @@ double slider_value(PhysicalField field, double position) {
   return rounded(value);
 }
 
-v1::EstimatedValue shown_value(PhysicalField field, const v1::PhysicalParameters& physics) {
+v1::EstimatedValue shown_value(SliderParameter field, const v1::PhysicalParameters& physics) {
   switch (field) {
-    case PhysicalField::Mass:
+    case SliderParameter::Mass:
       return physics.mass_kg();
-    case PhysicalField::YoungsModulus: {
+    case SliderParameter::YoungsModulus: {
       v1::EstimatedValue value = physics.youngs_modulus_pa();
       const v1::EstimatedValue& share = physics.structure_coefficient();
       if (share.best() <= 0 || share.best() == 1) return value;
@@ -75,37 +75,37 @@ v1::EstimatedValue shown_value(PhysicalField field, const v1::PhysicalParameters
                        " for the structure. " + value.reason());
       return value;
     }
-    case PhysicalField::DeformationResistance:
+    case SliderParameter::DeformationResistance:
       return physics.deformation_resistance();
-    case PhysicalField::Plasticity:
+    case SliderParameter::Plasticity:
       return physics.plasticity();
-    case PhysicalField::BreakImpulse:
+    case SliderParameter::BreakImpulse:
       return physics.break_impulse_n_s();
-    case PhysicalField::Friction:
+    case SliderParameter::Friction:
       return physics.friction();
   }
   return {};
 }
 
-v1::Physics edit_of(PhysicalField field, double value) {
+v1::Physics edit_of(SliderParameter field, double value) {
   v1::Physics edit;
   switch (field) {
-    case PhysicalField::Mass:
+    case SliderParameter::Mass:
       edit.set_mass_kg(value);
       break;
-    case PhysicalField::YoungsModulus:
+    case SliderParameter::YoungsModulus:
       edit.set_youngs_modulus_pa(value);
       break;
-    case PhysicalField::DeformationResistance:
+    case SliderParameter::DeformationResistance:
       edit.set_deformation_resistance(value);
       break;
-    case PhysicalField::Plasticity:
+    case SliderParameter::Plasticity:
       edit.set_plasticity(value);
       break;
-    case PhysicalField::BreakImpulse:
+    case SliderParameter::BreakImpulse:
       edit.set_break_impulse_n_s(value);
       break;
-    case PhysicalField::Friction:
+    case SliderParameter::Friction:
       edit.set_friction(value);
       break;
   }

@@ -18,7 +18,7 @@ size_t force_pixels(const Image& image, int left, int right) {
 }
 
 TEST_F(WindowClicks, SelectEditResetUndo) {
-  const auto modulus_pa = [this] { return shown_value(PhysicalField::YoungsModulus, watcher_.object("cushion").physics).best(); };
+  const auto modulus_pa = [this] { return shown_value(SliderParameter::YoungsModulus, watcher_.object("cushion").physics).best(); };
   const double before_pa = modulus_pa();
   ASSERT_GT(before_pa, 0);
   double changed_pa = 0;

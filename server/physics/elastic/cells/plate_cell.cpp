@@ -52,7 +52,7 @@ struct Fields {
   Matrix9 stiffness = Matrix9::Zero();
 };
 
-Fields fields_of(const LatticeCell& cell, double cell_width_m, const IsotropicMaterial& material, double in_plane) {
+Fields slider_parameters(const LatticeCell& cell, double cell_width_m, const IsotropicMaterial& material, double in_plane) {
   const Matrix3d& axes = cell.thin->axes;
   const Vector3d centroid_m = 0.5 * cell_width_m * cell.centroid;
   // The fuller the cell is along an axis, the less that strain may vary there.
@@ -111,7 +111,7 @@ Matrix6 strain_modulus(const IsotropicMaterial& material) {
 Matrix18 thin_cell_stiffness(const LatticeCell& cell, double cell_width_m, const IsotropicMaterial& material,
                              const Matrix6& mean_strain_modulus_pa) {
   const double in_plane = part_in_plane(cell.thin->axes.col(0));
-  const Fields fields = fields_of(cell, cell_width_m, material, in_plane);
+  const Fields fields = slider_parameters(cell, cell_width_m, material, in_plane);
   // Where several sets of fields show the same, the softest counts.
   const double scale = 0.25 * cell_width_m * cell_width_m;
   const Matrix9 softness = fields.stiffness.diagonal().minCoeff() * fields.stiffness.inverse();

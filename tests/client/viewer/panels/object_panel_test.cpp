@@ -73,7 +73,7 @@ TEST(ObjectPanel, ASliderThatIsLetGoIsOneCall) {
   panel.select("pillow");
   EXPECT_TRUE(panel.act({}, objects).empty());
   PanelActions actions;
-  actions.released = {row_of(panel.shown(objects), "Young's modulus"), slider_position(PhysicalField::YoungsModulus, 5e4)};
+  actions.released = {row_of(panel.shown(objects), "Young's modulus"), slider_position(SliderParameter::YoungsModulus, 5e4)};
   const auto calls = panel.act(actions, objects);
   ASSERT_EQ(calls.size(), 1u);
   const auto& set = std::get<SetPhysicsCall>(calls[0]);

@@ -6,19 +6,19 @@
 namespace livegs {
 namespace {
 
-constexpr PhysicalField kAll[] = {PhysicalField::Mass,       PhysicalField::YoungsModulus,
-                                  PhysicalField::Plasticity, PhysicalField::DeformationResistance,
-                                  PhysicalField::Friction,   PhysicalField::BreakImpulse};
+constexpr SliderParameter kAll[] = {SliderParameter::Mass,       SliderParameter::YoungsModulus,
+                                  SliderParameter::Plasticity, SliderParameter::DeformationResistance,
+                                  SliderParameter::Friction,   SliderParameter::BreakImpulse};
 
-TEST(PhysicalField, SliderRunsFromEndToEndAndBack) {
-  for (const PhysicalField field : kAll) {
+TEST(SliderParameter, SliderRunsFromEndToEndAndBack) {
+  for (const SliderParameter field : kAll) {
     double last = -1;
     for (int i = 0; i <= 50; ++i) {
       const double value = slider_value(field, i / 50.0);
-      EXPECT_GT(value, last) << field_name(field);
+      EXPECT_GT(value, last) << parameter_name(field);
       last = value;
       // Three digits of the value: at most half a percent of it, over at least ln(1000) of a slider.
-      EXPECT_NEAR(slider_position(field, value), i / 50.0, 1e-3) << field_name(field);
+      EXPECT_NEAR(slider_position(field, value), i / 50.0, 1e-3) << parameter_name(field);
     }
     EXPECT_EQ(slider_position(field, 1e300), 1.0);
     EXPECT_EQ(slider_position(field, -1), 0.0);
@@ -26,30 +26,30 @@ TEST(PhysicalField, SliderRunsFromEndToEndAndBack) {
 }
 
 // A decade of modulus is as wide anywhere.
-TEST(PhysicalField, ModulusIsLogarithmic) {
-  const auto at = [](double value) { return slider_position(PhysicalField::YoungsModulus, value); };
+TEST(SliderParameter, ModulusIsLogarithmic) {
+  const auto at = [](double value) { return slider_position(SliderParameter::YoungsModulus, value); };
   EXPECT_NEAR(at(1e4) - at(1e3), at(1e9) - at(1e8), 1e-12);
   EXPECT_NEAR(at(1e4) - at(1e3), 1.0 / 9, 1e-12);  // 100 Pa to 100 GPa are nine
 }
 
-TEST(PhysicalField, AnEditSetsItsFieldAloneAsItIsNamed) {
+TEST(SliderParameter, AnEditSetsItsFieldAloneAsItIsNamed) {
   const auto only = [](const v1::Physics& edit, const std::string& name) {
     std::vector<const google::protobuf::FieldDescriptor*> set;
     edit.GetReflection()->ListFields(edit, &set);
     return set.size() == 1 && set[0]->name() == name;
   };
-  EXPECT_TRUE(only(edit_of(PhysicalField::Mass, 2), "mass_kg"));
-  EXPECT_TRUE(only(edit_of(PhysicalField::YoungsModulus, 2), "youngs_modulus_pa"));
-  EXPECT_TRUE(only(edit_of(PhysicalField::DeformationResistance, 0.2), "deformation_resistance"));
-  EXPECT_TRUE(only(edit_of(PhysicalField::Plasticity, 0.2), "plasticity"));
-  EXPECT_TRUE(only(edit_of(PhysicalField::BreakImpulse, 2), "break_impulse_n_s"));
-  EXPECT_TRUE(only(edit_of(PhysicalField::Friction, 0.2), "friction"));
+  EXPECT_TRUE(only(edit_of(SliderParameter::Mass, 2), "mass_kg"));
+  EXPECT_TRUE(only(edit_of(SliderParameter::YoungsModulus, 2), "youngs_modulus_pa"));
+  EXPECT_TRUE(only(edit_of(SliderParameter::DeformationResistance, 0.2), "deformation_resistance"));
+  EXPECT_TRUE(only(edit_of(SliderParameter::Plasticity, 0.2), "plasticity"));
+  EXPECT_TRUE(only(edit_of(SliderParameter::BreakImpulse, 2), "break_impulse_n_s"));
+  EXPECT_TRUE(only(edit_of(SliderParameter::Friction, 0.2), "friction"));
   EXPECT_TRUE(only(edit_of_fragile(false), "fragile"));
-  EXPECT_DOUBLE_EQ(edit_of(PhysicalField::Mass, 2).mass_kg(), 2);
+  EXPECT_DOUBLE_EQ(edit_of(SliderParameter::Mass, 2).mass_kg(), 2);
 }
 
 // E* = s E: what an edit of the modulus sets is what is shown of it.
-TEST(PhysicalField, ModulusIsThatOfTheWholeBody) {
+TEST(SliderParameter, ModulusIsThatOfTheWholeBody) {
   v1::PhysicalParameters physics;
   physics.set_material("foam");
   physics.mutable_youngs_modulus_pa()->set_low(1e4);
@@ -58,27 +58,27 @@ TEST(PhysicalField, ModulusIsThatOfTheWholeBody) {
   physics.mutable_structure_coefficient()->set_low(0.25);
   physics.mutable_structure_coefficient()->set_best(0.5);
   physics.mutable_structure_coefficient()->set_high(0.75);
-  const v1::EstimatedValue shown = shown_value(PhysicalField::YoungsModulus, physics);
+  const v1::EstimatedValue shown = shown_value(SliderParameter::YoungsModulus, physics);
   EXPECT_DOUBLE_EQ(shown.low(), 2500);
   EXPECT_DOUBLE_EQ(shown.best(), 10000);
   EXPECT_DOUBLE_EQ(shown.high(), 30000);
   EXPECT_NE(shown.reason().find("20 kPa of foam times 0.5"), std::string::npos) << shown.reason();
 }
 
-TEST(PhysicalField, OnlyWhatMeansSomethingIsShown) {
-  const auto has = [](const v1::PhysicalParameters& physics, PhysicalField field) {
-    const auto fields = fields_of(physics);
+TEST(SliderParameter, OnlyWhatMeansSomethingIsShown) {
+  const auto has = [](const v1::PhysicalParameters& physics, SliderParameter field) {
+    const auto fields = slider_parameters(physics);
     return std::find(fields.begin(), fields.end(), field) != fields.end();
   };
   v1::PhysicalParameters physics;
   physics.set_behavior(v1::Physics::ELASTIC);
-  EXPECT_TRUE(has(physics, PhysicalField::YoungsModulus));
-  EXPECT_FALSE(has(physics, PhysicalField::BreakImpulse));
+  EXPECT_TRUE(has(physics, SliderParameter::YoungsModulus));
+  EXPECT_FALSE(has(physics, SliderParameter::BreakImpulse));
   physics.set_behavior(v1::Physics::RIGID);
-  EXPECT_FALSE(has(physics, PhysicalField::YoungsModulus));
-  EXPECT_FALSE(has(physics, PhysicalField::BreakImpulse));
+  EXPECT_FALSE(has(physics, SliderParameter::YoungsModulus));
+  EXPECT_FALSE(has(physics, SliderParameter::BreakImpulse));
   physics.set_fragile(true);
-  EXPECT_TRUE(has(physics, PhysicalField::BreakImpulse));
+  EXPECT_TRUE(has(physics, SliderParameter::BreakImpulse));
 }
 
 }  // namespace
