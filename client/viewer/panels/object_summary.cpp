@@ -21,7 +21,7 @@ const char* band_name(v1::ElasticAccuracy::Band band) {
 
 }  // namespace
 
-std::string object_line(const StreamedObject& object) {
+std::string object_summary(const StreamedObject& object) {
   std::string line = object.name;
   if (!object.elastic) {
     line += object.mass_kg > 0 ? format_text(": rigid, %.3g kg", object.mass_kg) : ": static";

@@ -9,6 +9,6 @@ namespace livegs {
 
 // An object in one line, for a person: what it is, its mass, and, when it is elastic, how far its stiffness
 // can be trusted at the cells and substeps the server chose.
-std::string object_line(const StreamedObject& object);
+std::string object_summary(const StreamedObject& object);
 
 }  // namespace livegs

@@ -166,7 +166,7 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
     summary.kernels += object.kernel_count;
     const auto now = changed.find(object.id);
     if (!object.environment)
-      summary.object_lines.push_back(object_line(now == changed.end() ? object : now->second));
+      summary.object_summaries.push_back(object_summary(now == changed.end() ? object : now->second));
   }
   summary.assets = assets.totals();
   summary.received = recorder.summary();
@@ -188,7 +188,7 @@ std::string summary_text(const OffscreenRunSummary& summary) {
   text += format_text("client of %s: %zu objects, %zu kernels; %zu of %zu assets fetched, %.1f MB\n",
          summary.scene_address.c_str(), summary.objects, summary.kernels, summary.assets.fetched,
          summary.assets.assets, static_cast<double>(summary.assets.fetched_bytes) * 1e-6);
-  for (const std::string& line : summary.object_lines) text += "  " + line + "\n";
+  for (const std::string& line : summary.object_summaries) text += "  " + line + "\n";
   const ReceivedLog::Summary& received = summary.received;
   text += format_text("received: %llu frames in %.1f s, %.1f a second of %.1f; %llu ticks not sent\n",
          count(received.frames), received.seconds, received.rate_hz, summary.server_rate_hz,

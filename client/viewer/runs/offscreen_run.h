@@ -37,7 +37,7 @@ struct OffscreenRunSummary {
   std::string notice;    // what was out of order with the last picture; empty: nothing
   double server_rate_hz = 0;  // frames a second that it is to send
   size_t objects = 0, kernels = 0;
-  std::vector<std::string> object_lines;  // one an object: what it is, and how far its numbers hold
+  std::vector<std::string> object_summaries;  // one an object: what it is, and how far its numbers hold
   AssetLibrary::Totals assets;
   ReceivedLog::Summary received;
   DrawnLog::Summary drawn;

@@ -254,7 +254,7 @@ TEST_F(LiveSession, ABreakReachesTheClientThatIsThereAndTheOneThatComesLater) {
     const auto summary = run_offscreen(run, interrupted_);
     ASSERT_TRUE(summary) << summary.error().message;
     ASSERT_FALSE(summary->stream_error) << summary->stream_error->message;
-    EXPECT_NE(summary->object_lines.at(0).find("broken into"), std::string::npos) << summary->object_lines.at(0);
+    EXPECT_NE(summary->object_summaries.at(0).find("broken into"), std::string::npos) << summary->object_summaries.at(0);
     const auto bytes = read_file(run.output / "last_frame.bin");
     ASSERT_TRUE(bytes);
     const auto streamed = decode_frame(*bytes);

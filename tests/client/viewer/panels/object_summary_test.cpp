@@ -22,25 +22,25 @@ TEST(ObjectLine, SaysHowFarAnElasticObjectsStiffnessHolds) {
   elastic.set_nodes(183);
   elastic.set_bytes(52000);
   EXPECT_EQ(
-      object_line(object),
+      object_summary(object),
       "hat: elastic, 0.09 kg, E 9e+05 Pa clipped to 4e+05 Pa (0.42 to 0.48 of it); cells 50 mm, 28 substeps, "
       "Courant 0.75, 183 nodes, 52 kB");
   elastic.set_modulus_ratio_across(0.6);
-  EXPECT_NE(object_line(object).find("(0.42 to 0.48 of it; across its shortest side up to 0.6)"), std::string::npos);
+  EXPECT_NE(object_summary(object).find("(0.42 to 0.48 of it; across its shortest side up to 0.6)"), std::string::npos);
   // Without a law there is nothing to say of the ratio.
   elastic.set_band(v1::ElasticAccuracy::UNKNOWN);
   elastic.clear_modulus_ratio_low();
   elastic.clear_modulus_ratio_high();
-  EXPECT_NE(object_line(object).find("Pa unknown; cells"), std::string::npos) << object_line(object);
+  EXPECT_NE(object_summary(object).find("Pa unknown; cells"), std::string::npos) << object_summary(object);
 }
 
 TEST(ObjectLine, RigidAndStaticObjectsHaveNoStiffness) {
   StreamedObject object;
   object.name = "cup";
   object.mass_kg = 0.266;
-  EXPECT_EQ(object_line(object), "cup: rigid, 0.266 kg");
+  EXPECT_EQ(object_summary(object), "cup: rigid, 0.266 kg");
   object.mass_kg = 0;
-  EXPECT_EQ(object_line(object), "cup: static");
+  EXPECT_EQ(object_summary(object), "cup: static");
 }
 
 }  // namespace
