@@ -31,13 +31,13 @@ std::optional<Eigen::Vector3d> middle_of(const DriverFrame& frame, uint32_t obje
 
 }  // namespace
 
-void Recorder::on_lost(const std::string& reason) {
+void OffscreenSink::on_lost(const std::string& reason) {
   std::lock_guard lock(mutex_);
   ++outages_.count;
   outages_.last_reason = reason;
 }
 
-void Recorder::on_resumed(const ResumedSession& resumed) {
+void OffscreenSink::on_resumed(const ResumedSession& resumed) {
   {
     std::lock_guard lock(mutex_);
     ++outages_.resumed;
@@ -51,11 +51,11 @@ void Recorder::on_resumed(const ResumedSession& resumed) {
   queue_.add(resumed);
 }
 
-double Recorder::time_s(const ReceivedFrame& frame) const {
+double OffscreenSink::time_s(const ReceivedFrame& frame) const {
   return static_cast<double>(static_cast<int64_t>(frame.tick) - first_tick_) / client_.scene().rate_hz;
 }
 
-void Recorder::on_frame(ReceivedFrame frame) {
+void OffscreenSink::on_frame(ReceivedFrame frame) {
   {
     std::lock_guard lock(mutex_);
     if (done_) return;
@@ -79,7 +79,7 @@ void Recorder::on_frame(ReceivedFrame frame) {
   queue_.add(std::move(frame));
 }
 
-void Recorder::play_script(const ReceivedFrame& frame) {
+void OffscreenSink::play_script(const ReceivedFrame& frame) {
   if (!hands_) return;
   const auto locate = [&](const std::string& name) -> std::optional<ObjectExtent> {
     const auto target = targets_.find(name);
@@ -91,7 +91,7 @@ void Recorder::play_script(const ReceivedFrame& frame) {
   client_.send(hands_->at(time_s(frame), locate));
 }
 
-void Recorder::on_object_added(StreamedObject object) {
+void OffscreenSink::on_object_added(StreamedObject object) {
   assets_.request(object);
   {
     std::lock_guard lock(mutex_);
@@ -100,7 +100,7 @@ void Recorder::on_object_added(StreamedObject object) {
   queue_.add(ObjectAdded{std::move(object)});
 }
 
-void Recorder::on_object_changed(StreamedObject object) {
+void OffscreenSink::on_object_changed(StreamedObject object) {
   assets_.request(object);
   {
     std::lock_guard lock(mutex_);
@@ -109,9 +109,9 @@ void Recorder::on_object_changed(StreamedObject object) {
   queue_.add(ObjectChanged{std::move(object)});
 }
 
-void Recorder::on_object_removed(uint32_t object_id) { queue_.add(ObjectRemoved{object_id}); }
+void OffscreenSink::on_object_removed(uint32_t object_id) { queue_.add(ObjectRemoved{object_id}); }
 
-void Recorder::on_draining(const std::string& reason) {
+void OffscreenSink::on_draining(const std::string& reason) {
   log_info("the server says goodbye: %s", reason.c_str());
   std::lock_guard lock(mutex_);
   draining_reason_ = reason;
@@ -119,13 +119,13 @@ void Recorder::on_draining(const std::string& reason) {
   changed_.notify_all();
 }
 
-void Recorder::begin_script(ScriptedHands hands, std::map<std::string, Target> targets) {
+void OffscreenSink::begin_script(ScriptedHands hands, std::map<std::string, Target> targets) {
   std::lock_guard lock(mutex_);
   hands_.emplace(std::move(hands));
   targets_ = std::move(targets);
 }
 
-bool Recorder::wait_done(double seconds) {
+bool OffscreenSink::wait_done(double seconds) {
   std::unique_lock lock(mutex_);
   changed_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return done_; });
   if (done_ || seconds_ == 0) return done_;
@@ -134,27 +134,27 @@ bool Recorder::wait_done(double seconds) {
   return done_;
 }
 
-bool Recorder::gave_up() const {
+bool OffscreenSink::gave_up() const {
   std::lock_guard lock(mutex_);
   return gave_up_;
 }
 
-std::string Recorder::draining_reason() const {
+std::string OffscreenSink::draining_reason() const {
   std::lock_guard lock(mutex_);
   return draining_reason_;
 }
 
-Recorder::Outages Recorder::outages() const {
+OffscreenSink::Outages OffscreenSink::outages() const {
   std::lock_guard lock(mutex_);
   return outages_;
 }
 
-std::map<uint32_t, StreamedObject> Recorder::changed_objects() const {
+std::map<uint32_t, StreamedObject> OffscreenSink::changed_objects() const {
   std::lock_guard lock(mutex_);
   return changed_objects_;
 }
 
-ReceivedLog::Summary Recorder::summary() const {
+ReceivedLog::Summary OffscreenSink::summary() const {
   std::lock_guard lock(mutex_);
   return log_.summary();
 }

@@ -19,11 +19,11 @@ namespace livegs {
 
 // What an offscreen client does with its stream, on the reader's thread: logs every frame, plays the script
 // against it, and puts it into the queue of the thread that draws.
-class Recorder final : public StreamSink {
+class OffscreenSink final : public StreamSink {
  public:
   // All outlive the recorder's last call. `seconds` after the first frame the recording is done, or a little later where none
   // comes then; and so it is when there was none for patience_s(). 0: never.
-  Recorder(SessionClient& client, AssetLibrary& assets, PlaybackQueue& queue, ReceivedLog log, double seconds)
+  OffscreenSink(SessionClient& client, AssetLibrary& assets, PlaybackQueue& queue, ReceivedLog log, double seconds)
       : client_(client), assets_(assets), queue_(queue), log_(std::move(log)), seconds_(seconds) {}
 
   void on_lost(const std::string& reason) override;

@@ -77,8 +77,8 @@ Result<void> check_names(const v1::InputScript& script, const JoinedScene& scene
   return {};
 }
 
-std::map<std::string, Recorder::Target> script_targets(const JoinedScene& scene, const SceneView& view) {
-  std::map<std::string, Recorder::Target> targets;
+std::map<std::string, OffscreenSink::Target> script_targets(const JoinedScene& scene, const SceneView& view) {
+  std::map<std::string, OffscreenSink::Target> targets;
   for (const StreamedObject& object : scene.objects) {
     const Eigen::AlignedBox3d bounds = view.bounds(object.id);
     if (object.environment || bounds.isEmpty()) continue;
@@ -120,7 +120,7 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
   if (!drawn_log) return drawn_log.error();
 
   PlaybackQueue queue(kMostBacklogBytes);
-  Recorder recorder(client, assets, queue, std::move(*received_log), options.seconds);
+  OffscreenSink recorder(client, assets, queue, std::move(*received_log), options.seconds);
   const auto on_first_frame = [&](const SceneView& posed) -> Result<void> {
     const Camera camera =
         prepared->picture.camera.value_or(

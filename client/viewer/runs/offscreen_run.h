@@ -41,7 +41,7 @@ struct OffscreenRunSummary {
   AssetLibrary::Totals assets;
   ReceivedLog::Summary received;
   DrawnLog::Summary drawn;
-  Recorder::Outages outages;
+  OffscreenSink::Outages outages;
   uint64_t dropped_frames = 0;        // received, but never drawn: the backlog was full
   std::optional<Error> stream_error;  // how the stream broke, if it did; the outputs are complete up to there
 };
