@@ -20,7 +20,7 @@ double arrow_metres_per_newton(double mass_kg, double size_m) {
   return kWeightLength * size_m / (9.81 * mass_kg);
 }
 
-std::optional<SeenArrow> see_arrow(const Camera& camera, const Eigen::Vector3d& point_m,
+std::optional<ProjectedArrow> project_arrow(const Camera& camera, const Eigen::Vector3d& point_m,
                                    const Eigen::Vector3d& force_n, double metres_per_newton) {
   const Eigen::Vector3d along = metres_per_newton * force_n;
   const double length_m = along.norm();
@@ -36,7 +36,7 @@ std::optional<SeenArrow> see_arrow(const Camera& camera, const Eigen::Vector3d& 
       corner(0, -kShaftWidth), corner(1 - kHeadLength, -kShaftWidth), corner(1 - kHeadLength, -kHeadWidth),
       corner(1, 0),            corner(1 - kHeadLength, kHeadWidth),   corner(1 - kHeadLength, kShaftWidth),
       corner(0, kShaftWidth)};
-  SeenArrow seen;
+  ProjectedArrow seen;
   for (size_t i = 0; i < corners.size(); ++i) {
     const auto pixel = pixel_of(camera, corners[i]);
     if (!pixel) return std::nullopt;

@@ -15,12 +15,12 @@ double arrow_metres_per_newton(double mass_kg, double size_m);
 
 // An arrow as it is seen: a flat shape that stands in the world along the force and faces the eye, so that it is
 // foreshortened and shrinks with distance like a thing. Length and thickness go with the force.
-struct SeenArrow {
+struct ProjectedArrow {
   // Around it: tail left, neck left, barb left, tip, barb right, neck right, tail right. Pixels.
   std::array<Eigen::Vector2d, 7> outline_px;
 };
 // Nothing when a part of it is behind the eye or it would be shorter than a few pixels.
-std::optional<SeenArrow> see_arrow(const Camera& camera, const Eigen::Vector3d& point_m,
+std::optional<ProjectedArrow> project_arrow(const Camera& camera, const Eigen::Vector3d& point_m,
                                    const Eigen::Vector3d& force_n, double metres_per_newton);
 
 }  // namespace livegs

@@ -344,7 +344,7 @@ void WindowRun::draw_force(const Eigen::Vector3d& point_m, const Eigen::Vector3d
   const Eigen::AlignedBox3d box = view_.bounds(object_id);
   const double scale = arrow_metres_per_newton(object == objects_.end() ? 0.0 : object->second.mass_kg,
                                                box.isEmpty() ? 0.0 : box.sizes().maxCoeff());
-  const auto seen = see_arrow(window, point_m, force_n, scale);
+  const auto seen = project_arrow(window, point_m, force_n, scale);
   overlay.arrows.push_back({*held, seen ? std::optional(seen->outline_px) : std::nullopt,
                             quantity_text(force_n.norm(), Unit::Newton)});
 }

@@ -13,13 +13,13 @@ const Camera kCamera = [] {
   return camera;
 }();
 
-double length_px(const SeenArrow& arrow) {
+double length_px(const ProjectedArrow& arrow) {
   return (arrow.outline_px[3] - 0.5 * (arrow.outline_px[0] + arrow.outline_px[6])).norm();
 }
-double shaft_px(const SeenArrow& arrow) { return (arrow.outline_px[0] - arrow.outline_px[6]).norm(); }
+double shaft_px(const ProjectedArrow& arrow) { return (arrow.outline_px[0] - arrow.outline_px[6]).norm(); }
 
 TEST(ForceArrow, LengthAndThicknessGoWithTheForce) {
-  const auto one = see_arrow(kCamera, {0, 0, 0}, {0, 5, 0}, 0.02), two = see_arrow(kCamera, {0, 0, 0}, {0, 10, 0}, 0.02);
+  const auto one = project_arrow(kCamera, {0, 0, 0}, {0, 5, 0}, 0.02), two = project_arrow(kCamera, {0, 0, 0}, {0, 10, 0}, 0.02);
   ASSERT_TRUE(one && two);
   EXPECT_NEAR(length_px(*one), 5 * 0.02 * 250, 1e-9);
   EXPECT_NEAR(length_px(*two), 2 * length_px(*one), 1e-9);
@@ -30,19 +30,19 @@ TEST(ForceArrow, LengthAndThicknessGoWithTheForce) {
 }
 
 TEST(ForceArrow, ItIsAThingInThePicture) {
-  const auto near = see_arrow(kCamera, {0, 0, 1}, {0, 10, 0}, 0.02), far = see_arrow(kCamera, {0, 0, 0}, {0, 10, 0}, 0.02);
+  const auto near = project_arrow(kCamera, {0, 0, 1}, {0, 10, 0}, 0.02), far = project_arrow(kCamera, {0, 0, 0}, {0, 10, 0}, 0.02);
   ASSERT_TRUE(near && far);
   EXPECT_NEAR(length_px(*near), 2 * length_px(*far), 1e-9);  // at half the distance
-  const auto slanted = see_arrow(kCamera, {0, 0, 0}, {0, 5, 5}, 0.02);
+  const auto slanted = project_arrow(kCamera, {0, 0, 0}, {0, 5, 5}, 0.02);
   ASSERT_TRUE(slanted);
   EXPECT_LT(length_px(*slanted), std::sqrt(50) * 0.02 * 250);  // foreshortened
 }
 
 TEST(ForceArrow, WhatCannotBeSeenIsNotDrawn) {
-  EXPECT_FALSE(see_arrow(kCamera, {0, 0, 0}, {0, 0, 0}, 0.02));
-  EXPECT_FALSE(see_arrow(kCamera, {0, 0, 5}, {0, 5, 0}, 0.02));    // behind the eye
-  EXPECT_FALSE(see_arrow(kCamera, {0, 0, 0}, {0, 0, 5}, 0.02));    // at the eye
-  EXPECT_FALSE(see_arrow(kCamera, {0, 0, 0}, {0, 0.1, 0}, 0.02));  // half a pixel
+  EXPECT_FALSE(project_arrow(kCamera, {0, 0, 0}, {0, 0, 0}, 0.02));
+  EXPECT_FALSE(project_arrow(kCamera, {0, 0, 5}, {0, 5, 0}, 0.02));    // behind the eye
+  EXPECT_FALSE(project_arrow(kCamera, {0, 0, 0}, {0, 0, 5}, 0.02));    // at the eye
+  EXPECT_FALSE(project_arrow(kCamera, {0, 0, 0}, {0, 0.1, 0}, 0.02));  // half a pixel
 }
 
 // A force that equals the weight is 0.4 of the size long, of whatever thing.
