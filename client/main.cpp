@@ -254,7 +254,7 @@ int main(int argc, char** argv) {
     return 0;
   }
   livegs::JoinOptions lasting = options;  // for displays that people watch
-  lasting.outlive_draining = true;
+  lasting.reconnect_after_drain = true;
   if (reconnect->count() == 0) lasting.reconnect_s = livegs::JoinOptions().reconnect_s;
   if (display == "openxr") {
     livegs::VulkanDeviceOptions device;

@@ -107,7 +107,7 @@ int64_t FrameHistory::shortest_ns() const {
   return shortest;
 }
 
-void FrameHistory::forget_before(int64_t simulated_ns) {
+void FrameHistory::drop_before(int64_t simulated_ns) {
   while (frames_.size() > 1 && frames_[1].simulated_ns <= simulated_ns) frames_.pop_front();
 }
 

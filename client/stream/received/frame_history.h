@@ -33,7 +33,7 @@ class FrameHistory {
   // after it. Nothing while empty.
   std::optional<DriverFrame> at(int64_t simulated_ns) const;
   // Drops frames that at(t) for t >= simulated_ns does not need.
-  void forget_before(int64_t simulated_ns);
+  void drop_before(int64_t simulated_ns);
 
  private:
   int64_t shortest_ns() const;

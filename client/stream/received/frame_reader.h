@@ -16,7 +16,7 @@ class FrameReader {
  public:
   explicit FrameReader(v1::JoinRequest::Encoding encoding) : encoding_(encoding) {}
   // Of kernels, which are large; or else of drivers.
-  static bool brings_kernels(v1::JoinRequest::Encoding encoding) {
+  static bool is_kernel_encoding(v1::JoinRequest::Encoding encoding) {
     return encoding == v1::JoinRequest::KERNELS || encoding == v1::JoinRequest::KERNELS_EXACT;
   }
 

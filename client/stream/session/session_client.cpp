@@ -296,18 +296,18 @@ void SessionClient::send(const InputSample& sample) {
   if (stream) stream->send(sample);
 }
 
-void SessionClient::look(const ViewCone& view) {
+void SessionClient::set_view(const ViewCone& view) {
   std::shared_ptr<SessionStream> stream;
   {
     std::lock_guard lock(connection_->mutex);
     connection_->view = view;
     stream = connection_->stream;
   }
-  if (stream) stream->look(view);
+  if (stream) stream->set_view(view);
 }
 
 int64_t SessionClient::Connection::first_silence_ns() const {
-  const bool kernels = FrameReader::brings_kernels(encoding);
+  const bool kernels = FrameReader::is_kernel_encoding(encoding);
   const double first_s = std::ldexp(kernels ? options.first_kernels_s : seconds_from_ns(kServerSilentAfter_ns), std::min(silent_streams, 8));
   return std::min(after(0, first_s), kLongestSilence_ns);
 }
@@ -319,7 +319,7 @@ SessionStream::Outcome SessionClient::Connection::stream_once() {
   {
     std::lock_guard lock(mutex);
     if (stopping) opened->stop();
-    if (view) opened->look(*view);
+    if (view) opened->set_view(*view);
     stream = opened;
   }
   SessionStream::Outcome done = opened->run();
@@ -338,9 +338,9 @@ void SessionClient::Connection::run() {
   for (;;) {
     const SessionStream::Outcome done = stream_once();
     if (done.error) return end(Error{done.error->code, address + ": " + done.error->message});
-    if (wait(0) || (done.drained && !options.outlive_draining)) return end({});
+    if (wait(0) || (done.drained && !options.reconnect_after_drain)) return end({});
     silent_streams = done.silent && done.frames == 0 ? silent_streams + 1 : 0;
-    const bool kernels = FrameReader::brings_kernels(encoding);
+    const bool kernels = FrameReader::is_kernel_encoding(encoding);
     if (kernels && silent_streams >= kMostSilentStreams) {
       return end(Error{ErrorCode::Unavailable, address + format_text(": no frame of kernels came whole in %d tries: they are larger than the "
                                                                      "link carries; ask for --encoding drivers",

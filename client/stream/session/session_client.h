@@ -30,7 +30,7 @@ struct ConnectOptions {
   // How long a server that went away is looked for before the session is over; infinity: until stop().
   double reconnect_s = 10.0;
   // Whether a server that said goodbye is looked for, too.
-  bool outlive_draining = false;
+  bool reconnect_after_drain = false;
   // Once it is requested, from any thread, join() and fetches that are under way or come later end at once with Unavailable,
   // and so does the session.
   std::stop_token stop;
@@ -64,7 +64,7 @@ class SessionClient {
   void send(const InputSample& sample);
   // What this client looks at from now on; any thread. What is outside is sent less often. It holds until the next call, for
   // streams that are opened anew too; without a call everything is seen.
-  void look(const ViewCone& view);
+  void set_view(const ViewCone& view);
   // Ends the session and waits for its threads. OK when this end wanted it or the server announced it; else
   // why it could not go on. More than once is fine.
   Result<void> stop();

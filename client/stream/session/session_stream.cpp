@@ -36,7 +36,7 @@ constexpr size_t kOldKernelsInARow = 3;
 SessionStream::SessionStream(v1::LiveGs::Stub& stub, std::string session_id, double rate_hz, v1::JoinRequest::Encoding encoding,
                              int64_t first_silence_ns, Ends ends)
     : stub_(stub), session_id_(std::move(session_id)), ends_(ends), first_silence_ns_(first_silence_ns), frames_(encoding),
-      of_kernels_(FrameReader::brings_kernels(encoding)), aim_(rate_hz) {}
+      streams_kernels_(FrameReader::is_kernel_encoding(encoding)), aim_(rate_hz) {}
 
 SessionStream::Outcome SessionStream::run() {
   heard_ns_ = now_ns();
@@ -62,7 +62,7 @@ SessionStream::Outcome SessionStream::run() {
         outcome_.silent = true;
         outcome_.reason = most_ns <= kServerSilentAfter_ns ? "nothing came from it for a second"
                                                            : format_text("nothing came from it for %.1f s", seconds_from_ns(most_ns));
-        if (of_kernels_ && outcome_.frames == 0) outcome_.reason += "; frames of kernels may be larger than the link carries";
+        if (streams_kernels_ && outcome_.frames == 0) outcome_.reason += "; frames of kernels may be larger than the link carries";
       }
       if (silent || (stopping_ns != 0 && now - stopping_ns > kHalfClosePatience_ns)) context_.TryCancel();
     }
@@ -77,7 +77,7 @@ SessionStream::Outcome SessionStream::run() {
 
 int64_t SessionStream::longest_silence_ns() const {
   if (outcome_.frames == 0) return first_silence_ns_;
-  return of_kernels_ ? std::clamp(kSilentGaps * longest_gap_ns_, kServerSilentAfter_ns, kLongestSilence_ns) : kServerSilentAfter_ns;
+  return streams_kernels_ ? std::clamp(kSilentGaps * longest_gap_ns_, kServerSilentAfter_ns, kLongestSilence_ns) : kServerSilentAfter_ns;
 }
 
 void SessionStream::send(const InputSample& sample) {
@@ -91,7 +91,7 @@ void SessionStream::send(const InputSample& sample) {
   to_send_.notify_one();
 }
 
-void SessionStream::look(const ViewCone& view) {
+void SessionStream::set_view(const ViewCone& view) {
   std::lock_guard lock(mutex_);
   view_ = view;
 }
@@ -189,12 +189,12 @@ void SessionStream::take_clock(const v1::ServerMessage& message, int64_t receive
   aim_.arrived(echoed_ns_, message.heard_ns());
 }
 
-void SessionStream::tell_of_old_kernels(const ReceivedFrame& frame) {
-  if (!of_kernels_ || told_ || !frame.clock) return;
+void SessionStream::warn_of_late_kernels(const ReceivedFrame& frame) {
+  if (!streams_kernels_ || warned_ || !frame.clock) return;
   const double age_ms = milliseconds_from_ns(frame.decoded_ns + frame.clock->offset_ns - frame.stepped_ns);
-  old_frames_ = age_ms > kOldKernels_ms ? old_frames_ + 1 : 0;
-  if (old_frames_ < kOldKernelsInARow) return;
-  told_ = true;
+  late_kernel_frames_ = age_ms > kOldKernels_ms ? late_kernel_frames_ + 1 : 0;
+  if (late_kernel_frames_ < kOldKernelsInARow) return;
+  warned_ = true;
   log_warn("frames of kernels are %.0f ms old when they can be drawn: moving, packing and sending %.1f MB takes longer than the "
            "ticks they are of; --encoding drivers is as current as the link",
            age_ms, 1e-6 * static_cast<double>(frame.bytes));
@@ -222,16 +222,16 @@ Result<void> SessionStream::take(v1::ServerMessage& message, int64_t received_ns
   }
   {
     std::lock_guard lock(mutex_);
-    aim_.saw(frame.tick, frame.stepped_ns - static_cast<int64_t>(1e6 * frame.step_ms));
+    aim_.add_frame(frame.tick, frame.stepped_ns - static_cast<int64_t>(1e6 * frame.step_ms));
   }
   const uint64_t tick = frame.tick;
-  const bool waits = frames_.needs_key_frame() && received_ns - asked_ns_ < kAsksAgainAfter_ns;
+  const bool waits = frames_.needs_key_frame() && received_ns - key_frame_requested_ns_ < kAsksAgainAfter_ns;
   auto drivers = frames_.read(std::as_bytes(std::span(message.frame())));
   if (drivers) {
     frame.bytes = message.frame().size();
     frame.drivers = std::make_shared<const DriverFrame>(std::move(*drivers));
     frame.decoded_ns = now_ns();
-    tell_of_old_kernels(frame);
+    warn_of_late_kernels(frame);
     ends_.sink.on_frame(std::move(frame));
   } else {
     log_debug("frame %llu: %s", static_cast<unsigned long long>(tick), drivers.error().message.c_str());
@@ -241,7 +241,7 @@ Result<void> SessionStream::take(v1::ServerMessage& message, int64_t received_ns
     outcome_.frames += drivers ? 1 : 0;
     if (!drivers && !waits) {
       key_frame_wanted_ = true;
-      asked_ns_ = received_ns;
+      key_frame_requested_ns_ = received_ns;
     }
     acknowledged_tick_ = tick;
     acknowledgement_new_ = true;

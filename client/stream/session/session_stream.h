@@ -60,7 +60,7 @@ class SessionStream {
   // Any thread: a sample to send, meant for the tick that TickAim says; the last three travel in each message. The end: the
   // server answers a half close by ending the stream, and one that does not within a second is left.
   void send(const InputSample& sample);
-  void look(const ViewCone& view);  // travels with the next message
+  void set_view(const ViewCone& view);  // travels with the next message
   void stop();
 
  private:
@@ -70,7 +70,7 @@ class SessionStream {
   Result<void> take(v1::ServerMessage& message, int64_t received_ns);
   Result<void> take(const v1::SessionEvent& event);
   void take_clock(const v1::ServerMessage& message, int64_t received_ns);
-  void tell_of_old_kernels(const ReceivedFrame& frame);
+  void warn_of_late_kernels(const ReceivedFrame& frame);
 
   v1::LiveGs::Stub& stub_;
   const std::string session_id_;
@@ -83,10 +83,10 @@ class SessionStream {
 
   FrameReader frames_;  // the reader's thread only, like the next
   int64_t echoed_ns_ = 0;
-  const bool of_kernels_;
-  size_t old_frames_ = 0;  // one after the other
-  bool told_ = false;
-  int64_t asked_ns_ = std::numeric_limits<int64_t>::min() / 2;  // for a key frame, last
+  const bool streams_kernels_;
+  size_t late_kernel_frames_ = 0;  // one after the other
+  bool warned_ = false;
+  int64_t key_frame_requested_ns_ = std::numeric_limits<int64_t>::min() / 2;  // for a key frame, last
 
   std::mutex mutex_;  // guards everything below
   std::condition_variable to_send_;  // for the writer alone: a thread that is woken for nothing costs as much as a frame

@@ -7,7 +7,7 @@
 
 namespace livegs {
 
-void TickAim::saw(uint64_t tick, int64_t begun_ns) {
+void TickAim::add_frame(uint64_t tick, int64_t begun_ns) {
   tick_ = tick;
   begun_ns_ = begun_ns;
 }

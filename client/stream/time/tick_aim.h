@@ -15,7 +15,7 @@ class TickAim {
   explicit TickAim(double rate_hz) : rate_hz_(rate_hz) {}
 
   // The tick of a frame that was received and when it began, by the server's clock; the next begins a period later.
-  void saw(uint64_t tick, int64_t begun_ns);
+  void add_frame(uint64_t tick, int64_t begun_ns);
   // A message that was sent then has arrived then, the one by this clock, the other by the server's.
   void arrived(int64_t sent_ns, int64_t heard_ns);
 

@@ -30,7 +30,7 @@ struct JoinOptions {
   double rate_hz = 0;            // frames a second that there is a use for, 5 or more; 0: one each tick
   uint32_t position_bits = 16;   // of elastic objects' positions: 16, 18 or 20
   v1::JoinRequest::Encoding encoding = v1::JoinRequest::DRIVERS;  // of frames
-  bool outlive_draining = true;  // looks for a server that said goodbye, too
+  bool reconnect_after_drain = true;  // looks for a server that said goodbye, too
   // Objects are shown with what has come of them; else, and where kernels are streamed, which are of the whole, once they are
   // whole.
   bool coarse_first = true;

@@ -66,7 +66,7 @@ Result<std::unique_ptr<ConnectedScene>> SceneLoader::take() {
 }
 
 Result<void> SceneLoader::show_scene(ConnectedScene& live) const {
-  const bool kernels = FrameReader::brings_kernels(options_.encoding);
+  const bool kernels = FrameReader::is_kernel_encoding(options_.encoding);
   if (options_.coarse_first && !kernels) live.assets.show_parts();
   const std::vector<StreamedObject>& objects = live.client->scene().objects;
   for (const StreamedObject& object : objects) live.objects.request(object);
@@ -86,7 +86,7 @@ Result<std::unique_ptr<ConnectedScene>> SceneLoader::load() {
   connect.encoding = options_.encoding;
   connect.timeout_s = options_.connect_timeout_s;
   connect.reconnect_s = options_.reconnect_s;
-  connect.outlive_draining = options_.outlive_draining;
+  connect.reconnect_after_drain = options_.reconnect_after_drain;
   connect.stop = stop_.get_token();
   auto cache = asset_cache(options_.cache);
   if (!cache) return cache.error();

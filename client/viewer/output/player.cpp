@@ -93,7 +93,7 @@ Result<void> Player::draw_until_newest() {
     const int64_t shown_ns = *first_simulated_ns_ + planned_->display_time_ns;
     if (shown_ns > history_.newest().simulated_ns) return {};
     if (auto drawn = draw(*history_.at(shown_ns)); !drawn) return drawn;
-    history_.forget_before(shown_ns);
+    history_.drop_before(shown_ns);
   }
 }
 

@@ -200,7 +200,7 @@ Result<void> HeadsetRun::draw(PlannedFrame& planned) {
   foresee(planned.display_time_ns);
   send_hands_again(planned.display_time_ns);
   display_.update_views(planned);  // skinning took its time, and the head moves on
-  client_.look(client_view_cone(planned.views));
+  client_.set_view(client_view_cone(planned.views));
   const auto image = display_.acquire();
   if (!image) return display_.submit(planned, {});
   if (auto drawn = view_.draw_into(*drivers, planned.views, *image, images_); !drawn) {

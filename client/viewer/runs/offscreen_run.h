@@ -19,7 +19,7 @@ namespace livegs {
 struct OffscreenRunOptions : JoinOptions {
   OffscreenRunOptions() {  // a run that ends by itself does not look for ever
     reconnect_s = 10;
-    outlive_draining = false;
+    reconnect_after_drain = false;
   }
   double seconds = 10;  // of stream, after the first frame; 0: until the server ends or `interrupted`
   std::filesystem::path output = "out/client";

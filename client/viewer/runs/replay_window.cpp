@@ -109,7 +109,7 @@ class ReplayWindow {
     while (!at_end_ && history_.newest().simulated_ns < moment_ns) {
       if (auto taken = take_frame(); !taken) return taken;
     }
-    history_.forget_before(moment_ns);
+    history_.drop_before(moment_ns);
     moment_ns_ = std::min(moment_ns_, history_.newest().simulated_ns);
     return {};
   }

@@ -203,7 +203,7 @@ void WindowRun::send_hands(const WindowInput& input) {
   HandSample& hand = sample_.hands[kRightHand];
   hand.active = true;
   const Camera window = camera_->camera(size.x(), size.y());
-  client_.look(client_view_cone(std::span(&window, 1)));
+  client_.set_view(client_view_cone(std::span(&window, 1)));
   hand.aim = ray_through(window, input.mouse_px);
   hand.grip = hand.aim;
   hand.trigger = input.left ? 1.0f : 0.0f;

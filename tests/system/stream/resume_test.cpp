@@ -161,7 +161,7 @@ TEST_F(Resume, AGoodbyeEndsTheSessionUnlessItIsToBeOutlived) {
 
 TEST_F(Resume, AGoodbyeIsOutlived) {
   ConnectOptions options = patient();
-  options.outlive_draining = true;
+  options.reconnect_after_drain = true;
   start(box_scene(), options);
   served_->server->shut_down("maintenance");
   served_ = std::make_unique<ServedScene>(box_scene());

@@ -39,7 +39,7 @@ TEST(Sending, AClientIsSentNoMoreThanItsCap) {
   greedy->start(greedy_sink);
   const auto full = [](const SinkLog::State& state) { return std::count_if(state.frames.begin(), state.frames.end(), [](const auto& one) { return one.bytes > 10'000; }) >= 60; };
   ASSERT_TRUE(modest_sink.wait(full) && greedy_sink.wait(full));
-  // What a tenth of a second saves, and what may pass between the look at the budget and the time stamp on a busy machine.
+  // What a tenth of a second saves, and what may pass between the set_view at the budget and the time stamp on a busy machine.
   constexpr double kSlack_s = SendBudget::kSaved_s + 0.3;
   for (const auto& [sink, mbit_s] : {std::pair{&modest_sink, 4.0}, {&greedy_sink, 6.0}}) {
     const SinkLog::State state = sink->state();
@@ -58,7 +58,7 @@ TEST(Sending, WhoLooksAwayIsSentAllOfItWhereNothingIsShort) {
   SinkLog sink;
   const auto client = join(noise.port(), 0);
   ASSERT_TRUE(client);
-  client->look({{0, 0, 500}, {0, 0, 1}, 0.7});
+  client->set_view({{0, 0, 500}, {0, 0, 1}, 0.7});
   client->start(sink);
   ASSERT_TRUE(sink.wait_frames(30));
   const SinkLog::State state = sink.state();
@@ -74,7 +74,7 @@ TEST(Sending, WhoLooksAwayBehindANarrowLinkIsSentLess) {
   SinkLog sink;
   const auto client = join(proxy.port(), 0);
   ASSERT_TRUE(client);
-  client->look({{0, 0, 500}, {0, 0, 1}, 0.7});
+  client->set_view({{0, 0, 500}, {0, 0, 1}, 0.7});
   client->start(sink);
   ASSERT_TRUE(sink.wait([](const SinkLog::State& state) { return state.frames.size() > 1 && state.frames.back().bytes < 100; }));
   const size_t from = sink.state().frames.size();
@@ -94,7 +94,7 @@ TEST(Sending, WhoLooksAwayUnderACapIsSentLessAndWhoLooksBackAllOfIt) {
   SinkLog sink;
   const auto client = join(noise.port(), 1000);
   ASSERT_TRUE(client);
-  client->look({{0, 0, 500}, {0, 0, 1}, 0.7});
+  client->set_view({{0, 0, 500}, {0, 0, 1}, 0.7});
   client->start(sink);
   ASSERT_TRUE(sink.wait_frames(20));
   // Until the server has heard, all comes; afterwards one frame of nine has the noise in it.
@@ -107,7 +107,7 @@ TEST(Sending, WhoLooksAwayUnderACapIsSentLessAndWhoLooksBackAllOfIt) {
   const double ticks = static_cast<double>(state.frames.back().tick - state.frames[away_from].tick);
   EXPECT_LE(static_cast<double>(full), ticks / 9 + 2);
   EXPECT_GE(static_cast<double>(full), static_cast<double>(frames) / 9 - 2);
-  client->look({{0, 0, 500}, {0, 0, -1}, 0.7});
+  client->set_view({{0, 0, 500}, {0, 0, -1}, 0.7});
   // Two full frames one after the other: it is seen.
   ASSERT_TRUE(sink.wait([&](const SinkLog::State& now) {
     const size_t count = now.frames.size();

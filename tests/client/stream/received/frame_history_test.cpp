@@ -130,7 +130,7 @@ TEST(FrameHistory, ForgettingKeepsWhatIsNeeded) {
   FrameHistory history(8);
   for (uint64_t tick : {1, 2, 3, 4}) history.add(frame(tick));
   const auto before = history.at(25'000'000);
-  history.forget_before(25'000'000);
+  history.drop_before(25'000'000);
   EXPECT_EQ(history.size(), 3u);
   EXPECT_EQ(history.at(25'000'000)->objects[0].poses[0].position_m, before->objects[0].poses[0].position_m);
 }

@@ -41,7 +41,7 @@ Applied apply(double jitter_ms, bool aims) {
   for (double now_ms = 3.0; now_ms < 1900 * kPeriod_ms; now_ms += kPeriod_ms) {
     for (; seen < frames.size() && frames[seen].first <= now_ms; ++seen) {
       const uint64_t tick = frames[seen].second;
-      aim.saw(tick, ns(kServerAhead_ms + kPeriod_ms * static_cast<double>(tick)));
+      aim.add_frame(tick, ns(kServerAhead_ms + kPeriod_ms * static_cast<double>(tick)));
     }
     const uint64_t meant = aims ? aim.tick_at(ns(now_ms)) : 0;
     up_ms = std::max(up_ms, now_ms + travel_ms());
@@ -77,7 +77,7 @@ TEST(TickAim, IsTheNextTickOnAQuietNetwork) {
 TEST(TickAim, KnowsNothingAtFirstAndAsksForNothingFar) {
   TickAim aim(90);
   EXPECT_EQ(aim.tick_at(0), 0u);
-  aim.saw(100, 0);
+  aim.add_frame(100, 0);
   EXPECT_EQ(aim.tick_at(0), 0u);
   aim.arrived(0, ns(1));
   EXPECT_EQ(aim.tick_at(ns(5)), 101u);
