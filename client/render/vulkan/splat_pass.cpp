@@ -19,7 +19,7 @@
 namespace livegs {
 namespace {
 
-class VulkanSplatPainter final : public SplatPainter {
+class VulkanSplatPainter final : public SplatPass {
  public:
   VulkanSplatPainter(Backend& backend, VulkanCommands& commands, const VulkanHandles& handles)
       : backend_(backend), commands_(commands), handles_(handles), draw_(handles), resolve_(handles) {}
@@ -307,7 +307,7 @@ Result<void> VulkanSplatPainter::read_blended(std::vector<Image>& images) {
 
 }  // namespace
 
-Result<std::unique_ptr<SplatPainter>> SplatPainter::create(Backend& backend, const VulkanHandles& handles,
+Result<std::unique_ptr<SplatPass>> SplatPass::create(Backend& backend, const VulkanHandles& handles,
                                                            const Options& options) {
   VulkanCommands* commands = vulkan_commands(backend);
   LIVEGS_ASSERT(commands != nullptr);
@@ -317,7 +317,7 @@ Result<std::unique_ptr<SplatPainter>> SplatPainter::create(Backend& backend, con
   }
   auto painter = std::make_unique<VulkanSplatPainter>(backend, *commands, handles);
   if (auto made = painter->create(options); !made) return made.error();
-  return Result<std::unique_ptr<SplatPainter>>(std::move(painter));
+  return Result<std::unique_ptr<SplatPass>>(std::move(painter));
 }
 
 }  // namespace livegs

@@ -18,15 +18,15 @@ struct VulkanHandles;
 // Draws a sorted frame for one eye or two: one indirect draw of instanced quads, nearest first, blended in
 // the colour space the kernels were trained in, both eyes by multiview (which is tried out first: drivers get
 // it wrong); then one resolve that puts the background behind them, decodes and writes sRGB.
-class SplatPainter {
+class SplatPass {
  public:
   struct Options {
     BlendPrecision precision = BlendPrecision::Auto;
   };
   // `backend` is a Vulkan one of a device that can draw, and outlives the painter.
-  static Result<std::unique_ptr<SplatPainter>> create(Backend& backend, const VulkanHandles& handles,
+  static Result<std::unique_ptr<SplatPass>> create(Backend& backend, const VulkanHandles& handles,
                                                       const Options& options);
-  virtual ~SplatPainter() = default;
+  virtual ~SplatPass() = default;
 
   // Records the draw. All eyes have the images' size.
   virtual Result<void> paint(const FrameSplats& frame, int width, int height, int eyes) = 0;

@@ -24,7 +24,7 @@ constexpr double kLeastShare = 1.0 / 64;  // with fewer, the CPU draws better
 class VulkanSplatRenderer final : public SplatRenderer {
  public:
   VulkanSplatRenderer(std::shared_ptr<VulkanDevice> device, std::unique_ptr<Backend> backend,
-                      std::unique_ptr<SplatPainter> painter, const VulkanRendererOptions& options)
+                      std::unique_ptr<SplatPass> painter, const VulkanRendererOptions& options)
       : device_(std::move(device)),
         backend_(std::move(backend)),
         timer_(*vulkan_commands(*backend_), device_->handles()),
@@ -62,7 +62,7 @@ class VulkanSplatRenderer final : public SplatRenderer {
   std::shared_ptr<VulkanDevice> device_;
   std::unique_ptr<Backend> backend_;
   DeviceTimer timer_;
-  std::unique_ptr<SplatPainter> painter_;  // runs what is recorded before the timer goes
+  std::unique_ptr<SplatPass> painter_;  // runs what is recorded before the timer goes
   std::map<uint32_t, Held> held_;  // by object id
   // Of each object's kernels, those that are drawn because no more fit into the device's memory, or into the buffers that it can
   // bind; and how many there were when that was found.
@@ -257,7 +257,7 @@ Result<std::unique_ptr<SplatRenderer>> create_vulkan_renderer(std::shared_ptr<Vu
                                                               const VulkanRendererOptions& options) {
   auto backend = create_vulkan_backend(device);
   if (!backend) return backend.error();
-  auto painter = SplatPainter::create(**backend, device->handles(), {.precision = options.precision});
+  auto painter = SplatPass::create(**backend, device->handles(), {.precision = options.precision});
   if (!painter) return painter.error();
   return Result<std::unique_ptr<SplatRenderer>>(std::make_unique<VulkanSplatRenderer>(
       std::move(device), *std::move(backend), *std::move(painter), options));
