@@ -65,7 +65,7 @@ class OpenXrDisplay final : public HeadsetDisplay {
   XrSession session_ = XR_NULL_HANDLE;
   XrSpace local_ = XR_NULL_HANDLE;
   std::optional<OpenXrSwapchain> swapchain_;
-  std::optional<OpenXrPlate> plate_;  // lasts, but for what of it is the session's
+  std::optional<OpenXrTextLayer> plate_;  // lasts, but for what of it is the session's
   XrSessionState state_ = XR_SESSION_STATE_UNKNOWN;
   bool running_ = false;
   int64_t next_try_ns_ = 0;

@@ -10,14 +10,14 @@ constexpr std::array<uint8_t, 3> kInk{255, 138, 120};  // as the window's panels
 
 }  // namespace
 
-void OpenXrPlate::end() {
+void OpenXrTextLayer::end() {
   swapchain_.reset();
   if (view_) xrDestroySpace(view_);
   view_ = XR_NULL_HANDLE;
   written_.clear();
 }
 
-XrResult OpenXrPlate::write(XrSession session) {
+XrResult OpenXrTextLayer::write(XrSession session) {
   if (!view_) {
     auto space = openxr_info<XrReferenceSpaceCreateInfo>(XR_TYPE_REFERENCE_SPACE_CREATE_INFO);
     space.referenceSpaceType = XR_REFERENCE_SPACE_TYPE_VIEW;
@@ -40,7 +40,7 @@ XrResult OpenXrPlate::write(XrSession session) {
   return released;
 }
 
-XrResult OpenXrPlate::layer(XrSession session, std::optional<XrCompositionLayerQuad>& layer) {
+XrResult OpenXrTextLayer::layer(XrSession session, std::optional<XrCompositionLayerQuad>& layer) {
   layer.reset();
   if (text_.empty()) return XR_SUCCESS;
   if (text_ != written_) {

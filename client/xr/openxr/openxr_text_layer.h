@@ -12,12 +12,12 @@
 namespace livegs {
 
 // Text that stays before the eyes wherever the head turns: a quad in VIEW space, a little below where one looks. One thread.
-class OpenXrPlate {
+class OpenXrTextLayer {
  public:
-  explicit OpenXrPlate(const VulkanHandles& handles) : handles_(handles) {}
-  ~OpenXrPlate() { end(); }
-  OpenXrPlate(const OpenXrPlate&) = delete;
-  OpenXrPlate& operator=(const OpenXrPlate&) = delete;
+  explicit OpenXrTextLayer(const VulkanHandles& handles) : handles_(handles) {}
+  ~OpenXrTextLayer() { end(); }
+  OpenXrTextLayer(const OpenXrTextLayer&) = delete;
+  OpenXrTextLayer& operator=(const OpenXrTextLayer&) = delete;
 
   void set(const std::string& text) { text_ = text; }
   void end();  // before the session goes
