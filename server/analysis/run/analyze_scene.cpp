@@ -150,13 +150,13 @@ AnalysisSummary analyze_scene(std::span<const AnalysisTarget> targets, ModelEndp
     }
     update(one);
   };
-  std::optional<ViewsAhead> ahead;
+  std::optional<ViewPrefetcher> ahead;
   const auto work = [&] {
     step_behind();
     while (const auto index = course.take(stop)) {
       AnalysisUpdate one = offline_of(*index);
       const TargetViews drawn = [&](uint32_t, int, std::stop_token) {
-        ViewsAhead::Made made = ahead->take(*index);
+        ViewPrefetcher::Made made = ahead->take(*index);
         one.views_s = made.wall_s;
         return std::move(made.views);
       };

@@ -24,7 +24,7 @@ void become_drawer(bool behind) {
 
 }  // namespace
 
-ViewsAhead::ViewsAhead(std::span<const AnalysisTarget> targets, const TargetViews& views,
+ViewPrefetcher::ViewPrefetcher(std::span<const AnalysisTarget> targets, const TargetViews& views,
                        const AnalysisOptions& options, std::stop_token stop)
     : targets_(targets),
       views_(views),
@@ -40,9 +40,9 @@ ViewsAhead::ViewsAhead(std::span<const AnalysisTarget> targets, const TargetView
   }
 }
 
-ViewsAhead::~ViewsAhead() { ended_.request_stop(); }
+ViewPrefetcher::~ViewPrefetcher() { ended_.request_stop(); }
 
-void ViewsAhead::work() {
+void ViewPrefetcher::work() {
   become_drawer(behind_);
   const std::stop_token stop = ended_.get_token();
   for (;;) {
@@ -62,7 +62,7 @@ void ViewsAhead::work() {
   }
 }
 
-ViewsAhead::Made ViewsAhead::take(size_t index) {
+ViewPrefetcher::Made ViewPrefetcher::take(size_t index) {
   std::unique_lock lock(mutex_);
   if (!changed_.wait(lock, ended_.get_token(), [&] { return made_[index].has_value(); })) {
     return {Error{ErrorCode::Unavailable, "cancelled"}};

@@ -15,15 +15,15 @@ namespace livegs {
 
 // Makes the views of a scene's objects in their order while others wait for their answers, so that drawing
 // and waiting overlap. Threads of its own.
-class ViewsAhead {
+class ViewPrefetcher {
  public:
   // How many objects may be drawn and not yet asked about: bounds the memory, about a megabyte an object.
   static constexpr size_t kMaxAhead = 2 * kContextLag;
 
   // `targets` and `views` outlive this.
-  ViewsAhead(std::span<const AnalysisTarget> targets, const TargetViews& views,
+  ViewPrefetcher(std::span<const AnalysisTarget> targets, const TargetViews& views,
              const AnalysisOptions& options, std::stop_token stop);
-  ~ViewsAhead();  // stops what is being made
+  ~ViewPrefetcher();  // stops what is being made
 
   struct Made {
     Result<std::vector<TargetView>> views;
