@@ -29,7 +29,7 @@ void paint(const DrawnObject& object, size_t step, float value, GaussianAsset& a
 
 }  // namespace
 
-OneHotScene::OneHotScene(std::span<const DrawnObject> scene, uint32_t target_id, size_t target_kernels,
+CoverageMaskScene::CoverageMaskScene(std::span<const DrawnObject> scene, uint32_t target_id, size_t target_kernels,
                          size_t other_kernels) {
   size_t targets = 0, others = 0;
   for (const DrawnObject& object : scene) {
@@ -69,7 +69,7 @@ OneHotScene::OneHotScene(std::span<const DrawnObject> scene, uint32_t target_id,
 }
 
 // Whether the ball around it reaches into the camera's pyramid.
-bool OneHotScene::sees(const Camera& camera, const Member& member) const {
+bool CoverageMaskScene::sees(const Camera& camera, const Member& member) const {
   const Eigen::Vector3d place = camera.world_from_camera.inverse() * member.centre_m;
   if (-place.z() < -member.radius_m) return false;
   const auto outside = [&](double across, double edge_px, double focal_px) {
@@ -82,7 +82,7 @@ bool OneHotScene::sees(const Camera& camera, const Member& member) const {
          !outside(place.y(), camera.centre_y_px, camera.focal_y_px);
 }
 
-std::vector<DrawnObject> OneHotScene::seen_by(const Camera& camera) const {
+std::vector<DrawnObject> CoverageMaskScene::seen_by(const Camera& camera) const {
   std::vector<DrawnObject> seen;
   for (const Member& member : members_) {
     if (sees(camera, member)) seen.push_back(member.painted);
@@ -90,7 +90,7 @@ std::vector<DrawnObject> OneHotScene::seen_by(const Camera& camera) const {
   return seen;
 }
 
-std::vector<DrawnObject> OneHotScene::coloured_seen_by(const Camera& camera) const {
+std::vector<DrawnObject> CoverageMaskScene::coloured_seen_by(const Camera& camera) const {
   std::vector<DrawnObject> seen;
   for (const Member& member : members_) {
     if (sees(camera, member)) seen.push_back(member.own);

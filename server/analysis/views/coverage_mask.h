@@ -15,15 +15,15 @@ namespace livegs {
 // A scene painted by who is who: the target white, everything else black, so that a picture of it holds each
 // pixel's share of light that comes from the target, by the very blend that draws the scene. Keeps pointers
 // to what it was made from.
-class OneHotScene {
+class CoverageMaskScene {
  public:
   // At most so many kernels of the target and of everything else together: every k-th is taken, k times as
   // wide in area.
-  OneHotScene(std::span<const DrawnObject> scene, uint32_t target_id,
+  CoverageMaskScene(std::span<const DrawnObject> scene, uint32_t target_id,
               size_t target_kernels = std::numeric_limits<size_t>::max(),
               size_t other_kernels = std::numeric_limits<size_t>::max());
-  OneHotScene(const OneHotScene&) = delete;
-  OneHotScene& operator=(const OneHotScene&) = delete;
+  CoverageMaskScene(const CoverageMaskScene&) = delete;
+  CoverageMaskScene& operator=(const CoverageMaskScene&) = delete;
 
   std::span<const DrawnObject> target() const { return target_; }  // alone, white
   // Those that may be seen by the camera, painted, and in their own colours.

@@ -81,7 +81,7 @@ Eigen::AlignedBox3d bounds_of(std::span<const DrawnObject> target) {
   return bounds;
 }
 
-std::vector<Candidate> judge_ring(const OneHotScene& thin, const Ring& ring, int width, int height,
+std::vector<Candidate> judge_ring(const CoverageMaskScene& thin, const Ring& ring, int width, int height,
                                   Rasteriser& rasteriser, const std::stop_token& stop) {
   std::vector<Candidate> ring_candidates;
   RasterisedView view;
@@ -212,7 +212,7 @@ Result<std::vector<ObjectView>> object_views(std::span<const DrawnObject> scene,
 
   Rasteriser rasteriser;
   const auto [thumb_width, thumb_height] = size(kThumbnail_px);
-  const OneHotScene thin(scene, object_id, kTargetKernels, kOtherKernels);
+  const CoverageMaskScene thin(scene, object_id, kTargetKernels, kOtherKernels);
   std::vector<Candidate> tried = judge_ring(thin, ring, thumb_width, thumb_height, rasteriser, options.stop);
   const bool hidden = std::none_of(tried.begin(), tried.end(),
                                    [](const Candidate& c) { return c.judged.visible_share > kHidden; });
@@ -232,7 +232,7 @@ Result<std::vector<ObjectView>> object_views(std::span<const DrawnObject> scene,
   }
 
   const auto [width, height] = size(options.long_side_px);
-  const OneHotScene whole(scene, object_id);
+  const CoverageMaskScene whole(scene, object_id);
   std::vector<ObjectView> views;
   for (const Candidate& chosen : choose(std::move(tried), static_cast<size_t>(options.view_count))) {
     ObjectView view;
