@@ -145,7 +145,7 @@ bool is_packed(const ObjectRow& row) { return row.category == "package"; }
 std::string normalised_name(std::string_view name) {
   std::string words;
   char before = ' ';
-  for (const char raw : plain_letters(name.substr(0, 200))) {
+  for (const char raw : fold_diacritics(name.substr(0, 200))) {
     const auto letter = static_cast<unsigned char>(raw);
     const bool camel = std::isupper(letter) && std::islower(static_cast<unsigned char>(before));
     if (camel || !std::isalpha(letter)) {

@@ -29,7 +29,7 @@ std::array<std::string_view, kLast - kFirst + 1> latin_letters() {
 
 }  // namespace
 
-std::string plain_letters(std::string_view text) {
+std::string fold_diacritics(std::string_view text) {
   static const auto kLetters = latin_letters();
   std::string plain;
   for (size_t i = 0; i < text.size(); ++i) {
