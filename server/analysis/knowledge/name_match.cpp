@@ -100,8 +100,8 @@ struct Found {
 
 void look_behind(const std::string& part_of_name, size_t from, Found& found) {
   for (const std::string& word : words_of(std::string_view(part_of_name).substr(std::min(from, part_of_name.size())))) {
-    if (is_filler(word) || names_a_material(word)) continue;
-    found.tail = makes_another_thing(word) ? NameMatch::Tail::AnotherThing : NameMatch::Tail::Unknown;  // the last one's
+    if (is_stop_word(word) || names_a_material(word)) continue;
+    found.tail = is_head_noun(word) ? NameMatch::Tail::AnotherThing : NameMatch::Tail::Unknown;  // the last one's
     found.tail_words += (found.tail_words.empty() ? "" : " ") + word;
   }
 }
@@ -191,8 +191,8 @@ NameMatch match_name(std::string_view name) {
   if (thing->part > 0 && match.tail == NameMatch::Tail::Nothing && !best[thing->part - 1].row) {
     const Part& before = parts[thing->part - 1];
     for (const std::string& word : words_of(std::string_view(words).substr(before.begin, before.end - before.begin))) {
-      if (is_filler(word) || names_a_material(word)) continue;
-      match.tail = makes_another_thing(word) ? NameMatch::Tail::AnotherThing : NameMatch::Tail::Unknown;
+      if (is_stop_word(word) || names_a_material(word)) continue;
+      match.tail = is_head_noun(word) ? NameMatch::Tail::AnotherThing : NameMatch::Tail::Unknown;
       match.tail_words = word;
     }
   }

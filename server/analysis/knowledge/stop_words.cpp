@@ -8,7 +8,7 @@ namespace livegs {
 namespace {
 
 // Each sorted.
-constexpr std::string_view kFillers[] = {
+constexpr std::string_view kStopWords[] = {
     "again", "antique", "asset", "back", "bare", "beautiful", "big", "black", "blue", "bottom", "bright", "broken",
     "brown", "capture", "clean", "cleaned", "closed", "compressed", "copy", "crop", "cropped", "crouching", "cute",
     "damaged", "dark", "detailed", "empty", "export", "extra", "final", "flying", "front", "full", "gaussian",
@@ -19,7 +19,7 @@ constexpr std::string_view kFillers[] = {
     "running", "rusty", "scan", "scanned", "seated", "second", "set", "shiny", "side", "silver", "simple", "single",
     "sitting", "size", "sleeping", "small", "splat", "splats", "square", "standing", "striped", "tall", "test",
     "the", "tiny", "top", "toy", "two", "used", "version", "vintage", "violet", "walking", "white", "wide", "yellow"};
-constexpr std::string_view kOtherThings[] = {
+constexpr std::string_view kHeadNouns[] = {
     "bag", "bed", "board", "box", "bracket", "cage", "carrier", "cart", "case", "catcher", "chain",
     "cleaner", "clip", "coat", "cover", "cutter", "dish", "dispenser", "display", "door", "dryer", "feeder", "field",
     "frame", "grinder", "guard", "handle", "hanger", "holder", "hook", "house", "juice", "keeper", "leg", "machine",
@@ -38,14 +38,14 @@ template <class List>
 constexpr bool sorted(const List& list) {
   return std::is_sorted(std::begin(list), std::end(list));
 }
-static_assert(sorted(kFillers) && sorted(kOtherThings) && sorted(kPrepositions));
+static_assert(sorted(kStopWords) && sorted(kHeadNouns) && sorted(kPrepositions));
 
 }  // namespace
 
-bool is_filler(std::string_view word) { return word.size() <= 2 || holds(kFillers, word); }
+bool is_stop_word(std::string_view word) { return word.size() <= 2 || holds(kStopWords, word); }
 
-bool makes_another_thing(std::string_view word) {
-  return holds(kOtherThings, word) || (word.ends_with('s') && holds(kOtherThings, word.substr(0, word.size() - 1)));
+bool is_head_noun(std::string_view word) {
+  return holds(kHeadNouns, word) || (word.ends_with('s') && holds(kHeadNouns, word.substr(0, word.size() - 1)));
 }
 
 bool is_preposition(std::string_view word) { return holds(kPrepositions, word); }

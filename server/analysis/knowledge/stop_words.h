@@ -9,10 +9,10 @@
 namespace livegs {
 
 // Says nothing of what the thing is: a colour, a state, a place, a word of files and captures, a stray letter.
-bool is_filler(std::string_view word);
+bool is_stop_word(std::string_view word);
 
 // After a noun it makes another thing of it: the cage of a bird, the case of a violin.
-bool makes_another_thing(std::string_view word);
+bool is_head_noun(std::string_view word);
 
 // What stands behind it is not the thing: "cup with a lid". "of" is not among them.
 bool is_preposition(std::string_view word);
