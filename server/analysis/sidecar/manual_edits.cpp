@@ -43,7 +43,7 @@ void seal(v1::PhysicsFile& file) {
   decided["fragile"] = fragile_text(p);
 }
 
-Result<bool> take_hand_edits(v1::PhysicsFile& file) {
+Result<bool> take_manual_edits(v1::PhysicsFile& file) {
   if (!file.has_physics()) return false;
   const bool by_hand = file.as_decided().empty();
   v1::PhysicalParameters& p = *file.mutable_physics();

@@ -15,7 +15,7 @@ void seal(v1::PhysicsFile& file);
 // Moves what was changed by hand since into `edits` and `name`, and puts the decided values back. A file that
 // was never sealed was written by hand: all its values are. True if anything was. Errors begin with the
 // field: "physics.mass_kg".
-Result<bool> take_hand_edits(v1::PhysicsFile& file);
+Result<bool> take_manual_edits(v1::PhysicsFile& file);
 
 // What a person edited and the scene's author wrote too, whose words come first: one sentence that names these fields and
 // the remedy, empty where there are none.

@@ -112,9 +112,9 @@ Result<PhysicsKept> read_kept(const fs::path& path) {
     kept.file = std::move(*file);
     kept.there = true;
     kept.on_disk = kept.file.revision();
-    auto edited = take_hand_edits(kept.file);
+    auto edited = take_manual_edits(kept.file);
     if (!edited) return in_file(edited.error());
-    kept.edited_by_hand = *edited;
+    kept.manually_edited = *edited;
   }
   if (!kept.there) {
     // Gone, it was deleted, whatever its log says.
@@ -136,7 +136,7 @@ Result<PhysicsKept> read_kept(const fs::path& path) {
     if (is_revision(record)) before = std::exchange(newest, &record);
   }
   if (!newest) return kept;
-  if (!kept.edited_by_hand) {
+  if (!kept.manually_edited) {
     if (newest->previous() == kept.on_disk && newest->file().revision() != kept.on_disk) kept.file = newest->file();
     return kept;
   }
@@ -148,7 +148,7 @@ Result<PhysicsKept> read_kept(const fs::path& path) {
   if (holds_edit(*newest) ||
       (before && holds_edit(*before) && newest->previous() == before->file().revision())) {
     kept.file = newest->file();
-    kept.edited_by_hand = false;
+    kept.manually_edited = false;
   }
   return kept;
 }

@@ -176,12 +176,12 @@ Result<v1::PhysicsFile> change_file(const fs::path& path, const WriteStep& befor
   // came without its log. It becomes a revision of its own, that can be gone back to; nothing stays revision 0.
   std::optional<PhysicsLogRecord> found;
   const bool unknown = kept->file.revision() > 0 && !content_of(kept->log, kept->file.revision());
-  if (kept->edited_by_hand || kept->taken_over || kept->forgotten || unknown) {
+  if (kept->manually_edited || kept->taken_over || kept->forgotten || unknown) {
     found.emplace();
     const bool begins = kept->taken_over || kept->forgotten;
     found->set_action(begins ? PhysicsLogRecord::TAKEN_OVER : PhysicsLogRecord::EDIT_BY_HAND);
-    found->set_previous(kept->edited_by_hand ? kept->on_disk : 0);
-    if (kept->edited_by_hand || kept->taken_over) kept->file.set_revision(++newest);
+    found->set_previous(kept->manually_edited ? kept->on_disk : 0);
+    if (kept->manually_edited || kept->taken_over) kept->file.set_revision(++newest);
     kept->file.set_version(kPhysicsLayout);
     seal(kept->file);
     *found->mutable_file() = kept->file;

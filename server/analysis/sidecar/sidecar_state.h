@@ -19,7 +19,7 @@ struct PhysicsKept {
   std::vector<v1::PhysicsLogRecord> log;  // what counts of it
   uint64_t newest = 0;     // revision in all of it
   bool forgotten = false;  // it has records that count no more, and nothing says so yet
-  bool edited_by_hand = false;
+  bool manually_edited = false;
   bool there = false;       // the sidecar
   bool taken_over = false;  // not there, and the asset's counts in its place
   uint64_t on_disk = 0;     // revision of the sidecar as it stands
