@@ -96,8 +96,8 @@ fs::path log_path(const fs::path& sidecar) {
   return path.replace_extension(".log");
 }
 
-Result<PhysicsKept> read_kept(const fs::path& path) {
-  PhysicsKept kept;
+Result<SidecarState> read_sidecar_state(const fs::path& path) {
+  SidecarState kept;
   kept.log = read_physics_log(path);
   for (const PhysicsLogRecord& record : kept.log) kept.newest = std::max(kept.newest, record.file().revision());
   auto text = read_text_file(path, kMaxPhysicsFileBytes);
@@ -121,7 +121,7 @@ Result<PhysicsKept> read_kept(const fs::path& path) {
     kept.forgotten = !kept.log.empty();
     kept.log.clear();
     if (const fs::path other = default_path(path); !other.empty()) {
-      auto instead = read_kept(other);
+      auto instead = read_sidecar_state(other);
       if (!instead) return instead.error();
       kept.file = std::move(instead->file);
       kept.taken_over = kept.file.has_physics() || kept.file.has_edits() || !kept.file.name().empty();
@@ -215,7 +215,7 @@ std::vector<PhysicsLogRecord> read_decisions(const fs::path& path) {
 }
 
 Result<v1::PhysicsFile> read_physics_file(const fs::path& path) {
-  auto kept = read_kept(path);
+  auto kept = read_sidecar_state(path);
   if (!kept) return kept.error();
   return std::move(kept->file);
 }

@@ -169,7 +169,7 @@ template <class Change>
 Result<v1::PhysicsFile> change_file(const fs::path& path, const WriteStep& before, const Change& change) {
   auto log = LockedLog::open(path, before);
   if (!log) return log.error();
-  auto kept = read_kept(path);
+  auto kept = read_sidecar_state(path);
   if (!kept) return kept.error();
   uint64_t newest = std::max(kept->file.revision(), kept->newest);
   // What the log does not know: what a person wrote, what the asset's sidecar holds, that a sidecar was deleted, or one that
@@ -223,7 +223,7 @@ Result<v1::PhysicsFile> change_file(const fs::path& path, const WriteStep& befor
 Result<v1::PhysicsFile> apply_analysis(const fs::path& path, const v1::PhysicalParameters& physics,
                                        const v1::AnalysisRecord& analysis, const WriteStep& before) {
   return change_file(path, before,
-                     [&](const PhysicsKept& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
+                     [&](const SidecarState& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
                        record.set_action(PhysicsLogRecord::ANALYSIS);
                        v1::PhysicsFile next = kept.file;
                        *next.mutable_physics() = physics;
@@ -235,7 +235,7 @@ Result<v1::PhysicsFile> apply_analysis(const fs::path& path, const v1::PhysicalP
 Result<void> log_proposal(const fs::path& path, const v1::PhysicalParameters& physics,
                           const v1::AnalysisRecord& analysis, const WriteStep& before) {
   auto kept = change_file(path, before,
-                          [&](const PhysicsKept& present, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
+                          [&](const SidecarState& present, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
                             record.set_action(PhysicsLogRecord::PROPOSAL);
                             v1::PhysicsFile next = present.file;
                             *next.mutable_physics() = physics;
@@ -254,7 +254,7 @@ void take_proposal(const v1::PhysicsFile& proposal, v1::PhysicsFile& file) {
 
 Result<v1::PhysicsFile> accept_proposal(const fs::path& path, const WriteStep& before) {
   return change_file(path, before,
-                     [&](const PhysicsKept& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
+                     [&](const SidecarState& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
                        record.set_action(PhysicsLogRecord::ANALYSIS);
                        const auto proposal = open_proposal(kept.log);
                        if (!proposal) {
@@ -268,7 +268,7 @@ Result<v1::PhysicsFile> accept_proposal(const fs::path& path, const WriteStep& b
 
 Result<v1::PhysicsFile> decline_proposal(const fs::path& path, const WriteStep& before) {
   return change_file(path, before,
-                     [&](const PhysicsKept& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
+                     [&](const SidecarState& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
                        record.set_action(PhysicsLogRecord::PROPOSAL);
                        if (!open_proposal(kept.log)) return not_found(path.string() + ": nothing is proposed");
                        return v1::PhysicsFile();
@@ -283,7 +283,7 @@ Result<v1::PhysicsFile> edit_physics(const fs::path& path, const v1::Physics& ed
                                      const WriteStep& before) {
   if (auto checked = check_scene_physics(edits); !checked) return checked.error();
   return change_file(path, before,
-                     [&](const PhysicsKept& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
+                     [&](const SidecarState& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
                        record.set_action(PhysicsLogRecord::EDIT);
                        v1::PhysicsFile next = kept.file;
                        merge_edits(*next.mutable_edits(), edits);
@@ -294,7 +294,7 @@ Result<v1::PhysicsFile> edit_physics(const fs::path& path, const v1::Physics& ed
 
 Result<v1::PhysicsFile> undo_physics(const fs::path& path, const WriteStep& before) {
   return change_file(
-      path, before, [&](const PhysicsKept& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
+      path, before, [&](const SidecarState& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
         record.set_action(PhysicsLogRecord::UNDO);
         const Course course = course_of(kept.log);
         auto content = course.back.empty() ? std::nullopt : content_of(kept.log, course.back.back());
@@ -305,7 +305,7 @@ Result<v1::PhysicsFile> undo_physics(const fs::path& path, const WriteStep& befo
 
 Result<v1::PhysicsFile> redo_physics(const fs::path& path, const WriteStep& before) {
   return change_file(
-      path, before, [&](const PhysicsKept& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
+      path, before, [&](const SidecarState& kept, PhysicsLogRecord& record) -> Result<v1::PhysicsFile> {
         record.set_action(PhysicsLogRecord::REDO);
         const Course course = course_of(kept.log);
         auto content = course.forward.empty() ? std::nullopt : content_of(kept.log, course.forward.back());

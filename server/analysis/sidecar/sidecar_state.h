@@ -14,7 +14,7 @@ namespace livegs {
 inline constexpr uint32_t kPhysicsLayout = 1;
 
 // Both together.
-struct PhysicsKept {
+struct SidecarState {
   v1::PhysicsFile file;
   std::vector<v1::PhysicsLogRecord> log;  // what counts of it
   uint64_t newest = 0;     // revision in all of it
@@ -28,7 +28,7 @@ struct PhysicsKept {
 inline bool is_revision(const v1::PhysicsLogRecord& record) { return record.action() != v1::PhysicsLogRecord::PROPOSAL; }
 
 // The sidecar as it counts, or what counts in its place, and its log. Reads only; errors as of read_physics_file().
-Result<PhysicsKept> read_kept(const std::filesystem::path& path);
+Result<SidecarState> read_sidecar_state(const std::filesystem::path& path);
 
 std::filesystem::path log_path(const std::filesystem::path& sidecar);
 
