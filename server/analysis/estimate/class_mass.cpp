@@ -27,7 +27,7 @@ constexpr double kOtherMaterialSd = 0.35;
 // Of the logarithm of a size whose scale is a guess, as in kind_likelihood.
 constexpr double kGuessedSizeSd = 0.7;
 
-const PromptWords& reasons() { return PromptWords::reasons(); }
+const MessageTemplates& reasons() { return MessageTemplates::reasons(); }
 
 double log_sd(const Span3& span) { return std::max(0.01, std::log(span.high / span.low) / kNineOfTen); }
 

@@ -34,18 +34,18 @@ MassEstimate estimate_mass(const Span3& density_kg_m3, v1::Physics::Fill fill, c
   estimate.mass_kg.low = std::clamp(estimate.mass_kg.low / spread, kMassRange_kg.low, kMassRange_kg.high);
   estimate.mass_kg.best = std::clamp(estimate.mass_kg.best, kMassRange_kg.low, kMassRange_kg.high);
   estimate.mass_kg.high = std::clamp(estimate.mass_kg.high * spread, kMassRange_kg.low, kMassRange_kg.high);
-  if (!facts.scale_known) estimate.reason += PromptWords::reasons().say("reason_guessed_scale");
+  if (!facts.scale_known) estimate.reason += MessageTemplates::reasons().say("reason_guessed_scale");
   return estimate;
 }
 
 std::string wall_factors(double density_kg_m3, double wall_m, double area_m2) {
-  return PromptWords::reasons().say("reason_wall", {{"density", format_text("%.4g", density_kg_m3)},
+  return MessageTemplates::reasons().say("reason_wall", {{"density", format_text("%.4g", density_kg_m3)},
                                                     {"wall", format_text("%.3g", wall_m * 1e3)},
                                                     {"area", format_text("%.4g", area_m2)}});
 }
 
 std::string volume_factors(double density_kg_m3, double volume_m3) {
-  return PromptWords::reasons().say("reason_enclosed", {{"density", format_text("%.4g", density_kg_m3)},
+  return MessageTemplates::reasons().say("reason_enclosed", {{"density", format_text("%.4g", density_kg_m3)},
                                                         {"volume", format_text("%.4g", volume_m3)}});
 }
 

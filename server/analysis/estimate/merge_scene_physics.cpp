@@ -18,7 +18,7 @@ struct Author {
   const char *by_density, *by_fill;  // lines of mass_reasons.json
 };
 Author author_of(EstimatedValue::Source by) {
-  const PromptWords& reasons = PromptWords::reasons();
+  const MessageTemplates& reasons = MessageTemplates::reasons();
   if (by == EstimatedValue::PERSON)
     return {by, "a person's", reasons.say("reason_person"), "reason_person_density", "reason_person_fill"};
   return {EstimatedValue::SCENE, "the scene's", reasons.say("reason_scene"), "reason_scene_density", "reason_scene_fill"};
@@ -90,12 +90,12 @@ Result<v1::PhysicalParameters> merge_scene_physics(const v1::PhysicalParameters&
     const MassEstimate mass = estimate_mass(density, merged.fill(), {wall, wall, wall}, known);
     EstimatedValue& value = *merged.mutable_mass_kg();
     if (written.has_density_kg_m3()) {
-      told_as(value, mass.mass_kg.best, PromptWords::reasons().say(author.by_density, {{"reason", mass.reason}}));
+      told_as(value, mass.mass_kg.best, MessageTemplates::reasons().say(author.by_density, {{"reason", mass.reason}}));
     } else {
       value.set_low(mass.mass_kg.low);
       value.set_best(mass.mass_kg.best);
       value.set_high(mass.mass_kg.high);
-      value.set_reason(PromptWords::reasons().say(author.by_fill, {{"reason", mass.reason}}));
+      value.set_reason(MessageTemplates::reasons().say(author.by_fill, {{"reason", mass.reason}}));
     }
   }
   if (merged.fragile() && !written.has_break_impulse_n_s() &&

@@ -36,7 +36,7 @@ bool is_utf8(std::string_view text) {
 
 }  // namespace
 
-Result<json> answer_object(std::string_view text, const PromptWords& words) {
+Result<json> answer_object(std::string_view text, const MessageTemplates& words) {
   if (text.size() > kMaxAnswerBytes) {
     return Error{ErrorCode::TooLarge, words.say("too_long", {{"bytes", std::to_string(text.size())},
                                                              {"most", std::to_string(kMaxAnswerBytes)}})};

@@ -37,7 +37,7 @@ struct Judgement {
 // Steps 5 to 7: units, physics, consistency. Mends and notes what it can; the error is one line for a repair
 // turn, of prompts/complaints.json.
 Result<Answer> examine_answer(Answer answer, const ObjectFacts& facts, const v1::PhysicalParameters& offline,
-                              const PromptWords& words = PromptWords::built_in());
+                              const MessageTemplates& words = MessageTemplates::built_in());
 
 // Steps 8 and 9: prior and fusion by inverse variance in log space. `offline` is what the object has now.
 Judgement weigh_answer(const Answer& answer, const ObjectFacts& facts, const v1::PhysicalParameters& offline);

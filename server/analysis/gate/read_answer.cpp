@@ -34,7 +34,7 @@ std::string number_text(double value) {
 
 class Reader {
  public:
-  Reader(const json& object, const PromptWords& words) : object_(object), words_(words) {}
+  Reader(const json& object, const MessageTemplates& words) : object_(object), words_(words) {}
 
   // Each gives nothing and keeps the first error where the field will not do.
   const json* find(const char* field) const {
@@ -294,7 +294,7 @@ class Reader {
   }
 
   const json& object_;
-  const PromptWords& words_;
+  const MessageTemplates& words_;
   std::optional<Error> error_;
 };
 
@@ -331,7 +331,7 @@ std::string shown_text(std::string_view text, size_t characters) {
   return shown;
 }
 
-Result<Answer> read_answer(std::string_view text, const PromptWords& words) {
+Result<Answer> read_answer(std::string_view text, const MessageTemplates& words) {
   const auto object = answer_object(text, words);
   if (!object) return object.error();
   Reader read(*object, words);

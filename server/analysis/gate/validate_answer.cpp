@@ -103,7 +103,7 @@ void mend_units(Answer& answer, const ObjectFacts& facts, const v1::PhysicalPara
 std::string general(double value) { return format_text("%g", value); }
 std::string short_text(double value) { return format_text("%.3g", value); }
 
-std::optional<Error> check_physics(const Answer& answer, const ObjectFacts& facts, const PromptWords& words) {
+std::optional<Error> check_physics(const Answer& answer, const ObjectFacts& facts, const MessageTemplates& words) {
   const double slack = facts.scale_known ? 1.0 : kGuessedVolume;
   const double solid_m3 = std::max(facts.mesh.volume_m3, facts.mesh.hull_volume_m3);
   const double box_m3 = sorted_box_m(facts.mesh).prod();
@@ -128,7 +128,7 @@ bool brittle(const MaterialRow& material) {
   return material.fragile;
 }
 
-std::optional<Error> make_consistent(Answer& answer, const PromptWords& words) {
+std::optional<Error> make_consistent(Answer& answer, const MessageTemplates& words) {
   const Span3 material = youngs_of(answer.parts);
   const std::string& name = answer.parts.front().material->name;
   if (answer.youngs_modulus_pa && !within(answer.youngs_modulus_pa->best, material, kMaterialSlack)) {
@@ -167,7 +167,7 @@ std::optional<Error> make_consistent(Answer& answer, const PromptWords& words) {
 }  // namespace
 
 Result<Answer> examine_answer(Answer answer, const ObjectFacts& facts,
-                              const v1::PhysicalParameters& offline, const PromptWords& words) {
+                              const v1::PhysicalParameters& offline, const MessageTemplates& words) {
   mend_units(answer, facts, offline);
   if (auto wrong = check_physics(answer, facts, words)) return *wrong;
   if (auto wrong = make_consistent(answer, words)) return *wrong;

@@ -12,6 +12,6 @@ namespace livegs {
 // as people write them: mm, in, cm3, l, oz, lb, g/cm3, psi. The error names the unit that is not known or
 // does not fit.
 Result<double> convert_unit(double value, std::string_view from, std::string_view to,
-                            const PromptWords& words = PromptWords::built_in());
+                            const MessageTemplates& words = MessageTemplates::built_in());
 
 }  // namespace livegs

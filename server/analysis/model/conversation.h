@@ -82,7 +82,7 @@ class ModelEndpoint {
   virtual void get_ready(std::stop_token) {}
   virtual EndpointState state() const = 0;
   // What an object's facts, complaints and tools are worded with; lives as long as this.
-  virtual const PromptWords& words() const { return PromptWords::built_in(); }
+  virtual const MessageTemplates& words() const { return MessageTemplates::built_in(); }
 };
 
 }  // namespace livegs

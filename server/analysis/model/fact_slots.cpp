@@ -16,7 +16,7 @@ namespace {
 constexpr size_t kNearestMaterials = 3;
 constexpr size_t kLongestMaterial = 60, kLongestReason = 600;
 
-using Words = const PromptWords&;
+using Words = const MessageTemplates&;
 
 std::string size_text(const Eigen::Vector3d& size_m, Words words) {
   return words.say("size", {{"length", format_text("%.3g", size_m.x())},
@@ -133,7 +133,7 @@ std::string offline_text(const v1::PhysicalParameters& offline, Words words) {
 
 std::map<std::string, std::string> fact_slots(const ObjectFacts& facts, const v1::PhysicalParameters& offline,
                                               std::span<const SceneObjectFacts> neighbours,
-                                              const PromptWords& words) {
+                                              const MessageTemplates& words) {
   std::map<std::string, std::string> slots;
   if (!facts.name.empty()) slots["name"] = facts.name;
   slots["size"] = size_text(facts.mesh.size_m, words);

@@ -22,6 +22,6 @@ inline constexpr size_t kToldNeighbours = 12;
 // The words between the figures are those of prompts/facts.json.
 std::map<std::string, std::string> fact_slots(const ObjectFacts& facts, const v1::PhysicalParameters& offline,
                                               std::span<const SceneObjectFacts> neighbours,
-                                              const PromptWords& words = PromptWords::built_in());
+                                              const MessageTemplates& words = MessageTemplates::built_in());
 
 }  // namespace livegs

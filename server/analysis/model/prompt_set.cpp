@@ -74,7 +74,7 @@ SlotNames known_slots(std::string_view file) {
 }
 
 bool holds_lines(std::string_view file) {  // checked line by line
-  return std::find(std::begin(PromptWords::kFiles), std::end(PromptWords::kFiles), file) != std::end(PromptWords::kFiles);
+  return std::find(std::begin(MessageTemplates::kFiles), std::end(MessageTemplates::kFiles), file) != std::end(MessageTemplates::kFiles);
 }
 
 // A person's own text in place of a file.
@@ -163,8 +163,8 @@ Result<PromptSet> PromptSet::load(const std::filesystem::path& folder) {
   }
   set.examples_ = std::move(*examples);
   std::map<std::string, std::string> words;
-  for (const char* file : PromptWords::kFiles) words[file] = set.text(file);
-  auto read_words = PromptWords::read(words, folder);
+  for (const char* file : MessageTemplates::kFiles) words[file] = set.text(file);
+  auto read_words = MessageTemplates::read(words, folder);
   if (!read_words) return read_words.error();
   set.words_ = std::move(*read_words);
   auto captions = parse_json(set.text("captions.json"));

@@ -31,7 +31,7 @@ class PromptSet {
   std::string caption(const std::string& name) const;  // of a picture: its words, or the name where there are none
   std::string search(const std::map<std::string, std::string>& slots) const;
 
-  const PromptWords& words() const { return words_; }
+  const MessageTemplates& words() const { return words_; }
   const OrderedJson& answer_schema() const { return schema_; }
   const std::vector<std::string>& answer_fields() const { return fields_; }
   const OrderedJson& tools() const { return tools_; }  // as a request has them
@@ -42,7 +42,7 @@ class PromptSet {
 
   std::map<std::string, std::string> texts_;
   std::string version_;
-  PromptWords words_ = PromptWords::built_in();
+  MessageTemplates words_ = MessageTemplates::built_in();
   OrderedJson schema_, tools_, examples_;
   Json captions_;
   std::vector<std::string> fields_;

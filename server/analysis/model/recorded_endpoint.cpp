@@ -43,7 +43,7 @@ class RecordedEndpoint final : public ModelEndpoint {
     return state;
   }
 
-  const PromptWords& words() const override { return prompts_.words(); }
+  const MessageTemplates& words() const override { return prompts_.words(); }
 
   void get_ready(std::stop_token stop) override {
     if (live_) live_->get_ready(stop);

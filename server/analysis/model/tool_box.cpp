@@ -74,7 +74,7 @@ Answer describe(const KnowledgeHit& hit) {
 // The arguments of one call, read with guards; the first thing that is wrong is kept for the answer.
 class Arguments {
  public:
-  Arguments(const Json& object, const PromptWords& words) : object_(object), words_(words) {}
+  Arguments(const Json& object, const MessageTemplates& words) : object_(object), words_(words) {}
 
   // A number in low … high; also one written as text, as small models do.
   double number(const char* name, double low, double high) {
@@ -120,7 +120,7 @@ class Arguments {
 
  private:
   const Json& object_;
-  const PromptWords& words_;
+  const MessageTemplates& words_;
   std::string error_;
 };
 
@@ -357,7 +357,7 @@ std::string error_text(const std::string& what) { return dump_json(OrderedJson{{
 
 }  // namespace
 
-ToolBox::ToolBox(ObjectFacts object, std::vector<SceneObjectFacts> scene, const PromptWords& words)
+ToolBox::ToolBox(ObjectFacts object, std::vector<SceneObjectFacts> scene, const MessageTemplates& words)
     : object_(std::move(object)), scene_(std::move(scene)), words_(&words) {}
 
 const std::vector<ToolDescriptor>& ToolBox::descriptors() {

@@ -37,7 +37,7 @@ class ToolBox {
   ToolBox() = default;
   // `words` outlives it.
   explicit ToolBox(ObjectFacts object, std::vector<SceneObjectFacts> scene = {},
-                   const PromptWords& words = PromptWords::built_in());
+                   const MessageTemplates& words = MessageTemplates::built_in());
 
   static const std::vector<ToolDescriptor>& descriptors();
 
@@ -46,12 +46,12 @@ class ToolBox {
 
   const ObjectFacts& object() const { return object_; }
   const std::vector<SceneObjectFacts>& scene() const { return scene_; }
-  const PromptWords& words() const { return *words_; }
+  const MessageTemplates& words() const { return *words_; }
 
  private:
   ObjectFacts object_;
   std::vector<SceneObjectFacts> scene_;
-  const PromptWords* words_ = &PromptWords::built_in();
+  const MessageTemplates* words_ = &MessageTemplates::built_in();
 };
 
 }  // namespace livegs

@@ -19,9 +19,9 @@ constexpr const char* kBuiltIn[] = {kFactsPrompt, kComplaintsPrompt, kToolWordsP
 
 }  // namespace
 
-Result<PromptWords> PromptWords::read(const std::map<std::string, std::string>& texts,
+Result<MessageTemplates> MessageTemplates::read(const std::map<std::string, std::string>& texts,
                                       const std::filesystem::path& folder) {
-  PromptWords words;
+  MessageTemplates words;
   for (size_t i = 0; i < std::size(kFiles); ++i) {
     const std::string path = (folder / kFiles[i]).string() + ": ";
     const auto given = texts.find(kFiles[i]);
@@ -44,18 +44,18 @@ Result<PromptWords> PromptWords::read(const std::map<std::string, std::string>& 
   return words;
 }
 
-const PromptWords& PromptWords::built_in() {
-  static const PromptWords words = [] {
-    auto read = PromptWords::read({});
+const MessageTemplates& MessageTemplates::built_in() {
+  static const MessageTemplates words = [] {
+    auto read = MessageTemplates::read({});
     LIVEGS_ASSERT(read);  // a test reads them
     return std::move(*read);
   }();
   return words;
 }
 
-const PromptWords& PromptWords::reasons() {
-  static const PromptWords words = [] {
-    PromptWords read;
+const MessageTemplates& MessageTemplates::reasons() {
+  static const MessageTemplates words = [] {
+    MessageTemplates read;
     const auto json = nlohmann::json::parse(kMassReasons, nullptr, false);
     for (const auto& [name, text] : json.items()) read.lines_.emplace(name, text.get<std::string>());
     return read;
@@ -63,7 +63,7 @@ const PromptWords& PromptWords::reasons() {
   return words;
 }
 
-std::string PromptWords::say(std::string_view line,
+std::string MessageTemplates::say(std::string_view line,
                              std::initializer_list<std::pair<std::string_view, std::string_view>> slots) const {
   const auto found = lines_.find(line);
   if (found == lines_.end()) return std::string(line);

@@ -20,7 +20,7 @@ class ChatEndpoint final : public ModelEndpoint {
 
   std::unique_ptr<Exchange> start(ToolBox tools) override;
   EndpointState state() const override;
-  const PromptWords& words() const override { return prompts_.words(); }
+  const MessageTemplates& words() const override { return prompts_.words(); }
   void get_ready(std::stop_token stop) override {
     if (model().empty()) (void)get_to_know(stop);
   }

@@ -28,14 +28,14 @@ namespace fs = std::filesystem;
 const fs::path kRepository = fs::path(LIVEGS_TESTS_DIR) / "..";
 
 // A line is said by its name, and a name that is in no file would be sent in its place.
-TEST(PromptWords, EveryLineIsSaidAndEveryLineThatIsSaidIsThere) {
+TEST(MessageTemplates, EveryLineIsSaidAndEveryLineThatIsSaidIsThere) {
   std::string code;
   for (const auto& file : fs::directory_iterator(kRepository / "server/analysis")) {
     if (file.path().extension() == ".cpp") code += *read_text_file(file.path());
   }
-  auto lines = PromptWords::built_in().lines();
+  auto lines = MessageTemplates::built_in().lines();
   ASSERT_GT(lines.size(), 60u);
-  for (const auto& [name, text] : PromptWords::reasons().lines()) EXPECT_TRUE(lines.emplace(name, text).second) << name;
+  for (const auto& [name, text] : MessageTemplates::reasons().lines()) EXPECT_TRUE(lines.emplace(name, text).second) << name;
   const std::regex slot("\\{\\{([a-z_]+)\\}\\}");
   for (const auto& [name, text] : lines) {
     EXPECT_NE(code.find("\"" + name + "\""), std::string::npos) << name;
@@ -54,7 +54,7 @@ TEST(PromptWords, EveryLineIsSaidAndEveryLineThatIsSaidIsThere) {
 
 // The words of a mass's reason reach the model in the line of the offline estimate. prompts/judged.json does not speak of
 // them: who changes this hash changes what was judged.
-TEST(PromptWords, TheReasonsOfAMassAreThoseThatWereToldBefore) {
+TEST(MessageTemplates, TheReasonsOfAMassAreThoseThatWereToldBefore) {
   const std::string text = *read_text_file(kRepository / "server/analysis/knowledge/mass_reasons.json");
   EXPECT_EQ(content_hash(std::as_bytes(std::span(text))), "432807ba3c2dc69f29c9bba26c7e0ac4d88065409d66f37fe10d94c010b15fb9");
   const auto reason = [](const ObjectFacts& facts) { return estimate_offline(facts).mass_kg().reason(); };
@@ -85,7 +85,7 @@ TEST(PromptWords, TheReasonsOfAMassAreThoseThatWereToldBefore) {
 }
 
 // To the byte what was told before the words were in files (version 2).
-TEST(PromptWords, FactsAreToldAsTheyWere) {
+TEST(MessageTemplates, FactsAreToldAsTheyWere) {
   ObjectFacts facts = mug_facts();
   facts.mesh.rod = 0.5;
   facts.mesh.piece_count = 2;
@@ -119,7 +119,7 @@ TEST(PromptWords, FactsAreToldAsTheyWere) {
 }
 
 // Of a sponge, that is of one stuff whatever it is, as of a mug and of what has no name.
-TEST(PromptWords, ThreeMaterialsAreToldWithTheirRanges) {
+TEST(MessageTemplates, ThreeMaterialsAreToldWithTheirRanges) {
   for (ObjectFacts facts : {sponge_facts(), mug_facts(), tennis_ball_facts(), pillow_facts()}) {
     for (const char* name : {facts.name.c_str(), "brick", "steel ball", "hammer", ""}) {
       facts.name = name;
@@ -145,8 +145,8 @@ TEST(KnowledgeSearch, WhatIsMostLikeAMaterialIsOfItsKind) {
   EXPECT_EQ(similar_materials(material_row("brass"), 1000).size(), material_table().size() - 1);
 }
 
-TEST(PromptWords, WhatFillsASlotIsNotLookedAtAgain) {
-  const PromptWords& words = PromptWords::built_in();
+TEST(MessageTemplates, WhatFillsASlotIsNotLookedAtAgain) {
+  const MessageTemplates& words = MessageTemplates::built_in();
   EXPECT_EQ(words.say("part_unknown", {{"field", "parts[0]"}, {"told", "{{field}}"}}),
             "parts[0].material_id: \"{{field}}\" is not in the table; give a name from it");
   EXPECT_EQ(words.say("part_unknown", {{"field", "parts[0]"}, {"told", ""}}),
@@ -155,7 +155,7 @@ TEST(PromptWords, WhatFillsASlotIsNotLookedAtAgain) {
 
 // Braces that stand in our own complaints reach the model as they stand; what the model itself wrote opens no slot and ends no
 // quote.
-TEST(PromptWords, AComplaintsOwnBracesReachTheModelAndNobodyElses) {
+TEST(MessageTemplates, AComplaintsOwnBracesReachTheModelAndNobodyElses) {
   const auto prompts = PromptSet::load({});
   const auto told = [&](const nlohmann::json& answer) {
     const auto read = read_answer(answer.dump());
@@ -184,7 +184,7 @@ std::string with_line(const char* file, const char* line, const char* text) {
   return json.dump(1);
 }
 
-TEST(PromptWords, AFoldersOwnWordsReachTheModelAndMakeAnotherVersion) {
+TEST(MessageTemplates, AFoldersOwnWordsReachTheModelAndMakeAnotherVersion) {
   const ScratchFolder scratch;
   scratch.write("prompts/facts.json", with_line("facts.json", "size", "LONG {{length}}"));
   scratch.write("prompts/complaints.json", with_line("complaints.json", "out_of_order", "SORT {{field}}{{in_unit}}"));
@@ -225,7 +225,7 @@ std::string refusal_of(const char* file, const std::string& text) {
   return loaded.error().message.substr(std::min(path.size(), loaded.error().message.size()));
 }
 
-TEST(PromptWords, AFileThatLacksALineOrHasOneMoreIsAnErrorThatNamesIt) {
+TEST(MessageTemplates, AFileThatLacksALineOrHasOneMoreIsAnErrorThatNamesIt) {
   const auto refusal = [](const std::string& text) { return refusal_of("complaints.json", text); };
   const std::string whole = *read_text_file(kRepository / "prompts/complaints.json");
   EXPECT_EQ(refusal(whole), "");
