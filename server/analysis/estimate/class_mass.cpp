@@ -75,10 +75,10 @@ double own_misfit(const ObjectRow& row) {
 
 struct Physics {
   LogNormal mass;
-  double density_kg_m3 = 0, wall_m = 0, extent = 0;  // as in KindMass
+  double density_kg_m3 = 0, wall_m = 0, extent = 0;  // as in ClassMass
 };
 
-Physics physics_mass(const Kind& kind, const ObjectFacts& facts) {
+Physics physics_mass(const ObjectClass& kind, const ObjectFacts& facts) {
   const ObjectRow& row = *kind.row;
   const MeshFacts& mesh = facts.mesh;
   const MaterialRow& material = kind.material ? *kind.material : material_row(row.material);
@@ -108,7 +108,7 @@ Physics physics_mass(const Kind& kind, const ObjectFacts& facts) {
   return physics;
 }
 
-LogNormal usual_mass(const Kind& kind, const ObjectFacts& facts) {
+LogNormal usual_mass(const ObjectClass& kind, const ObjectFacts& facts) {
   const ObjectRow& row = *kind.row;
   const double usual_box_m3 = row.size_m.best * row.middle_m * row.short_m;
   const double box_m3 = std::max(sorted_box_m(facts.mesh).prod(), 1e-15);
@@ -124,7 +124,7 @@ LogNormal usual_mass(const Kind& kind, const ObjectFacts& facts) {
   return mass;
 }
 
-std::string factors_of(const KindMass& mass) {
+std::string factors_of(const ClassMass& mass) {
   return mass.wall_m > 0 ? wall_factors(mass.density_kg_m3, mass.wall_m, mass.extent)
                          : volume_factors(mass.density_kg_m3, mass.extent);
 }
@@ -136,10 +136,10 @@ std::string grams_or_kg(double mass_kg) {
 
 }  // namespace
 
-KindMass kind_mass(const Kind& kind, const ObjectFacts& facts) {
+ClassMass kind_mass(const ObjectClass& kind, const ObjectFacts& facts) {
   const LogNormal usual = usual_mass(kind, facts);
   const Physics physics = physics_mass(kind, facts);
-  KindMass result;
+  ClassMass result;
   if (facts.solid) {
     result.mass = physics.mass;  // told as what takes up room: nothing is hidden
   } else {
@@ -158,15 +158,15 @@ KindMass kind_mass(const Kind& kind, const ObjectFacts& facts) {
   return result;
 }
 
-MassEstimate mass_of_kinds(const Kinds& kinds, const ObjectFacts& facts) {
+MassEstimate mass_of_classes(const ObjectClasses& kinds, const ObjectFacts& facts) {
   std::vector<WeightedLogNormal> mixture;
-  for (const Kind& kind : kinds.kinds) mixture.push_back({kind.probability, kind_mass(kind, facts).mass});
+  for (const ObjectClass& kind : kinds.kinds) mixture.push_back({kind.probability, kind_mass(kind, facts).mass});
   const auto kilograms = [](double ln) { return std::clamp(std::exp(ln), kMassRange_kg.low, kMassRange_kg.high); };
   MassEstimate estimate;
   estimate.mass_kg = {kilograms(mixture_quantile_ln(mixture, 0.05)), kilograms(mixture_mean_ln(mixture)),
                       kilograms(mixture_quantile_ln(mixture, 0.95))};
-  const Kind& first = kinds.kinds.front();
-  const KindMass mass = kind_mass(first, facts);
+  const ObjectClass& first = kinds.kinds.front();
+  const ClassMass mass = kind_mass(first, facts);
   if (facts.solid) {
     estimate.reason = factors_of(mass);
   } else if (kinds.match.row) {
@@ -182,7 +182,7 @@ MassEstimate mass_of_kinds(const Kinds& kinds, const ObjectFacts& facts) {
   }
   const size_t others = kinds.match.row ? 2 : 3;
   for (size_t i = kinds.match.row ? 1 : 0; i < std::min(others + 1, kinds.kinds.size()); ++i) {
-    const Kind& kind = kinds.kinds[i];
+    const ObjectClass& kind = kinds.kinds[i];
     if (kind.probability < 0.02) break;
     const std::string other =
         reasons().say("reason_other", {{"kind", kind.row->label},

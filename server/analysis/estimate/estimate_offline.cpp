@@ -11,7 +11,7 @@
 #include "core/format_text.h"
 
 // Label first, then geometry, then colour: a name with written priors halves the error that geometry alone
-// leaves, and hollowness matters more than density. object_kinds and kind_mass are in that order; each value
+// leaves, and hollowness matters more than density. object_classes and kind_mass are in that order; each value
 // says why.
 
 namespace livegs {
@@ -34,14 +34,14 @@ Span3 around(double best, double spread, double low, double high) {
 
 // What the object is taken for, and why.
 struct Guess {
-  Kind kind;
+  ObjectClass kind;
   const MaterialRow* material = nullptr;
   Span3 wall_m;
   double confidence = 0;
   std::string reason;
 };
 
-Guess guess_by_name(const Kinds& kinds, const ObjectFacts& facts) {
+Guess guess_by_name(const ObjectClasses& kinds, const ObjectFacts& facts) {
   Guess guess;
   guess.kind = kinds.kinds.front();
   const std::string& label = guess.kind.row->label;
@@ -65,13 +65,13 @@ Guess guess_by_name(const Kinds& kinds, const ObjectFacts& facts) {
 }
 
 // The material that the likely kinds share, and the likeliest of them.
-Guess guess_by_looks(const Kinds& kinds, const ObjectFacts& facts) {
+Guess guess_by_looks(const ObjectClasses& kinds, const ObjectFacts& facts) {
   Guess guess;
   double best = -1;
-  for (const Kind& kind : kinds.kinds) {
+  for (const ObjectClass& kind : kinds.kinds) {
     const std::string& material = kind.material ? kind.material->name : kind.row->material;
     double together = 0;
-    for (const Kind& other : kinds.kinds) {
+    for (const ObjectClass& other : kinds.kinds) {
       if ((other.material ? other.material->name : other.row->material) == material)
         together += other.probability;
     }
@@ -97,7 +97,7 @@ Guess guess_by_looks(const Kinds& kinds, const ObjectFacts& facts) {
 }
 
 // What it is made of, where that is more than one thing: the shares are of its mass.
-void set_parts(const Kind& kind, v1::PhysicalParameters& answer) {
+void set_parts(const ObjectClass& kind, v1::PhysicalParameters& answer) {
   for (const ObjectPart& part : kind.row->parts) {
     add_material_part(answer, part.name, part.material, part.mass_share);
   }
@@ -107,7 +107,7 @@ void set_parts(const Kind& kind, v1::PhysicalParameters& answer) {
 
 v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
   v1::PhysicalParameters answer;
-  const Kinds kinds = object_kinds(facts);
+  const ObjectClasses kinds = object_classes(facts);
   const bool by_name = kinds.match.row && kinds.match.tail != NameMatch::Tail::AnotherThing;
   const Guess guess = by_name ? guess_by_name(kinds, facts) : guess_by_looks(kinds, facts);
   const ObjectRow& row = *guess.kind.row;
@@ -140,7 +140,7 @@ v1::PhysicalParameters estimate_offline(const ObjectFacts& facts) {
       wall_m.best > 0 ? format_text("%s; the mesh's mean wall is %.3g mm",
                                     by_name ? "usual for its kind" : "a guess", facts.mesh.mean_wall_m * 1e3)
                       : "not a shell");
-  const MassEstimate mass = mass_of_kinds(kinds, facts);
+  const MassEstimate mass = mass_of_classes(kinds, facts);
   set(*answer.mutable_mass_kg(), mass.mass_kg, mass.reason);
   const std::string of_material = format_text("%s; %s", material.name.c_str(), guess.reason.c_str());
   set(*answer.mutable_youngs_modulus_pa(), material.youngs_modulus_pa, of_material);

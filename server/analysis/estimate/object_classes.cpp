@@ -12,16 +12,16 @@ constexpr double kToldMaterial = 30;
 // How far size and shape may move the probabilities that a name gives.
 constexpr double kMostDoubt = 50;
 
-bool told(const Kinds& found, const ObjectRow& row) {
+bool told(const ObjectClasses& found, const ObjectRow& row) {
   return material_row(row.material).material_class == found.material.row->material_class;
 }
 
-void normalise(std::vector<Kind>& kinds) {
+void normalise(std::vector<ObjectClass>& kinds) {
   double sum = 0;
-  for (const Kind& kind : kinds) sum += kind.probability;
-  for (Kind& kind : kinds) kind.probability = sum > 0 ? kind.probability / sum : 1.0 / kinds.size();
+  for (const ObjectClass& kind : kinds) sum += kind.probability;
+  for (ObjectClass& kind : kinds) kind.probability = sum > 0 ? kind.probability / sum : 1.0 / kinds.size();
   std::stable_sort(kinds.begin(), kinds.end(),
-                   [](const Kind& a, const Kind& b) { return a.probability > b.probability; });
+                   [](const ObjectClass& a, const ObjectClass& b) { return a.probability > b.probability; });
 }
 
 // A fake of something else: "toy hammer", "artificial lemon".
@@ -43,7 +43,7 @@ std::string without(std::string words, const std::string& alias) {
   return at == std::string::npos ? words : words.erase(at, alias.size());
 }
 
-void kinds_by_name(const ObjectFacts& facts, Kinds& found) {
+void kinds_by_name(const ObjectFacts& facts, ObjectClasses& found) {
   const ObjectRow& row = *found.match.row;
   const std::string rest_of_name = without(normalised_name(facts.name), found.match.alias);
   found.material = match_material(rest_of_name);
@@ -59,8 +59,8 @@ void kinds_by_name(const ObjectFacts& facts, Kinds& found) {
   }
   if (found.material.row && row.fill != v1::Physics::FILLED) {
     const bool any = std::any_of(found.kinds.begin(), found.kinds.end(),
-                                 [&](const Kind& kind) { return told(found, *kind.row); });
-    for (Kind& kind : found.kinds) {
+                                 [&](const ObjectClass& kind) { return told(found, *kind.row); });
+    for (ObjectClass& kind : found.kinds) {
       if (any && told(found, *kind.row)) kind.probability *= kToldMaterial;
       // "wooden" beside something that is of wood anyway adds nothing to what its kind says; "oak" does.
       const bool differs =
@@ -75,7 +75,7 @@ void kinds_by_name(const ObjectFacts& facts, Kinds& found) {
   // The first thing a name means may have any size; what else it may mean has to fit.
   double most = 0;
   std::vector<double> fits;
-  for (const Kind& kind : found.kinds) {
+  for (const ObjectClass& kind : found.kinds) {
     // A replica has the size and shape of what it stands for.
     fits.push_back(kind_likelihood(kind.row->category == "replica" ? row : *kind.row, facts));
     most = std::max(most, fits.back());
@@ -100,7 +100,7 @@ double commonness(const ObjectRow& row) {
   return 1;
 }
 
-void kinds_by_looks(const ObjectFacts& facts, Kinds& found) {
+void kinds_by_looks(const ObjectFacts& facts, ObjectClasses& found) {
   for (const ObjectRow& row : object_table()) {
     double weight = commonness(row) * kind_likelihood(row, facts);
     if (found.material.row && told(found, row)) weight *= kToldMaterial;
@@ -114,7 +114,7 @@ void kinds_by_looks(const ObjectFacts& facts, Kinds& found) {
   found.kinds.resize(kept);
   normalise(found.kinds);
   if (!found.material.row || !found.material.outright) return;
-  for (Kind& kind : found.kinds) {
+  for (ObjectClass& kind : found.kinds) {
     if (told(found, *kind.row) && kind.row->material != found.material.row->name)
       kind.material = found.material.row;
   }
@@ -122,8 +122,8 @@ void kinds_by_looks(const ObjectFacts& facts, Kinds& found) {
 
 }  // namespace
 
-Kinds object_kinds(const ObjectFacts& facts) {
-  Kinds found;
+ObjectClasses object_classes(const ObjectFacts& facts) {
+  ObjectClasses found;
   found.match = match_name(facts.name);
   found.material = match_material(facts.name);
   if (!found.match.row) {
@@ -133,11 +133,11 @@ Kinds object_kinds(const ObjectFacts& facts) {
   kinds_by_name(facts, found);
   if (found.match.tail == NameMatch::Tail::Nothing) return found;
   const double believed = found.match.tail == NameMatch::Tail::Unknown ? kTailUnknown : kTailOther;
-  Kinds by_looks;
+  ObjectClasses by_looks;
   by_looks.material = found.material;
   kinds_by_looks(facts, by_looks);
-  for (Kind& kind : found.kinds) kind.probability *= believed;
-  for (Kind& kind : by_looks.kinds) {
+  for (ObjectClass& kind : found.kinds) kind.probability *= believed;
+  for (ObjectClass& kind : by_looks.kinds) {
     kind.probability *= 1 - believed;
     found.kinds.push_back(kind);
   }

@@ -14,20 +14,20 @@
 
 namespace livegs {
 
-struct Kind {
+struct ObjectClass {
   const ObjectRow* row = nullptr;
   double probability = 0;
   const MaterialRow* material = nullptr;  // told outright by the name and not the row's own; null otherwise
 };
 
-struct Kinds {
-  std::vector<Kind> kinds;  // most probable first, of equal ones the table's first; probabilities sum to 1
+struct ObjectClasses {
+  std::vector<ObjectClass> kinds;  // most probable first, of equal ones the table's first; probabilities sum to 1
   NameMatch match;          // of the name; its row is null when the name says nothing
   MaterialMatch material;   // that the name tells
 };
 
 // Never empty. Pure.
-Kinds object_kinds(const ObjectFacts& facts);
+ObjectClasses object_classes(const ObjectFacts& facts);
 
 // How well the facts fit a kind: a density over sizes and proportions, times factors for openness, wall, how
 // much of its box is filled, and, as a tie-break, how its class of materials looks. Comparable between rows

@@ -44,7 +44,7 @@ bool means(const ObjectRow& name, const ObjectRow& thing) {
 }
 
 // Empty where the object is not known by a name. The scale is left out of it: it moves the mass, not the material.
-std::vector<KnownKind> known_kinds(const Kinds& found, const ObjectFacts& facts,
+std::vector<KnownKind> known_kinds(const ObjectClasses& found, const ObjectFacts& facts,
                                    const v1::PhysicalParameters& offline) {
   const bool named = found.match.row && found.match.tail == NameMatch::Tail::Nothing;
   const double least_confidence = (facts.scale_known ? 1 : kGuessedScaleTrust) * kMaterialNamedConfidence;
@@ -57,15 +57,15 @@ std::vector<KnownKind> known_kinds(const Kinds& found, const ObjectFacts& facts,
   if (own.stiffness_pa.best > 0 && !own.classes.empty()) known.push_back(std::move(own));
   if (!found.match.row || found.match.tail == NameMatch::Tail::AnotherThing) return known;
 
-  const auto material_of = [](const Kind& kind) -> const MaterialRow& {
+  const auto material_of = [](const ObjectClass& kind) -> const MaterialRow& {
     return kind.material ? *kind.material : material_row(kind.row->material);
   };
   // A "wooden bowl" means none of steel, where it means any of wood.
-  const auto told = [&](const Kind& kind) {
+  const auto told = [&](const ObjectClass& kind) {
     return found.material.row && material_of(kind).material_class == found.material.row->material_class;
   };
   const bool any_told = std::any_of(found.kinds.begin(), found.kinds.end(), told);
-  for (const Kind& kind : found.kinds) {
+  for (const ObjectClass& kind : found.kinds) {
     if (found.kinds.size() > 1 && !means(*found.match.row, *kind.row)) continue;  // by its looks
     if (any_told && !told(kind)) continue;
     KnownKind one;
@@ -79,7 +79,7 @@ std::vector<KnownKind> known_kinds(const Kinds& found, const ObjectFacts& facts,
 
 // Whether what it is made of is what one of the kinds may be of. What is put together may be of anything; and that a thing
 // is of another hard or of another soft material than its name says is the model's to see, where it agrees on the thing.
-bool material_fits(const Answer& answer, const Kinds& found, const std::vector<KnownKind>& known) {
+bool material_fits(const Answer& answer, const ObjectClasses& found, const std::vector<KnownKind>& known) {
   const auto fits = [&](const std::string& material_class, bool agreed) {
     for (const KnownKind& kind : known) {
       for (const std::string& one : kind.classes) {
@@ -173,7 +173,7 @@ std::string far_from_prior(const Answer& answer, const ObjectFacts& facts, const
     if (auto why = mass_at_odds(answer, facts); !why.empty()) return why;
   }
   if (auto why = rigid_at_odds(answer, proposal); !why.empty()) return why;
-  const Kinds found = object_kinds(facts);
+  const ObjectClasses found = object_classes(facts);
   const std::vector<KnownKind> known = known_kinds(found, facts, offline);
   if (known.empty()) return "";
   if (auto why = behaviour_far(proposal, offline, known); !why.empty()) return why;

@@ -98,14 +98,14 @@ std::string material_line(const MaterialRow& row, Words words) {
 }
 
 // The materials of the likely kinds, likeliest first, of their parts, and then what is most like the first of them.
-std::string materials_text(const Kinds& kinds, Words words) {
+std::string materials_text(const ObjectClasses& kinds, Words words) {
   std::vector<const MaterialRow*> nearest;
   const auto add = [&](const MaterialRow* material) {
     if (nearest.size() < kNearestMaterials && std::find(nearest.begin(), nearest.end(), material) == nearest.end())
       nearest.push_back(material);
   };
-  for (const Kind& kind : kinds.kinds) add(kind.material ? kind.material : &material_row(kind.row->material));
-  for (const Kind& kind : kinds.kinds) {
+  for (const ObjectClass& kind : kinds.kinds) add(kind.material ? kind.material : &material_row(kind.row->material));
+  for (const ObjectClass& kind : kinds.kinds) {
     for (const ObjectPart& part : kind.row->parts) add(find_material_row(part.material));
   }
   for (const MaterialRow* material : similar_materials(*nearest.front(), kNearestMaterials)) add(material);
@@ -146,7 +146,7 @@ std::map<std::string, std::string> fact_slots(const ObjectFacts& facts, const v1
   slots["mesh"] = mesh_text(facts.mesh, words);
   if (facts.appearance.mean_opacity > 0) slots["looks"] = looks_text(facts.appearance, words);
   if (!neighbours.empty()) slots["neighbours"] = neighbours_text(neighbours, words);
-  slots["materials"] = materials_text(object_kinds(facts), words);
+  slots["materials"] = materials_text(object_classes(facts), words);
   slots["offline"] = offline_text(offline, words);
   if (std::string told = told_text(offline, words); !told.empty()) slots["told"] = std::move(told);
   return slots;

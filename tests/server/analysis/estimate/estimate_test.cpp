@@ -130,7 +130,7 @@ TEST(KindLikelihood, LooksMakeKindsOfTheirMaterialsLikelier) {
   facts.appearance = looks[0].look;
   const auto share_of = [&](const char* of) {
     double share = 0;
-    for (const Kind& kind : object_kinds(facts).kinds) {
+    for (const ObjectClass& kind : object_classes(facts).kinds) {
       if (material_row(kind.row->material).material_class == of) share += kind.probability;
     }
     return share;
