@@ -51,9 +51,9 @@ struct RawAnswer {
 // One conversation about one object, by one thread at a time. Calls block; a requested stop ends them within
 // milliseconds with ErrorCode::Unavailable and a message that begins "cancelled". Errors are one line with a
 // remedy.
-class Exchange {
+class Conversation {
  public:
-  virtual ~Exchange() = default;
+  virtual ~Conversation() = default;
   virtual Result<RawAnswer> ask(const AnalysisQuestion& question, std::stop_token stop) = 0;
   // The same conversation goes on: what the validator found wrong with the last answer, and a new one.
   // Precondition: ask() gave an answer.
@@ -76,7 +76,7 @@ class ModelEndpoint {
  public:
   virtual ~ModelEndpoint() = default;
   // Never blocks, never fails: what is wrong with the endpoint is told by ask().
-  virtual std::unique_ptr<Exchange> start(ToolBox tools) = 0;
+  virtual std::unique_ptr<Conversation> start(ToolBox tools) = 0;
   // Finds out what a question's hash has to know, such as the model where none is named. Blocks for a moment; what
   // fails here is told by ask().
   virtual void get_ready(std::stop_token) {}

@@ -30,7 +30,7 @@ class RecordedEndpoint final : public ModelEndpoint {
         prompts_(std::move(prompts)),
         recorded_model_(std::move(recorded_model)) {}
 
-  std::unique_ptr<Exchange> start(ToolBox tools) override;
+  std::unique_ptr<Conversation> start(ToolBox tools) override;
   EndpointState state() const override {
     EndpointState state;
     if (live_) state = live_->state();
@@ -63,7 +63,7 @@ class RecordedEndpoint final : public ModelEndpoint {
   std::string recorded_model_;
 };
 
-class RecordedExchange final : public Exchange {
+class RecordedExchange final : public Conversation {
  public:
   RecordedExchange(RecordedEndpoint& endpoint, ToolBox tools)
       : endpoint_(endpoint), tools_(std::move(tools)) {}
@@ -147,13 +147,13 @@ class RecordedExchange final : public Exchange {
 
   RecordedEndpoint& endpoint_;
   ToolBox tools_;
-  std::unique_ptr<Exchange> live_;
+  std::unique_ptr<Conversation> live_;
   AnalysisQuestion question_;
   std::string key_;
   RawAnswer last_;
 };
 
-std::unique_ptr<Exchange> RecordedEndpoint::start(ToolBox tools) {
+std::unique_ptr<Conversation> RecordedEndpoint::start(ToolBox tools) {
   return std::make_unique<RecordedExchange>(*this, std::move(tools));
 }
 

@@ -102,8 +102,8 @@ ChatEndpoint::ChatEndpoint(EndpointSettings settings, PromptSet prompts)
   if (!model_.empty() && quirks_.dialect != Dialect::Unknown) known_ = true;
 }
 
-std::unique_ptr<Exchange> ChatEndpoint::start(ToolBox tools) {
-  return std::make_unique<ChatExchange>(*this, std::move(tools));
+std::unique_ptr<Conversation> ChatEndpoint::start(ToolBox tools) {
+  return std::make_unique<ChatConversation>(*this, std::move(tools));
 }
 
 Result<void> ChatEndpoint::get_to_know(std::stop_token stop) {

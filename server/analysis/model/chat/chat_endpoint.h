@@ -18,7 +18,7 @@ class ChatEndpoint final : public ModelEndpoint {
  public:
   ChatEndpoint(EndpointSettings settings, PromptSet prompts);
 
-  std::unique_ptr<Exchange> start(ToolBox tools) override;
+  std::unique_ptr<Conversation> start(ToolBox tools) override;
   EndpointState state() const override;
   const MessageTemplates& words() const override { return prompts_.words(); }
   void get_ready(std::stop_token stop) override {

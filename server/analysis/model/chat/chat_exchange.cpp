@@ -24,10 +24,10 @@ Error cancelled() { return {ErrorCode::Unavailable, "cancelled"}; }
 
 }  // namespace
 
-ChatExchange::ChatExchange(ChatEndpoint& endpoint, ToolBox tools)
+ChatConversation::ChatConversation(ChatEndpoint& endpoint, ToolBox tools)
     : endpoint_(endpoint), tools_(std::move(tools)), transcript_(endpoint.settings().api_key) {}
 
-Result<RawAnswer> ChatExchange::ask(const AnalysisQuestion& question, std::stop_token stop) {
+Result<RawAnswer> ChatConversation::ask(const AnalysisQuestion& question, std::stop_token stop) {
   answer_ = {};
   repair_turn_.clear();
   if (auto known = endpoint_.get_to_know(stop); !known) {
@@ -39,7 +39,7 @@ Result<RawAnswer> ChatExchange::ask(const AnalysisQuestion& question, std::stop_
   return converse(stop, endpoint_.settings().tools);
 }
 
-Result<RawAnswer> ChatExchange::repair(std::string_view validator_message, std::stop_token stop) {
+Result<RawAnswer> ChatConversation::repair(std::string_view validator_message, std::stop_token stop) {
   if (turns_.empty() || answer_.json.empty()) return invalid_argument("there is no answer to repair yet");
   turns_.push_back({"assistant", answer_.json, {}, {}, ""});
   repair_turn_ = endpoint_.prompts().repair(validator_message);
@@ -48,7 +48,7 @@ Result<RawAnswer> ChatExchange::repair(std::string_view validator_message, std::
 }
 
 // One ask or repair: a place in the queue, the tools, the answer, the sums.
-Result<RawAnswer> ChatExchange::converse(std::stop_token stop, bool with_tools) {
+Result<RawAnswer> ChatConversation::converse(std::stop_token stop, bool with_tools) {
   const ModelServer::Slot slot = endpoint_.server().take_slot(endpoint_.max_in_flight(), stop);
   if (!slot) return cancelled();
   const std::int64_t begin_ns = now_ns();
@@ -79,7 +79,7 @@ Result<RawAnswer> ChatExchange::converse(std::stop_token stop, bool with_tools) 
   return answer_;
 }
 
-void ChatExchange::begin_turns() {
+void ChatConversation::begin_turns() {
   turns_.clear();
   turns_.push_back({"system", endpoint_.prompts().system(quirks_.examples), {}, {}, ""});
   turns_.push_back({"user", opening_, images_, {}, ""});
@@ -87,7 +87,7 @@ void ChatExchange::begin_turns() {
 }
 
 // The last turn asks for the answer, in the words that the form needs.
-void ChatExchange::put_last_turn() {
+void ChatConversation::put_last_turn() {
   const std::string words = endpoint_.prompts().answer_turn(quirks_.form != AnswerForm::JsonSchema);
   if (!repair_turn_.empty()) {
     turns_.back().text = repair_turn_ + (quirks_.form == AnswerForm::JsonSchema ? "" : "\n" + words);
@@ -100,7 +100,7 @@ void ChatExchange::put_last_turn() {
   }
 }
 
-ServerAnswer ChatExchange::send(Phase phase, std::stop_token stop) {
+ServerAnswer ChatConversation::send(Phase phase, std::stop_token stop) {
   ChatRequest request;
   request.model = endpoint_.model();
   request.max_tokens =
@@ -151,7 +151,7 @@ ServerAnswer ChatExchange::send(Phase phase, std::stop_token stop) {
 }
 
 // A prompt that was cut has exactly as many tokens as the context, or has them together with its answer.
-void ChatExchange::note_truncation(const ChatReply& reply) {
+void ChatConversation::note_truncation(const ChatReply& reply) {
   if (quirks_.dialect != Dialect::Ollama && quirks_.dialect != Dialect::Unknown) return;
   const std::int64_t all = reply.prompt_tokens + reply.completion_tokens;
   const auto context = std::find_if(std::begin(kContexts), std::end(kContexts), [&](std::int64_t size) {
@@ -165,19 +165,19 @@ void ChatExchange::note_truncation(const ChatReply& reply) {
   quirks_.examples = 0;  // what can be spared, from the next object on
 }
 
-void ChatExchange::warn_of_no_search() {
+void ChatConversation::warn_of_no_search() {
   warn("--web-search: the server searches nothing for this model; its answers come without");
 }
 
 // Told in the answer and, the first time, in the log.
-void ChatExchange::warn(const std::string& warning) {
+void ChatConversation::warn(const std::string& warning) {
   if (std::find(answer_.warnings.begin(), answer_.warnings.end(), warning) != answer_.warnings.end()) return;
   answer_.warnings.push_back(warning);
   transcript_.note(warning);
   endpoint_.warn_once(warning);
 }
 
-void ChatExchange::search(std::map<std::string, std::string>& slots, std::stop_token stop) {
+void ChatConversation::search(std::map<std::string, std::string>& slots, std::stop_token stop) {
   turns_ = {{"user", endpoint_.prompts().search(slots), {}, {}, ""}};
   const ServerAnswer found = send(Phase::Search, stop);
   if (found.kind == Kind::Answered) slots["search"] = quoted_text(found.reply.content, kLongestSearch);
@@ -185,7 +185,7 @@ void ChatExchange::search(std::map<std::string, std::string>& slots, std::stop_t
   if (found.kind == Kind::Failed) warn("--web-search: " + transcript_.redact(found.error.message));
 }
 
-Result<Json> ChatExchange::run_tools(std::stop_token stop) {
+Result<Json> ChatConversation::run_tools(std::stop_token stop) {
   std::size_t calls_left = kMostToolCalls;
   turns_.back().text = opening_ + "\n" + endpoint_.prompts().tools_turn();
   for (int round = 0; round < kMostToolRounds && calls_left > 0;) {
@@ -222,7 +222,7 @@ Result<Json> ChatExchange::run_tools(std::stop_token stop) {
   return Json();
 }
 
-Result<Json> ChatExchange::run_answer(std::stop_token stop) {
+Result<Json> ChatConversation::run_answer(std::stop_token stop) {
   for (bool lengthened = false;;) {
     put_last_turn();
     const ServerAnswer said = send(Phase::Answer, stop);

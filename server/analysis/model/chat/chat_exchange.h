@@ -12,9 +12,9 @@ namespace livegs {
 // A conversation in two phases, never mixed in one request: first tools, while the model wants any and at
 // most a few times; then the answer alone, in as strict a form as the server has. A whole answer that is
 // given instead of a tool call is taken. What the server refuses is left out from then on.
-class ChatExchange final : public Exchange {
+class ChatConversation final : public Conversation {
  public:
-  ChatExchange(ChatEndpoint& endpoint, ToolBox tools);
+  ChatConversation(ChatEndpoint& endpoint, ToolBox tools);
   Result<RawAnswer> ask(const AnalysisQuestion& question, std::stop_token stop) override;
   Result<RawAnswer> repair(std::string_view validator_message, std::stop_token stop) override;
 

@@ -27,7 +27,7 @@ class FakeEndpoint final : public ModelEndpoint {
   bool names_its_model = true;    // before get_ready()
 
   void get_ready(std::stop_token) override { names_its_model = true; }
-  std::unique_ptr<Exchange> start(ToolBox tools) override {
+  std::unique_ptr<Conversation> start(ToolBox tools) override {
     return std::make_unique<Talk>(*this, std::move(tools));
   }
   EndpointState state() const override {
@@ -51,7 +51,7 @@ class FakeEndpoint final : public ModelEndpoint {
   }
 
  private:
-  class Talk final : public Exchange {
+  class Talk final : public Conversation {
    public:
     Talk(FakeEndpoint& fake, ToolBox tools) : fake_(fake), tools_(std::move(tools)) {}
     Result<RawAnswer> ask(const AnalysisQuestion& question, std::stop_token stop) override {
