@@ -36,7 +36,7 @@ struct Judgement {
 
 // Steps 5 to 7: units, physics, consistency. Mends and notes what it can; the error is one line for a repair
 // turn, of prompts/complaints.json.
-Result<Answer> examine_answer(Answer answer, const ObjectFacts& facts, const v1::PhysicalParameters& offline,
+Result<Answer> validate_answer(Answer answer, const ObjectFacts& facts, const v1::PhysicalParameters& offline,
                               const MessageTemplates& words = MessageTemplates::built_in());
 
 // Steps 8 and 9: prior and fusion by inverse variance in log space. `offline` is what the object has now.

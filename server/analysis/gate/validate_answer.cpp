@@ -166,7 +166,7 @@ std::optional<Error> make_consistent(Answer& answer, const MessageTemplates& wor
 
 }  // namespace
 
-Result<Answer> examine_answer(Answer answer, const ObjectFacts& facts,
+Result<Answer> validate_answer(Answer answer, const ObjectFacts& facts,
                               const v1::PhysicalParameters& offline, const MessageTemplates& words) {
   mend_units(answer, facts, offline);
   if (auto wrong = check_physics(answer, facts, words)) return *wrong;

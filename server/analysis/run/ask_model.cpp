@@ -66,7 +66,7 @@ void add_to(v1::AnalysisRecord& record, const RawAnswer& answer) {
 Result<Answer> read_and_examine(const std::string& json, const AnalysisTarget& target, const MessageTemplates& words) {
   auto answer = read_answer(json, words);
   if (!answer) return answer.error();
-  return examine_answer(std::move(*answer), *target.facts, target.offline, words);
+  return validate_answer(std::move(*answer), *target.facts, target.offline, words);
 }
 
 }  // namespace

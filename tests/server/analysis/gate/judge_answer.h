@@ -14,7 +14,7 @@ namespace livegs {
 inline Judgement judge_answer(std::string_view raw, const ObjectFacts& facts,
                               const v1::PhysicalParameters& offline) {
   auto answer = read_answer(raw);
-  if (answer) answer = examine_answer(std::move(*answer), facts, offline);
+  if (answer) answer = validate_answer(std::move(*answer), facts, offline);
   if (answer) return weigh_answer(vote(std::span(&*answer, 1)), facts, offline);
   Judgement refused;
   refused.parameters = offline;
