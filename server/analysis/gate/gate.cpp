@@ -236,7 +236,7 @@ Judgement weigh_answer(const Answer& answer, const ObjectFacts& facts,
   judgement.changes = answer.changes;
   judgement.remarks = remarks_of(answer, facts);
   judgement.proposal = fused(answer, facts, offline, judgement.changes);
-  judgement.message = far_from_prior(answer, facts, offline, judgement.proposal);
+  judgement.message = check_prior(answer, facts, offline, judgement.proposal);
   judgement.verdict = judgement.message.empty() ? Verdict::Accepted : Verdict::NeedsReview;
   judgement.parameters = judgement.message.empty() ? judgement.proposal : offline;
   return judgement;

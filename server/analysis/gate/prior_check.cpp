@@ -161,7 +161,7 @@ std::string stiffness_far(const Answer& answer, const v1::PhysicalParameters& pr
 
 }  // namespace
 
-std::string far_from_prior(const Answer& answer, const ObjectFacts& facts, const v1::PhysicalParameters& offline,
+std::string check_prior(const Answer& answer, const ObjectFacts& facts, const v1::PhysicalParameters& offline,
                            const v1::PhysicalParameters& proposal) {
   const EstimatedValue& mass = offline.mass_kg();
   if (!is_locked(mass)) {

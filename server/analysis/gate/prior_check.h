@@ -13,7 +13,7 @@ namespace livegs {
 // Far from what was known, or at odds with itself in what it would install: why, one line; empty when it is neither.
 // E* = s E, behaviour and material are those of the proposal, so that a null in the answer hides nothing. They are held
 // against all that the name may mean, however uncertain the scale is; where no name is known, against nothing.
-std::string far_from_prior(const Answer& answer, const ObjectFacts& facts, const v1::PhysicalParameters& offline,
+std::string check_prior(const Answer& answer, const ObjectFacts& facts, const v1::PhysicalParameters& offline,
                            const v1::PhysicalParameters& proposal);
 
 }  // namespace livegs
