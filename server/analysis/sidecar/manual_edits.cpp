@@ -115,7 +115,7 @@ Result<bool> take_manual_edits(v1::PhysicsFile& file) {
   return any;
 }
 
-std::string unheard_edits(const Physics& edits, const Physics& written) {
+std::string overridden_edits(const Physics& edits, const Physics& written) {
   const auto told = [](const Physics& physics) {
     std::vector<const google::protobuf::FieldDescriptor*> fields;
     physics.GetReflection()->ListFields(physics, &fields);  // by number

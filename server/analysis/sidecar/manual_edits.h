@@ -19,7 +19,7 @@ Result<bool> take_manual_edits(v1::PhysicsFile& file);
 
 // What a person edited and the scene's author wrote too, whose words come first: one sentence that names these fields and
 // the remedy, empty where there are none.
-std::string unheard_edits(const v1::Physics& edits, const v1::Physics& written);
+std::string overridden_edits(const v1::Physics& edits, const v1::Physics& written);
 
 // A name as it is kept: without control characters, at most 80 characters.
 std::string physics_name(std::string_view name);

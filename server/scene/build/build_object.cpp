@@ -260,7 +260,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   }
   if (!form->surface_note.empty()) built.drawn.warnings.push_back(form->surface_note);
   if (!kept_note.empty()) built.drawn.warnings.push_back(kept_note);
-  if (const std::string unheard = unheard_edits(kept.edits(), object.physics()); !unheard.empty()) {
+  if (const std::string unheard = overridden_edits(kept.edits(), object.physics()); !unheard.empty()) {
     built.drawn.warnings.push_back(kept_in.string() + ": " + unheard);
   }
   Material material = to_material(*parameters);

@@ -86,7 +86,7 @@ Result<SceneAnalysis> SceneAnalysis::of(const Scene& scene, bool with_kernels) {
       if (!kept) return kept.error();
       file = std::move(*kept);
     }
-    auto told = told_physics(file, object.written, *object.facts);
+    auto told = offline_physics(file, object.written, *object.facts);
     if (!told) return Error{told.error().code, object.name + ": " + told.error().message};
     known.target.offline = std::move(*told);
     *known.target.offline.mutable_longest_side_m() = object.physics.longest_side_m();
@@ -151,7 +151,7 @@ Result<v1::PhysicalParameters> layered_physics(const v1::PhysicsFile& file, cons
   return merge_scene_physics(*kept, written, facts);
 }
 
-Result<v1::PhysicalParameters> told_physics(const v1::PhysicsFile& file, const v1::Physics& written,
+Result<v1::PhysicalParameters> offline_physics(const v1::PhysicsFile& file, const v1::Physics& written,
                                             const ObjectFacts& facts) {
   v1::PhysicsFile edits;
   *edits.mutable_edits() = file.edits();

@@ -52,7 +52,7 @@ Result<v1::PhysicalParameters> layered_physics(const v1::PhysicsFile& file, cons
                                                const ObjectFacts& facts, std::string& note);
 // The same without the answer that the sidecar holds: what a new answer is weighed against (AnalysisTarget::offline), so
 // that an object which is analysed twice comes out as if it were the first time.
-Result<v1::PhysicalParameters> told_physics(const v1::PhysicsFile& file, const v1::Physics& written,
+Result<v1::PhysicalParameters> offline_physics(const v1::PhysicsFile& file, const v1::Physics& written,
                                             const ObjectFacts& facts);
 
 }  // namespace livegs

@@ -226,7 +226,7 @@ std::vector<AnalysisNeighbour> AnalysisController::refresh(std::vector<AnalysisT
       others.push_back({facts, now ? *now : object.known, object.target.position_m});
     } else if (kept) {
       asked->facts = facts;
-      auto told = told_physics(*kept, object.written, *facts);
+      auto told = offline_physics(*kept, object.written, *facts);
       if (!told) continue;
       *told->mutable_longest_side_m() = object.target.offline.longest_side_m();
       asked->offline = std::move(*told);
@@ -352,7 +352,7 @@ Result<v1::PhysicsReply> AnalysisController::set_physics(const std::string& obje
   if (!name.empty() && file->has_physics()) {
     note += (note.empty() ? "" : "; ") + std::string("its values were found under another name; analyse it again");
   }
-  const std::string unheard = unheard_edits(physics, loaded(**known).written);
+  const std::string unheard = overridden_edits(physics, loaded(**known).written);
   if (!unheard.empty()) note += (note.empty() ? "" : "; ") + unheard;
   return apply(**known, *file, note);
 }
