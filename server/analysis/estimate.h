@@ -53,7 +53,7 @@ v1::PhysicalParameters estimate_offline(const ObjectFacts& facts);
 Result<void> check_scene_physics(const v1::Physics& written);
 // What the author gave that is possible, but far from what the object was taken for or from any material: a pillow of
 // 2 GPa. It is used all the same; each line names the field and the range.
-std::vector<std::string> doubtful_physics(const v1::PhysicalParameters& estimated, const v1::Physics& written,
+std::vector<std::string> implausible_physics(const v1::PhysicalParameters& estimated, const v1::Physics& written,
                                           const v1::PhysicalParameters& merged, const ObjectFacts& facts);
 
 // What a scene's author wrote wins over what was estimated, value by value (source SCENE), and what depends

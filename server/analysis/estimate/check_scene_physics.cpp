@@ -84,7 +84,7 @@ Result<void> check_scene_physics(const Physics& written) {
   return {};
 }
 
-std::vector<std::string> doubtful_physics(const v1::PhysicalParameters& estimated, const Physics& written,
+std::vector<std::string> implausible_physics(const v1::PhysicalParameters& estimated, const Physics& written,
                                           const v1::PhysicalParameters& merged, const ObjectFacts& facts) {
   std::vector<std::string> doubts;
   const auto far_from = [](double value, double low, double high) {

@@ -255,7 +255,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
   side.set_reason(form->scale_reason);
 
   BuiltObject built;
-  for (const std::string& doubt : doubtful_physics(estimated, object.physics(), *parameters, facts)) {
+  for (const std::string& doubt : implausible_physics(estimated, object.physics(), *parameters, facts)) {
     built.drawn.warnings.push_back("physics." + doubt);
   }
   if (!form->surface_note.empty()) built.drawn.warnings.push_back(form->surface_note);

@@ -106,7 +106,7 @@ std::unique_ptr<Conversation> ChatEndpoint::start(ToolBox tools) {
   return std::make_unique<ChatConversation>(*this, std::move(tools));
 }
 
-Result<void> ChatEndpoint::get_to_know(std::stop_token stop) {
+Result<void> ChatEndpoint::identify_server(std::stop_token stop) {
   std::lock_guard one(probing_);
   {
     std::lock_guard lock(mutex_);

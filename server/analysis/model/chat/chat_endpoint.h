@@ -22,12 +22,12 @@ class ChatEndpoint final : public ModelEndpoint {
   EndpointState state() const override;
   const MessageTemplates& words() const override { return prompts_.words(); }
   void get_ready(std::stop_token stop) override {
-    if (model().empty()) (void)get_to_know(stop);
+    if (model().empty()) (void)identify_server(stop);
   }
 
   // Finds out once who the server is and what its model is called; at most probe_timeout_s. Fails without a
   // model.
-  Result<void> get_to_know(std::stop_token stop);
+  Result<void> identify_server(std::stop_token stop);
 
   const EndpointSettings& settings() const { return settings_; }
   const PromptSet& prompts() const { return prompts_; }

@@ -30,7 +30,7 @@ ChatConversation::ChatConversation(ChatEndpoint& endpoint, ToolBox tools)
 Result<RawAnswer> ChatConversation::ask(const AnalysisQuestion& question, std::stop_token stop) {
   answer_ = {};
   repair_turn_.clear();
-  if (auto known = endpoint_.get_to_know(stop); !known) {
+  if (auto known = endpoint_.identify_server(stop); !known) {
     return stop.stop_requested() ? cancelled() : known.error();
   }
   slots_ = complete_slots(question, tools_);
@@ -58,7 +58,7 @@ Result<RawAnswer> ChatConversation::converse(std::stop_token stop, bool with_too
   max_tokens_ = endpoint_.settings().max_answer_tokens;
   Result<Json> found = Json();
   if (repair_turn_.empty()) {
-    if (endpoint_.settings().web_search && !quirks_.web_search) warn_of_no_search();
+    if (endpoint_.settings().web_search && !quirks_.web_search) warn_search_unsupported();
     if (endpoint_.settings().web_search && quirks_.web_search) search(slots_, stop);
     opening_ = endpoint_.prompts().user(slots_);
     begin_turns();
@@ -114,7 +114,7 @@ ServerAnswer ChatConversation::send(Phase phase, std::stop_token stop) {
                       : phase == Phase::Tools ? "tools"
                                               : "answer",
                       chat_request_body(request, turns_, quirks_, true));
-  const auto give_up_part = [&](const ServerError& refusal, bool named_only) {
+  const auto drop_request_part = [&](const ServerError& refusal, bool named_only) {
     if (++refusals_ > kMostRefusals) return false;
     const bool tool_turns =
         phase == Phase::Answer && repair_turn_.empty() && turns_.size() > opening_turns_ + 1;
@@ -127,12 +127,12 @@ ServerAnswer ChatConversation::send(Phase phase, std::stop_token stop) {
       taken = learn_from_refusal(quirks_, refusal, features, named_only);
     }
     if (taken.empty()) return false;
-    if (features.web_search && !quirks_.web_search) warn_of_no_search();
+    if (features.web_search && !quirks_.web_search) warn_search_unsupported();
     transcript_.note("the server refused; left out from now on: " + taken);
     return true;
   };
   ServerAnswer answer = endpoint_.server().chat(chat_request_body(request, turns_, quirks_), features.stream,
-                                                deadline_ns_, stop, give_up_part, transcript_);
+                                                deadline_ns_, stop, drop_request_part, transcript_);
   if (answer.kind != Kind::Answered) return answer;
   const ChatReply& reply = answer.reply;
   const EndpointSettings& settings = endpoint_.settings();
@@ -165,7 +165,7 @@ void ChatConversation::note_truncation(const ChatReply& reply) {
   quirks_.examples = 0;  // what can be spared, from the next object on
 }
 
-void ChatConversation::warn_of_no_search() {
+void ChatConversation::warn_search_unsupported() {
   warn("--web-search: the server searches nothing for this model; its answers come without");
 }
 

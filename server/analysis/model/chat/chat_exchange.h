@@ -28,7 +28,7 @@ class ChatConversation final : public Conversation {
   void begin_turns();
   void put_last_turn();
   void note_truncation(const ChatReply& reply);
-  void warn_of_no_search();
+  void warn_search_unsupported();
   void warn(const std::string& warning);
 
   ChatEndpoint& endpoint_;

@@ -258,7 +258,7 @@ HttpReply ModelServer::send_chat(const std::string& body, bool event_stream, std
   return client_.send(request, stop);
 }
 
-void ModelServer::tell_breaker(const Verdict& verdict) {
+void ModelServer::update_breaker(const Verdict& verdict) {
   std::lock_guard lock(mutex_);
   if (verdict.answer.kind == Kind::Cancelled) {
     breaker_.give_up_probe();
@@ -272,7 +272,7 @@ void ModelServer::tell_breaker(const Verdict& verdict) {
 }
 
 ServerAnswer ModelServer::chat(const std::string& body, bool event_stream, std::int64_t deadline_ns,
-                               std::stop_token stop, const GiveUpPart& give_up_part, Transcript& transcript) {
+                               std::stop_token stop, const DropRequestPart& drop_request_part, Transcript& transcript) {
   const auto cancelled = [&] {
     std::lock_guard lock(mutex_);
     breaker_.give_up_probe();
@@ -298,12 +298,12 @@ ServerAnswer ModelServer::chat(const std::string& body, bool event_stream, std::
     const HttpReply http = send_chat(body, event_stream, deadline_ns, stop);
     Verdict verdict = judge(http);
     transcript.reply(http.status, http.end == HttpReply::End::Complete ? http.body : http.message);
-    if (verdict.refused && give_up_part(verdict.refusal, verdict.named_only)) {
+    if (verdict.refused && drop_request_part(verdict.refusal, verdict.named_only)) {
       verdict.server = Verdict::Server::Up;
       verdict.answer.kind = Kind::Refused;
       verdict.repeat = false;
     }
-    tell_breaker(verdict);
+    update_breaker(verdict);
     ServerAnswer& answer = verdict.answer;
     if (!verdict.repeat || (!verdict.loading && attempt >= settings_.max_retries)) return std::move(answer);
     const double cap_s =

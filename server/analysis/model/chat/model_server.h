@@ -60,11 +60,11 @@ class ModelServer {
 
   // Whether a part of the request is given up after this refusal; with `named_only`, none that it does not
   // name.
-  using GiveUpPart = std::function<bool(const ServerError& refusal, bool named_only)>;
+  using DropRequestPart = std::function<bool(const ServerError& refusal, bool named_only)>;
 
   // POST /chat/completions with repeats until `deadline_ns` of now_ns().
   ServerAnswer chat(const std::string& body, bool event_stream, std::int64_t deadline_ns,
-                    std::stop_token stop, const GiveUpPart& give_up_part, Transcript& transcript);
+                    std::stop_token stop, const DropRequestPart& drop_request_part, Transcript& transcript);
 
   int in_flight() const;
   bool breaker_open(std::string& reason) const;
@@ -74,7 +74,7 @@ class ModelServer {
   Verdict judge(const HttpReply& http) const;
   HttpReply send_chat(const std::string& body, bool event_stream, std::int64_t deadline_ns,
                       std::stop_token stop);
-  void tell_breaker(const Verdict& verdict);
+  void update_breaker(const Verdict& verdict);
   bool wait(double seconds, std::stop_token stop) const;
   double unit_random();
 
