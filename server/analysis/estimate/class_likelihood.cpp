@@ -96,7 +96,7 @@ Eigen::Vector3d sorted_box_m(const MeshFacts& mesh) {
   return box_m;
 }
 
-double least_drawn_wall_m(const MeshFacts& mesh) { return 0.03 * sorted_box_m(mesh).norm(); }
+double min_drawn_wall_m(const MeshFacts& mesh) { return 0.03 * sorted_box_m(mesh).norm(); }
 
 double kind_likelihood(const ObjectRow& row, const ObjectFacts& facts) {
   return size_fit(row, facts) * shape_fit(row, facts.mesh) *

@@ -97,7 +97,7 @@ Physics physics_mass(const ObjectClass& kind, const ObjectFacts& facts) {
   } else {
     const double volume_m3 = std::max(mesh.volume_m3, 1e-12);
     // What is thinner than the surface's radius is drawn thicker than it is.
-    const double resolved = mesh.mean_wall_m / least_drawn_wall_m(mesh);
+    const double resolved = mesh.mean_wall_m / min_drawn_wall_m(mesh);
     const double thin = std::clamp(1.5 - resolved, 0.0, 1.0);
     const double volume_sd = facts.solid ? 0.02 : kVolumeSd + (kThinVolumeSd - kVolumeSd) * thin;
     physics.mass = {

@@ -39,6 +39,6 @@ double kind_likelihood(const ObjectRow& row, const ObjectFacts& facts);
 Eigen::Vector3d sorted_box_m(const MeshFacts& mesh);
 // The thinnest mean wall, 2 V / A, that LIVE-GS's alpha shape draws of a thing of this size, whatever it really is: 0.03 of
 // the diagonal, its radius.
-double least_drawn_wall_m(const MeshFacts& mesh);
+double min_drawn_wall_m(const MeshFacts& mesh);
 
 }  // namespace livegs

@@ -42,7 +42,7 @@ bool comes_thin(const MaterialRow& material) {
   return !of_class(material, {"ceramic", "glass", "stone", "food", "stuffed", "assembly", "other"});
 }
 
-bool drawn_true(const MeshFacts& mesh) { return mesh.mean_wall_m >= kResolved * least_drawn_wall_m(mesh); }
+bool drawn_true(const MeshFacts& mesh) { return mesh.mean_wall_m >= kResolved * min_drawn_wall_m(mesh); }
 
 double box_area_m2(const MeshFacts& mesh) {
   const Eigen::Vector3d box_m = sorted_box_m(mesh);
@@ -74,7 +74,7 @@ double least_stuff_m3(const Answer& answer, const ObjectFacts& facts) {
 
 }  // namespace
 
-double least_mass_kg(const Answer& answer, const ObjectFacts& facts) {
+double min_mass_kg(const Answer& answer, const ObjectFacts& facts) {
   const double air_kg = kAir_kg_m3 * sorted_box_m(facts.mesh).prod();
   const bool thin = std::any_of(answer.parts.begin(), answer.parts.end(),
                                 [](const AnswerPart& part) { return comes_thin(*part.material); });

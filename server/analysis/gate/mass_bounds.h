@@ -14,7 +14,7 @@ namespace livegs {
 // The least that a thing of this size and stuff weighs, kilograms, for a metric scale: the air of its box; for what is blown,
 // rolled, spun or woven thin the thinnest film on every face that is seen, and nothing where its surface is drawn thicker than
 // it is. 0: nothing is known.
-double least_mass_kg(const Answer& answer, const ObjectFacts& facts);
+double min_mass_kg(const Answer& answer, const ObjectFacts& facts);
 
 // Whether the materials that it names take up more room than there is, or too little for what it says of the filling: why, one
 // line for a person; empty: neither.

@@ -107,7 +107,7 @@ std::optional<Error> check_physics(const Answer& answer, const ObjectFacts& fact
   const double slack = facts.scale_known ? 1.0 : kGuessedVolume;
   const double solid_m3 = std::max(facts.mesh.volume_m3, facts.mesh.hull_volume_m3);
   const double box_m3 = sorted_box_m(facts.mesh).prod();
-  const double most_kg = kDensest_kg_m3 * solid_m3 * slack, least_kg = least_mass_kg(answer, facts) / slack;
+  const double most_kg = kDensest_kg_m3 * solid_m3 * slack, least_kg = min_mass_kg(answer, facts) / slack;
   const std::string told = general(answer.mass_kg.best * 1e3);
   if (solid_m3 > 0 && answer.mass_kg.best > most_kg) {
     return invalid_data(words.say(

@@ -64,7 +64,7 @@ TEST(MassBounds, EveryRowOfTheTableGoesThrough) {
           for (const bool by_parts : {false, true}) {
             const Answer answer = answer_of(row, mass_kg, 1e3 * wall_m, by_parts);
             EXPECT_EQ(mass_at_odds(answer, facts), "") << row.label << " solidity " << facts.mesh.solidity << " area " << facts.mesh.area_m2;
-            EXPECT_LE(least_mass_kg(answer, facts), mass_kg) << row.label;
+            EXPECT_LE(min_mass_kg(answer, facts), mass_kg) << row.label;
             ++asked;
           }
         }
@@ -127,7 +127,7 @@ TEST(MassBounds, MostSlipsOfUnitsAreCaughtWithoutAName) {
         continue;
       }
       const Answer answer = answer_of(row, told_kg, 1e3 * row.wall_m.best, false);
-      if (!mass_at_odds(answer, facts).empty() || told_kg < least_mass_kg(answer, facts)) ++count.caught;
+      if (!mass_at_odds(answer, facts).empty() || told_kg < min_mass_kg(answer, facts)) ++count.caught;
     }
     std::printf("x%g: %d of %d solids, %d of %d walls\n", slip, solid.caught, solid.all, wall.caught, wall.all);
     EXPECT_GE(solid.caught, least_solid * solid.all);
@@ -162,7 +162,7 @@ TEST(MassBounds, NoTrueMassOfAKnownObjectIsHeldBack) {
             ASSERT_TRUE(read) << read.error().message;
             const std::string odds = mass_at_odds(*read, facts);
             EXPECT_EQ(odds, "") << object.id << " as \"" << name << '"';
-            EXPECT_LE(least_mass_kg(*read, facts), object.mass_kg) << object.id;
+            EXPECT_LE(min_mass_kg(*read, facts), object.mass_kg) << object.id;
             ++asked;
             held += !odds.empty();
             if (offline.wall_thickness_m().best() == 0) break;
