@@ -20,7 +20,7 @@
 namespace livegs {
 namespace {
 
-const Eigen::Vector3f kSceneryRgb(0.62f, 0.6f, 0.57f);
+const Eigen::Vector3f kEnvironmentRgb(0.62f, 0.6f, 0.57f);
 constexpr double kFloorMargin_m = 0.8;  // how far a drawn floor reaches beyond the objects
 // An object is in a thing if this part of its points is: one on a rough floor has some below.
 constexpr double kMostlyInside = 0.75;
@@ -190,9 +190,9 @@ GaussianAsset drawn_colliders(const std::vector<Collider>& colliders, const Eige
       const Eigen::Vector3d normal = pose.orientation * Eigen::Vector3d::UnitY();
       if (normal.y() > 0.999) append(all, tiled_floor(pose.position_m.y(), objects_m), Pose{});
     } else if (const auto* box = std::get_if<BoxShape>(&collider.shape)) {
-      append(all, mesh_asset(box_mesh(box->size_m), kSceneryRgb, 8000), pose);
+      append(all, mesh_asset(box_mesh(box->size_m), kEnvironmentRgb, 8000), pose);
     } else if (const auto* sphere = std::get_if<SphereShape>(&collider.shape)) {
-      append(all, mesh_asset(sphere_mesh(sphere->radius_m, 3), kSceneryRgb), pose);
+      append(all, mesh_asset(sphere_mesh(sphere->radius_m, 3), kEnvironmentRgb), pose);
     }
   }
   return all;
@@ -209,9 +209,9 @@ Eigen::AlignedBox3d built_bounds(std::span<const std::optional<Result<BuiltObjec
   return bounds;
 }
 
-Result<Scenery> make_scenery(const v1::Environment& environment, const std::filesystem::path& folder,
+Result<BuiltEnvironment> build_environment(const v1::Environment& environment, const std::filesystem::path& folder,
                              std::span<std::optional<Result<BuiltObject>>> built) {
-  Scenery scenery;
+  BuiltEnvironment scenery;
   const std::vector<Standing> standing = standing_objects(built);
   for (int i = 0; i < environment.colliders_size(); ++i) {
     auto collider =

@@ -18,7 +18,7 @@ namespace livegs {
 
 // What a scene stands in: colliders, and something to draw. An environment without an asset is drawn as its
 // colliders: a tiled floor for a level plane, boxes and spheres as they are.
-struct Scenery {
+struct BuiltEnvironment {
   std::vector<Collider> colliders;
   std::shared_ptr<const GaussianAsset> asset;  // null when there is nothing to draw
   Similarity object_from_asset;
@@ -27,7 +27,7 @@ struct Scenery {
 // A mesh that is not closed, and one that something stands in, is a wall about its surface; a captured room is open for what
 // stands in it (room_surface.h). An object that starts within what is solid all the same gets a warning. Precondition: all
 // objects could be built.
-Result<Scenery> make_scenery(const v1::Environment& environment, const std::filesystem::path& folder,
+Result<BuiltEnvironment> build_environment(const v1::Environment& environment, const std::filesystem::path& folder,
                              std::span<std::optional<Result<BuiltObject>>> built);
 
 // World bounds of all objects as they start.

@@ -145,7 +145,7 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
 
   share_elastic_budget(built, *settings);
   scene.bounds_m_ = built_bounds(built);
-  auto scenery = make_scenery(file.environment(), folder, built);
+  auto scenery = build_environment(file.environment(), folder, built);
   if (!scenery) return scenery.error();
   for (const Collider& collider : scenery->colliders) scene.world_->add_collider(collider);
   if (scenery->asset) {

@@ -53,13 +53,13 @@ void expect_all_rest_on_their_steps(const ScratchFolder& folder, const std::stri
   EXPECT_EQ(found, 6);
 }
 
-TEST(Scenery, ThingsRestOnAMesh) {
+TEST(BuiltEnvironment, ThingsRestOnAMesh) {
   const ScratchFolder folder;
   folder.write("stair.obj", kStair);
   expect_all_rest_on_their_steps(folder, R"({"colliders":[{"mesh":"stair.obj","friction":0.6}]})", 1e-3);
 }
 
-TEST(Scenery, ThingsRestOnACapturedBackground) {
+TEST(BuiltEnvironment, ThingsRestOnACapturedBackground) {
   const ScratchFolder folder;
   const auto stair = read_obj(folder.write("stair.obj", kStair));
   ASSERT_TRUE(stair) << stair.error().message;
@@ -69,7 +69,7 @@ TEST(Scenery, ThingsRestOnACapturedBackground) {
 }
 
 // It is drawn, and nothing more, unless it is told to collide.
-TEST(Scenery, ABackgroundThatDoesNotCollideHoldsNothing) {
+TEST(BuiltEnvironment, ABackgroundThatDoesNotCollideHoldsNothing) {
   const ScratchFolder folder;
   const auto stair = read_obj(folder.write("stair.obj", kStair));
   ASSERT_TRUE(stair) << stair.error().message;
@@ -82,7 +82,7 @@ TEST(Scenery, ABackgroundThatDoesNotCollideHoldsNothing) {
   }
 }
 
-TEST(Scenery, AMeshThatCannotBeReadIsNamed) {
+TEST(BuiltEnvironment, AMeshThatCannotBeReadIsNamed) {
   const ScratchFolder folder;
   folder.write("open.obj", "v 0 0 0\n");
   for (const char* name : {"open.obj", "none.obj"}) {
