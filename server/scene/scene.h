@@ -75,9 +75,9 @@ class Scene {
   void apply_force(const v1::Event::Force& force);
 
   // What an object is made of from the next tick on. It goes on as the kind of body it was built as: what of this holds
-  // only once the scene is loaded anew is told, a line each (hold_as_built).
+  // only once the scene is loaded anew is told, a line each (lock_body_type).
   Result<std::vector<std::string>> set_physics(uint32_t object_id, v1::PhysicalParameters physics);
-  BuiltAs built_as(const SceneObject& object) const;
+  BodyTypeLock body_type_lock(const SceneObject& object) const;
 
   // Pieces of these objects, in this order, before the next step; waits for those that are still being made.
   void take_cuts(std::span<const uint32_t> object_ids);

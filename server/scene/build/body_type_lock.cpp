@@ -5,7 +5,7 @@
 
 namespace livegs {
 
-std::vector<std::string> hold_as_built(const BuiltAs& built, v1::PhysicalParameters& physics) {
+std::vector<std::string> lock_body_type(const BodyTypeLock& built, v1::PhysicalParameters& physics) {
   std::vector<std::string> later;
   const auto never = unbreakable(physics);
   if (physics.behavior() != built.behavior) {

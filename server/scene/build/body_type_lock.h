@@ -9,13 +9,13 @@
 namespace livegs {
 
 // What an object was built as when its scene was loaded; it stays that until the scene is loaded anew.
-struct BuiltAs {
+struct BodyTypeLock {
   v1::Physics::Behavior behavior = v1::Physics::RIGID;
   bool can_break = false;  // its kernels can be cut into pieces while it runs
 };
 
 // Sets the behaviour of `physics` back to what the object was built as. The result is what of it takes effect
 // only when the scene is loaded anew, one line each, for a person; empty when all of it holds at once.
-std::vector<std::string> hold_as_built(const BuiltAs& built, v1::PhysicalParameters& physics);
+std::vector<std::string> lock_body_type(const BodyTypeLock& built, v1::PhysicalParameters& physics);
 
 }  // namespace livegs

@@ -353,7 +353,7 @@ Result<void> Scene::take_physics(SceneObject& object, v1::PhysicalParameters phy
   return {};
 }
 
-BuiltAs Scene::built_as(const SceneObject& object) const {
+BodyTypeLock Scene::body_type_lock(const SceneObject& object) const {
   return {object.physics.behavior(), object.fragility || cuttable_.contains(object.id)};
 }
 
@@ -361,7 +361,7 @@ Result<std::vector<std::string>> Scene::set_physics(uint32_t object_id, v1::Phys
   const Material* present = world_->material(object_id);
   if (!present || !find(object_id)) return not_found("object " + std::to_string(object_id) + ": is gone");
   SceneObject& object = drawn(object_id);
-  std::vector<std::string> later = hold_as_built(built_as(object), physics);
+  std::vector<std::string> later = lock_body_type(body_type_lock(object), physics);
   if (auto taken = take_physics(object, std::move(physics)); !taken) return taken.error();
   return later;
 }

@@ -75,7 +75,7 @@ Result<SceneAnalysis> SceneAnalysis::of(const Scene& scene, bool with_kernels) {
     Object known;
     known.name = object.name;
     known.written = object.written;
-    known.built = scene.built_as(object);
+    known.built = scene.body_type_lock(object);
     known.physics_file = object.physics_file;
     known.target.object_id = object.id;
     known.target.facts = object.facts;

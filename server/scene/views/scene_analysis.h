@@ -26,7 +26,7 @@ class SceneAnalysis {
   struct Object {
     std::string name;     // in the scene
     v1::Physics written;  // its author's words
-    BuiltAs built;        // as it runs
+    BodyTypeLock built;        // as it runs
     std::filesystem::path physics_file;
     AnalysisTarget target;
     v1::PhysicalParameters known;  // with the sidecar's answer in it, if there is one

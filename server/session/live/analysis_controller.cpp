@@ -313,7 +313,7 @@ Result<v1::PhysicsReply> AnalysisController::reply_of(const Known& known, const 
   if (!size_note.empty()) reply.add_warnings(logged(object.name, size_note));
   *layered->mutable_longest_side_m() = object.target.offline.longest_side_m();
   reply.set_object(object.name);
-  for (const std::string& later : hold_as_built(object.built, *layered)) reply.add_warnings(logged(object.name, later));
+  for (const std::string& later : lock_body_type(object.built, *layered)) reply.add_warnings(logged(object.name, later));
   *reply.mutable_parameters() = std::move(*layered);
   return reply;
 }

@@ -105,15 +105,15 @@ TEST_F(AnalysisControllerTest, AnEditCountsInTheNextAnalysis) {
   EXPECT_EQ(told, "mass_kg 5");
 }
 
-TEST(BuiltAs, WhatNeedsAnotherBodyWaitsForTheNextLoad) {
+TEST(BodyTypeLock, WhatNeedsAnotherBodyWaitsForTheNextLoad) {
   v1::PhysicalParameters physics;
   physics.set_behavior(v1::Physics::RIGID);
   physics.set_fragile(true);
-  EXPECT_TRUE(hold_as_built({v1::Physics::RIGID, true}, physics).empty());
-  const auto uncut = hold_as_built({v1::Physics::RIGID, false}, physics);
+  EXPECT_TRUE(lock_body_type({v1::Physics::RIGID, true}, physics).empty());
+  const auto uncut = lock_body_type({v1::Physics::RIGID, false}, physics);
   ASSERT_EQ(uncut.size(), 1u);
   EXPECT_EQ(uncut[0], "fragile: it cannot break until the scene is loaded anew");
-  EXPECT_EQ(hold_as_built({v1::Physics::ELASTIC, false}, physics).size(), 2u);
+  EXPECT_EQ(lock_body_type({v1::Physics::ELASTIC, false}, physics).size(), 2u);
   EXPECT_EQ(physics.behavior(), v1::Physics::ELASTIC);
 }
 
