@@ -284,7 +284,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
     // Only where nobody said that it is elastic, and nothing needs it to be.
     if (object.physics().behavior() == v1::Physics::AUTO && kept.edits().behavior() == v1::Physics::AUTO &&
         elastic_only.empty()) {
-      if (const auto reason = rigid_in_disguise(*elastic, settings.rate_hz, settings.substeps)) {
+      if (const auto reason = too_stiff_for_lattice(*elastic, settings.rate_hz, settings.substeps)) {
         elastic.reset();
         material.behavior = Behavior::Rigid;
         parameters->set_behavior(v1::Physics::RIGID);

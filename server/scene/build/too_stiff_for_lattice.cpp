@@ -7,7 +7,7 @@
 
 namespace livegs {
 
-std::optional<std::string> rigid_in_disguise(const ElasticBodyDescription& body, double rate_hz,
+std::optional<std::string> too_stiff_for_lattice(const ElasticBodyDescription& body, double rate_hz,
                                              int substeps) {
   const std::vector<double>& volumes_m3 = body.particles.volumes_m3;
   const double volume_m3 = std::accumulate(volumes_m3.begin(), volumes_m3.end(), 0.0);

@@ -14,7 +14,7 @@ inline constexpr double kStiffestOverReached = 10.0;
 
 // Why the body would better be rigid, by the cells and substeps that would be chosen for it; nothing when it
 // may well deform.
-std::optional<std::string> rigid_in_disguise(const ElasticBodyDescription& body, double rate_hz,
+std::optional<std::string> too_stiff_for_lattice(const ElasticBodyDescription& body, double rate_hz,
                                              int substeps);
 
 }  // namespace livegs
