@@ -7,7 +7,7 @@ namespace livegs {
 
 std::vector<std::string> lock_body_type(const BodyTypeLock& built, v1::PhysicalParameters& physics) {
   std::vector<std::string> later;
-  const auto never = unbreakable(physics);
+  const auto never = fracture_warning(physics);
   if (physics.behavior() != built.behavior) {
     later.push_back("behavior: it stays " + v1::Physics::Behavior_Name(built.behavior) +
                     " until the scene is loaded anew, then it is " +

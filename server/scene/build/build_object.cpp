@@ -293,7 +293,7 @@ Result<BuiltObject> build_object(const v1::Object& object, const std::filesystem
       }
     }
   }
-  if (const auto why = unbreakable(*parameters); why && object.physics().fragile()) {
+  if (const auto why = fracture_warning(*parameters); why && object.physics().fragile()) {
     built.drawn.warnings.push_back("physics." + *why);
   }
   const auto place = [&](auto& body) {

@@ -3,7 +3,7 @@
 
 namespace livegs {
 
-std::optional<std::string> unbreakable(const v1::PhysicalParameters& physics) {
+std::optional<std::string> fracture_warning(const v1::PhysicalParameters& physics) {
   if (!physics.fragile() || physics.behavior() == v1::Physics::RIGID) return std::nullopt;
   return "fragile: has no effect, only what is RIGID breaks, and this is " + v1::Physics::Behavior_Name(physics.behavior());
 }

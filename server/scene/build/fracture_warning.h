@@ -9,6 +9,6 @@
 namespace livegs {
 
 // Why what is said to be fragile will not break, a line for a person; nothing where it may.
-std::optional<std::string> unbreakable(const v1::PhysicalParameters& physics);
+std::optional<std::string> fracture_warning(const v1::PhysicalParameters& physics);
 
 }  // namespace livegs

@@ -336,7 +336,7 @@ Result<void> Scene::take_physics(SceneObject& object, v1::PhysicalParameters phy
     *physics.mutable_break_impulse_n_s() = object.physics.break_impulse_n_s();
   }
   if (auto set = world_->set_material(object.id, to_material(physics)); !set) return set;
-  if (const auto why = unbreakable(physics); why && !object.physics.fragile()) {
+  if (const auto why = fracture_warning(physics); why && !object.physics.fragile()) {
     object.warnings.push_back("physics." + *why);
     log_warn("%s: %s", object.name.c_str(), object.warnings.back().c_str());
   }
