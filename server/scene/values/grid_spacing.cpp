@@ -90,7 +90,7 @@ Found look_along(const Eigen::MatrixX3d& along, const Eigen::VectorXd& distances
 
 }  // namespace
 
-double grid_step_m(const std::vector<Vector3d>& points_m, double nearest_m) {
+double grid_spacing_m(const std::vector<Vector3d>& points_m, double nearest_m) {
   if (points_m.size() < 8 || !(nearest_m > 0.0)) return 0.0;
   Vector3d mean = Vector3d::Zero();
   for (const Vector3d& point : points_m) mean += point / static_cast<double>(points_m.size());

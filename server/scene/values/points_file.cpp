@@ -82,7 +82,7 @@ double filling_spacing_m(const std::vector<Eigen::Vector3d>& points_m,
   const double median = nearest[nearest.size() / 2];
   constexpr double kRegular = 0.02;  // of the median, from the 10th to the 90th part of a hundred
   if (nearest[nearest.size() * 9 / 10] - nearest[nearest.size() / 10] < kRegular * median) return median;
-  if (const double step = grid_step_m(points_m, median); step > 0.0) return step;
+  if (const double step = grid_spacing_m(points_m, median); step > 0.0) return step;
 
   // The mesh runs through the outermost points, half a spacing inside the body; a box or an ellipsoid that grows by g on
   // every side grows by (1 + 2 g / size) along each axis. Points that stray push it outwards, those that stray inwards are
