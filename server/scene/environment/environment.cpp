@@ -242,7 +242,7 @@ Result<BuiltEnvironment> build_environment(const v1::Environment& environment, c
       }
       return places;
     };
-    auto shape = room_surface(body_points(*asset, scenery.object_from_asset),
+    auto shape = interior_collider(body_points(*asset, scenery.object_from_asset),
                               pose->orientation.conjugate() * Eigen::Vector3d::UnitY(), stuck);
     if (!shape) return Error{shape.error().code, "environment.asset: " + shape.error().message};
     scenery.colliders.push_back({std::move(*shape), *pose});

@@ -25,7 +25,7 @@ struct BuiltEnvironment {
   Pose world_from_object;
 };
 // A mesh that is not closed, and one that something stands in, is a wall about its surface; a captured room is open for what
-// stands in it (room_surface.h). An object that starts within what is solid all the same gets a warning. Precondition: all
+// stands in it (interior_collider.h). An object that starts within what is solid all the same gets a warning. Precondition: all
 // objects could be built.
 Result<BuiltEnvironment> build_environment(const v1::Environment& environment, const std::filesystem::path& folder,
                              std::span<std::optional<Result<BuiltObject>>> built);

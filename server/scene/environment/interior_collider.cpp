@@ -80,7 +80,7 @@ double cut_height(std::span<const Vector3d> points_m, const Vector3d& up, double
 
 }  // namespace
 
-Result<FieldShape> room_surface(std::span<const Vector3d> points_m, const Vector3d& up, const StuckThings& stuck) {
+Result<FieldShape> interior_collider(std::span<const Vector3d> points_m, const Vector3d& up, const EmbeddedObjects& stuck) {
   auto surface = reconstruct_surface(points_m, elastic_surface_options());
   if (!surface) return surface.error();
   FieldShape shape = mesh_collider(surface->mesh);

@@ -16,7 +16,7 @@ namespace livegs {
 // them and where there is least to cut, into an upper and a lower part that overlap by the ball's radius: the ball gets into
 // each, and together they are the room with its walls, floor, ceiling and what stands on them. A cut that sets nothing free
 // is not made; four are tried. `up` is a unit, in that frame too.
-using StuckThings = std::function<std::vector<Eigen::Vector3d>(const FieldShape&)>;
-Result<FieldShape> room_surface(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3d& up, const StuckThings& stuck);
+using EmbeddedObjects = std::function<std::vector<Eigen::Vector3d>(const FieldShape&)>;
+Result<FieldShape> interior_collider(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3d& up, const EmbeddedObjects& stuck);
 
 }  // namespace livegs
