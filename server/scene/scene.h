@@ -97,10 +97,10 @@ class Scene {
   void note_elastic(SceneObject& drawn) const;  // what its elastic body turned out to be
   // Fragile objects: begins to cut them, takes what is done, and follows those that broke.
   void begin_cut(const SceneObject& drawn);
-  void cut_anew(const SceneObject& drawn);  // if it became fragile, or is to have another number of pieces
-  void take_cut(FragileTask& task);
-  void follow_breaks();
-  void follow_put_backs();
+  void recut(const SceneObject& drawn);  // if it became fragile, or is to have another number of pieces
+  void finish_cut(FragileTask& task);
+  void apply_fractures();
+  void report_recoveries();
   SceneObject& drawn(uint32_t object_id);
   const SceneObject& add_drawn(SceneObject drawn, const Similarity& object_from_asset);
 

@@ -67,7 +67,7 @@ struct SceneOptions {
   std::shared_ptr<const std::map<std::string, v1::PhysicsFile>> sidecars;
   // Called for each object as it is built, before the rest is: without id and rest. On any thread, one at a time.
   std::function<void(const SceneObject&)> built;
-  bool cuts_told = false;  // pieces that load() did not wait for come by take_cuts() alone, to simulate a run again
+  bool recorded_cuts = false;  // pieces that load() did not wait for come by take_cuts() alone, to simulate a run again
 };
 
 }  // namespace livegs

@@ -185,7 +185,7 @@ Result<Scene> Scene::build(const v1::Scene& file, const std::filesystem::path& f
     log_notes(scene.objects_.back());
   }
   if (options.wait_for_pieces) {
-    for (FragileTask& task : scene.cutting_) scene.take_cut(task);
+    for (FragileTask& task : scene.cutting_) scene.finish_cut(task);
     scene.cutting_.clear();
   }
   const auto by_name = [&](const std::string& object) { return scene.find(std::string_view(object)); };
@@ -239,7 +239,7 @@ void Scene::begin_cut(const SceneObject& object) {
   cutting_.emplace_back(object.id, *cuttable.mesh, material.fill, object.asset, options);
 }
 
-void Scene::cut_anew(const SceneObject& object) {
+void Scene::recut(const SceneObject& object) {
   const Material& material = *world_->material(object.id);
   const auto cuttable = cuttable_.find(object.id);
   if (cuttable == cuttable_.end() || !material.fragile || world_->revision(object.id) > 0) return;
@@ -247,11 +247,11 @@ void Scene::cut_anew(const SceneObject& object) {
   if (cuttable->second.pieces == material.fracture_pieces && same_inside) return;
   begin_cut(object);
   if (!options_.wait_for_pieces) return;
-  take_cut(cutting_.back());
+  finish_cut(cutting_.back());
   cutting_.pop_back();
 }
 
-void Scene::take_cut(FragileTask& task) {
+void Scene::finish_cut(FragileTask& task) {
   SceneObject& object = drawn(task.object_id());
   auto fragile = task.take();
   if (world_->revision(object.id) > 0) return;  // it broke as it was cut before
@@ -269,7 +269,7 @@ void Scene::take_cut(FragileTask& task) {
            object.fragility->break_impulse_n_s, object.fragility->drop_height_m, fragile->prepared_ms);
 }
 
-void Scene::follow_breaks() {
+void Scene::apply_fractures() {
   for (SceneObject& object : objects_) {
     if (!object.broken || world_->revision(object.id) == object.rest.revision) continue;
     const Similarity object_from_asset = object.rest.object_from_asset;
@@ -282,7 +282,7 @@ void Scene::follow_breaks() {
   }
 }
 
-void Scene::follow_put_backs() {
+void Scene::report_recoveries() {
   for (SceneObject& object : objects_) {
     if (!object.elastic) continue;
     const ElasticBody* body = world_->elastic_body(object.id);
@@ -298,7 +298,7 @@ void Scene::follow_put_backs() {
 void Scene::take_cuts(std::span<const uint32_t> object_ids) {
   for (const uint32_t id : object_ids) {
     for (FragileTask& task : cutting_) {
-      if (task.object_id() == id && !task.taken()) take_cut(task);
+      if (task.object_id() == id && !task.taken()) finish_cut(task);
     }
   }
   std::erase_if(cutting_, [](const FragileTask& task) { return task.taken(); });
@@ -307,7 +307,7 @@ void Scene::take_cuts(std::span<const uint32_t> object_ids) {
 void Scene::step() {
   std::vector<uint32_t> done;
   for (const FragileTask& task : cutting_) {
-    if (!options_.cuts_told && task.ready()) done.push_back(task.object_id());
+    if (!options_.recorded_cuts && task.ready()) done.push_back(task.object_id());
   }
   take_cuts(done);
   changes_.cut.insert(changes_.cut.end(), done.begin(), done.end());
@@ -326,8 +326,8 @@ void Scene::step() {
   }
   grabs_.move(*world_, static_cast<double>(world_->tick()) / rate_hz);
   world_->step();
-  follow_breaks();
-  follow_put_backs();
+  apply_fractures();
+  report_recoveries();
 }
 
 Result<void> Scene::take_physics(SceneObject& object, v1::PhysicalParameters physics) {
@@ -349,7 +349,7 @@ Result<void> Scene::take_physics(SceneObject& object, v1::PhysicalParameters phy
     object.fragility->drop_height_m = drop_height_m(material, world_->settings().gravity_m_s2.norm());
   }
   changes_.changed.push_back(object.id);
-  cut_anew(object);
+  recut(object);
   return {};
 }
 

@@ -44,7 +44,7 @@ Result<Scene> Scene::build_again(const v1::SceneSource& source, const std::files
   options.cut_fragile = source.cut_fragile();
   options.wait_for_pieces = source.waited_for_pieces();
   options.first_object_id = source.first_object_id();
-  options.cuts_told = true;
+  options.recorded_cuts = true;
   options.sidecars = std::make_shared<const std::map<std::string, v1::PhysicsFile>>(source.sidecars().begin(),
                                                                                   source.sidecars().end());
   return build(source.file(), folder, source.name(), options);
