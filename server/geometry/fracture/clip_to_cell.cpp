@@ -81,7 +81,7 @@ class CellClipper {
       kept.close_face(neighbour);
     }
     faces_ = std::move(kept);
-    drop_unused_vertices();
+    remove_unused_vertices();
   }
 
   ClippedCell finish() {
@@ -157,7 +157,7 @@ class CellClipper {
     kept.close_face(label);
   }
 
-  void drop_unused_vertices() {
+  void remove_unused_vertices() {
     std::vector<uint32_t> number(out_.vertices_m.size(), ~0u);
     uint32_t count = 0;
     for (Edge& edge : faces_.edges) {

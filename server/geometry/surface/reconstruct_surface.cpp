@@ -68,7 +68,7 @@ struct Candidate {
   TriangleMesh mesh;
   double radius = 0.0, volume = 0.0;
   int pieces = 0;
-  Specks dropped;
+  SmallComponents dropped;
 };
 
 // What the alpha complex at this radius amounts to, or nothing if it is empty or leaves too much of the cloud
@@ -78,7 +78,7 @@ std::optional<Candidate> try_radius(AlphaComplex& complex, double radius) {
   AlphaComplex::Body body = complex.body(radius);
   if (body.covered < kLeastCovered) return std::nullopt;
   Candidate candidate;
-  candidate.dropped = drop_specks(body.mesh);
+  candidate.dropped = remove_small_components(body.mesh);
   candidate.mesh = std::move(body.mesh);
   candidate.radius = radius;
   candidate.volume = signed_volume_m3(candidate.mesh);

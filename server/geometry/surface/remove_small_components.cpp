@@ -14,7 +14,7 @@ constexpr double kShortLength = 0.05;  // of the whole's diagonal
 
 }  // namespace
 
-Specks drop_specks(TriangleMesh& mesh) {
+SmallComponents remove_small_components(TriangleMesh& mesh) {
   const std::vector<int> piece_of = mesh_pieces(mesh);
   if (piece_of.empty()) return {};
   struct Piece {
@@ -38,7 +38,7 @@ Specks drop_specks(TriangleMesh& mesh) {
     volume += pieces[i].volume;
     if (pieces[i].volume > pieces[largest].volume) largest = i;
   }
-  Specks dropped;
+  SmallComponents dropped;
   std::vector<bool> keep(pieces.size(), true);
   for (size_t i = 0; i < pieces.size(); ++i) {
     if (i == largest || pieces[i].volume >= kSmallVolume * volume) continue;
@@ -53,11 +53,11 @@ Specks drop_specks(TriangleMesh& mesh) {
     if (keep[piece_of[t]]) kept.push_back(mesh.triangles[t]);
   }
   mesh.triangles = std::move(kept);
-  drop_unused_vertices(mesh);
+  remove_unused_vertices(mesh);
   return dropped;
 }
 
-void drop_unused_vertices(TriangleMesh& mesh) {
+void remove_unused_vertices(TriangleMesh& mesh) {
   std::vector<uint32_t> new_index(mesh.vertices_m.size(), UINT32_MAX);
   for (const auto& triangle : mesh.triangles) {
     for (uint32_t vertex : triangle) new_index[vertex] = 0;

@@ -5,7 +5,7 @@
 
 namespace livegs {
 
-struct Specks {
+struct SmallComponents {
   int count = 0;
   double volume_share = 0.0;  // of the whole, before
 };
@@ -13,9 +13,9 @@ struct Specks {
 // Takes away the separate pieces of a closed mesh that are neither large nor long: less than a thousandth of
 // the volume and less than a twentieth of the bounding-box diagonal. Leaves of a plant stay, floaters go. The
 // largest piece always stays.
-Specks drop_specks(TriangleMesh& mesh);
+SmallComponents remove_small_components(TriangleMesh& mesh);
 
 // The mesh without vertices that no triangle uses; order is kept.
-void drop_unused_vertices(TriangleMesh& mesh);
+void remove_unused_vertices(TriangleMesh& mesh);
 
 }  // namespace livegs

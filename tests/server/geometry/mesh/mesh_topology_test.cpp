@@ -77,7 +77,7 @@ TEST(DropSpecks, SmallAndShortGoLongOrLargeStay) {
   TriangleMesh mesh = joined(box_mesh({1, 1, 1}), moved(box_mesh({0.02, 0.02, 0.02}), {1, 0, 0}));  // a speck
   mesh = joined(mesh, moved(box_mesh({0.4, 0.01, 0.01}), {0, 1, 0}));                               // a twig
   mesh = joined(mesh, moved(box_mesh({0.2, 0.2, 0.2}), {0, 0, 1}));                                 // a lump
-  const Specks dropped = drop_specks(mesh);
+  const SmallComponents dropped = remove_small_components(mesh);
   EXPECT_EQ(dropped.count, 1);
   EXPECT_NEAR(dropped.volume_share, 8e-6 / (1.0 + 8e-6 + 4e-5 + 8e-3), 1e-9);
   EXPECT_EQ(mesh_topology(mesh).piece_count, 3);
