@@ -118,7 +118,7 @@ DistanceField::DistanceField(const TriangleMesh& mesh, double cell_m, double mar
   }
   thinnest_m_ = 2.0 * cell_m_;
   if (thin == Thin::ByTheGrid) return;
-  ThinCells cells = thin_cells(mesh, grid);
+  UnresolvedWallCells cells = unresolved_wall_cells(mesh, grid);
   if (cells.is_thin.empty()) return;
   is_thin_ = std::move(cells.is_thin);
   triangles_ = std::make_unique<const TriangleTree>(mesh);

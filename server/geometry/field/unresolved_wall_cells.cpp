@@ -112,10 +112,10 @@ class Walls {
 
 }  // namespace
 
-ThinCells thin_cells(const TriangleMesh& mesh, const RegularGrid& grid) {
+UnresolvedWallCells unresolved_wall_cells(const TriangleMesh& mesh, const RegularGrid& grid) {
   const std::vector<NearFace> near = near_faces(mesh, grid);
   Walls walls(mesh);
-  ThinCells cells;
+  UnresolvedWallCells cells;
   for (size_t begin = 0, end = 0; begin < near.size(); begin = end) {
     const uint32_t cell = near[begin].cell;
     while (end < near.size() && near[end].cell == cell) ++end;
