@@ -6,20 +6,20 @@
 
 namespace livegs::sample {
 
-DartBoard::DartBoard(double largest_radius, size_t expected_darts) : cell_(2.0 * largest_radius) {
+PoissonDisk::PoissonDisk(double largest_radius, size_t expected_darts) : cell_(2.0 * largest_radius) {
   size_t buckets = 1024;
   while (buckets < 2 * expected_darts) buckets *= 2;
   heads_.assign(buckets, -1);
   darts_.reserve(expected_darts);
 }
 
-size_t DartBoard::bucket(int64_t x, int64_t y, int64_t z) const {
+size_t PoissonDisk::bucket(int64_t x, int64_t y, int64_t z) const {
   return static_cast<size_t>(static_cast<uint64_t>(x) * 73856093u ^ static_cast<uint64_t>(y) * 19349663u ^
                              static_cast<uint64_t>(z) * 83492791u) &
          (heads_.size() - 1);
 }
 
-std::array<int32_t, 8> DartBoard::lists_near(const Eigen::Vector3d& point) const {
+std::array<int32_t, 8> PoissonDisk::lists_near(const Eigen::Vector3d& point) const {
   const Eigen::Vector3d low = (point / cell_ - Eigen::Vector3d::Constant(0.5)).array().floor();
   const auto x = static_cast<int64_t>(low.x()), y = static_cast<int64_t>(low.y()),
              z = static_cast<int64_t>(low.z());
@@ -35,7 +35,7 @@ std::array<int32_t, 8> DartBoard::lists_near(const Eigen::Vector3d& point) const
   return heads;
 }
 
-bool DartBoard::take(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double radius) {
+bool PoissonDisk::take(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double radius) {
   for (int32_t i : lists_near(point))
     for (; i >= 0; i = darts_[i].next) {
       const Dart& dart = darts_[i];
@@ -45,7 +45,7 @@ bool DartBoard::take(const Eigen::Vector3d& point, const Eigen::Vector3d& normal
   return true;
 }
 
-bool DartBoard::fill(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double radius) {
+bool PoissonDisk::fill(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double radius) {
   // Kernels of standard deviation 0.75 radius and opacity 0.95; a hole is where more than 5 % passes.
   constexpr double kSigma = 0.75, kOpacity = 0.95, kClosed = 0.05;
   double transmittance = 1.0;
@@ -62,7 +62,7 @@ bool DartBoard::fill(const Eigen::Vector3d& point, const Eigen::Vector3d& normal
   return true;
 }
 
-void DartBoard::add(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double radius) {
+void PoissonDisk::add(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double radius) {
   const Eigen::Vector3d cell = (point / cell_).array().floor();
   int32_t& head = heads_[bucket(static_cast<int64_t>(cell.x()), static_cast<int64_t>(cell.y()),
                                 static_cast<int64_t>(cell.z()))];

@@ -12,9 +12,9 @@ namespace livegs::sample {
 // than its radius. Random packing leaves holes nearly a radius wide; `fill` takes darts that fall into them,
 // where the kernels of the darts around would let light through. Hashed grid with cells twice as wide as the
 // largest radius: the eight nearest cells hold every neighbour that matters.
-class DartBoard {
+class PoissonDisk {
  public:
-  DartBoard(double largest_radius, size_t expected_darts);
+  PoissonDisk(double largest_radius, size_t expected_darts);
 
   // Normals decide the side: darts whose normals point apart do not see each other (two faces of a thin
   // wall).

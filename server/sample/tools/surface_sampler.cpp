@@ -90,7 +90,7 @@ void sample_surface(const ParametricSurface& surface, Random& random, SurfaceSam
 
   // Darts in a low-discrepancy order over the area, so that all parts of the surface fill at the same rate.
   const size_t dart_count = static_cast<size_t>(total) + 1;
-  DartBoard board(largest_m, dart_count / 6);
+  PoissonDisk board(largest_m, dart_count / 6);
   double phase = random.uniform();
   for (size_t dart = 0; dart < dart_count; ++dart) {
     phase += kGolden;
@@ -142,7 +142,7 @@ void sample_implicit(const ImplicitSurface& surface, Random& random, SurfaceSamp
   const double dart_volume_m3 = dart_area_m2 * 2 * shell_m * (surface.refinement ? 0.65 : 1.0);
   const size_t dart_count =
       static_cast<size_t>(static_cast<double>(corners.size()) * width_m * width_m * width_m / dart_volume_m3);
-  DartBoard board(surface.spacing_m, dart_count / 16);
+  PoissonDisk board(surface.spacing_m, dart_count / 16);
   double phase = random.uniform();
   for (size_t dart = 0; dart < dart_count; ++dart) {
     phase += kGolden;
