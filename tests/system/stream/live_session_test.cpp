@@ -22,7 +22,7 @@
 namespace livegs {
 namespace {
 
-class LiveSession : public ::testing::Test {
+class SessionPrograms : public ::testing::Test {
  protected:
   void start(double rate_hz = 90) { start(box_scene(rate_hz)); }
   // `waits`: the first tick comes when a client streams.
@@ -128,7 +128,7 @@ std::vector<uint64_t> ticks_of(const std::filesystem::path& csv) {
   return ticks;
 }
 
-TEST_F(LiveSession, TheLastPictureIsAnOfflineDrawOfTheServersOwnDrivers) {
+TEST_F(SessionPrograms, TheLastPictureIsAnOfflineDrawOfTheServersOwnDrivers) {
   start();
   OffscreenRunOptions run = options("view", 3.0);
   run.poke = "cube";
@@ -146,7 +146,7 @@ TEST_F(LiveSession, TheLastPictureIsAnOfflineDrawOfTheServersOwnDrivers) {
 
 // Whatever a client asked its frames to be, it draws the same: floats of drivers, and kernels that the server has moved, of a
 // scene in which something breaks and becomes another asset.
-TEST_F(LiveSession, EveryEncodingShowsTheSameAlsoOnceSomethingHasBroken) {
+TEST_F(SessionPrograms, EveryEncodingShowsTheSameAlsoOnceSomethingHasBroken) {
   start(breaking_scene(90, 1, 0.3), true);
   for (const auto encoding : {v1::JoinRequest::KERNELS, v1::JoinRequest::DRIVERS_RAW, v1::JoinRequest::KERNELS_EXACT}) {
     OffscreenRunOptions run = options(v1::JoinRequest::Encoding_Name(encoding), encoding == v1::JoinRequest::KERNELS ? 2.0 : 0.5);
@@ -167,7 +167,7 @@ TEST_F(LiveSession, EveryEncodingShowsTheSameAlsoOnceSomethingHasBroken) {
 }
 
 // The same through the Vulkan renderer, where a device is found: lavapipe in CI.
-TEST_F(LiveSession, TheLastPictureByVulkanIsTheOraclesToo) {
+TEST_F(SessionPrograms, TheLastPictureByVulkanIsTheOraclesToo) {
   if (const auto device = VulkanDevice::create(); !device) GTEST_SKIP() << device.error().message;
   start();
   OffscreenRunOptions run = options("view", 1.0);
@@ -183,7 +183,7 @@ TEST_F(LiveSession, TheLastPictureByVulkanIsTheOraclesToo) {
 
 // What is made while the session runs has its Vulkan picture held against the oracle's too: the sherds' asset with its cut faces,
 // and balls.
-TEST_F(LiveSession, SherdsAndBallsByVulkanAreTheOraclesToo) {
+TEST_F(SessionPrograms, SherdsAndBallsByVulkanAreTheOraclesToo) {
   if (const auto device = VulkanDevice::create(); !device) GTEST_SKIP() << device.error().message;
   Scene scene = breaking_scene(90, 1, 0.3);
   const size_t whole_kernels = scene.find("box")->asset->size();
@@ -247,7 +247,7 @@ TEST_F(LiveSession, SherdsAndBallsByVulkanAreTheOraclesToo) {
 }
 
 // What a client that was there when it broke sees, and what one sees that comes afterwards.
-TEST_F(LiveSession, ABreakReachesTheClientThatIsThereAndTheOneThatComesLater) {
+TEST_F(SessionPrograms, ABreakReachesTheClientThatIsThereAndTheOneThatComesLater) {
   start(breaking_scene(90, 1, 0.3), true);
   for (const char* name : {"there", "later"}) {
     const OffscreenRunOptions run = options(name, std::string(name) == "there" ? 2.0 : 0.3);
@@ -274,7 +274,7 @@ TEST_F(LiveSession, ABreakReachesTheClientThatIsThereAndTheOneThatComesLater) {
   }
 }
 
-TEST_F(LiveSession, FramesComeInOrderAndTheirDriversAreTheServersWithinAStep) {
+TEST_F(SessionPrograms, FramesComeInOrderAndTheirDriversAreTheServersWithinAStep) {
   start();
   const auto summary = run_offscreen(options("view", 1.0), interrupted_);
   ASSERT_TRUE(summary) << summary.error().message;
@@ -299,7 +299,7 @@ TEST_F(LiveSession, FramesComeInOrderAndTheirDriversAreTheServersWithinAStep) {
   }
 }
 
-TEST_F(LiveSession, APokeMovesItsObjectAndABallComes) {
+TEST_F(SessionPrograms, APokeMovesItsObjectAndABallComes) {
   start();
   const uint32_t box = loop_->scene().find("box")->id;
   std::ofstream(folder_ / "script.json") << R"({ "actions": [
@@ -319,7 +319,7 @@ TEST_F(LiveSession, APokeMovesItsObjectAndABallComes) {
 }
 
 // The script's name for what the left hand takes is looked for like any other.
-TEST_F(LiveSession, AScriptGrabsAndCarriesItsObject) {
+TEST_F(SessionPrograms, AScriptGrabsAndCarriesItsObject) {
   start();
   const uint32_t box = loop_->scene().find("box")->id;
   OffscreenRunOptions run = options("view", 4.0);
@@ -342,7 +342,7 @@ TEST_F(LiveSession, AScriptGrabsAndCarriesItsObject) {
   EXPECT_GT(middle_of(*frame, box).y(), 0.4);  // it stood at 0.1 m
 }
 
-TEST_F(LiveSession, TwoClientsSeeTheSameFrames) {
+TEST_F(SessionPrograms, TwoClientsSeeTheSameFrames) {
   start();
   Result<OffscreenRunSummary> other = Error{};
   std::thread second([&] { other = run_offscreen(options("other", 1.0), interrupted_); });
@@ -356,7 +356,7 @@ TEST_F(LiveSession, TwoClientsSeeTheSameFrames) {
   EXPECT_EQ(summary->assets.fetched + other->assets.fetched, summary->assets.assets);
 }
 
-TEST_F(LiveSession, AnAssetInTheCacheIsNotFetchedAgain) {
+TEST_F(SessionPrograms, AnAssetInTheCacheIsNotFetchedAgain) {
   start();
   const auto first = run_offscreen(options("first", 0.1), interrupted_);
   ASSERT_TRUE(first) << first.error().message;
@@ -367,7 +367,7 @@ TEST_F(LiveSession, AnAssetInTheCacheIsNotFetchedAgain) {
   EXPECT_EQ(second->assets.assets, first->assets.assets);
 }
 
-TEST_F(LiveSession, PicturesAreEvenInSimulatedTime) {
+TEST_F(SessionPrograms, PicturesAreEvenInSimulatedTime) {
   start();
   OffscreenRunOptions run = options("view", 1.0);
   run.video_rate_hz = 30;
@@ -383,7 +383,7 @@ TEST_F(LiveSession, PicturesAreEvenInSimulatedTime) {
   for (size_t i = 1; i + 1 < times_s.size(); ++i) EXPECT_NEAR(times_s[i] - times_s[i - 1], 1.0 / 30, 2e-6);
 }
 
-TEST_F(LiveSession, AServerThatClosesEndsTheClientOrderly) {
+TEST_F(SessionPrograms, AServerThatClosesEndsTheClientOrderly) {
   start();
   Result<OffscreenRunSummary> summary = Error{};
   std::thread client([&] { summary = run_offscreen(options("view", 0), interrupted_); });
