@@ -61,7 +61,7 @@ Result<void> KnownServers::remember(const std::string& address, const KnownServe
   return write(file_, *known);
 }
 
-Result<void> KnownServers::forget(const std::string& address) const {
+Result<void> KnownServers::remove_server_entry(const std::string& address) const {
   auto known = read(file_);
   if (!known) return known.error();
   if (known->erase(address) == 0) return not_found(address + ": was not paired with");

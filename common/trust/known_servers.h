@@ -24,7 +24,7 @@ class KnownServers {
   // Nothing when it is not known. An error, which names the file and the line, when the file cannot be read as such.
   Result<std::optional<KnownServer>> find(const std::string& address) const;
   Result<void> remember(const std::string& address, const KnownServer& server) const;
-  Result<void> forget(const std::string& address) const;
+  Result<void> remove_server_entry(const std::string& address) const;
 
  private:
   std::filesystem::path file_;

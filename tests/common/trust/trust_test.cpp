@@ -119,10 +119,10 @@ TEST(KnownServers, AreRememberedAndForgotten) {
   EXPECT_EQ((*servers.find("a:1"))->fingerprint, kCertificateFingerprint);
   EXPECT_EQ((*servers.find("a:1"))->token, "livegs_other");
   EXPECT_EQ((*servers.find("b:2"))->token, "");
-  ASSERT_TRUE(servers.forget("a:1"));
+  ASSERT_TRUE(servers.remove_server_entry("a:1"));
   EXPECT_FALSE(*servers.find("a:1"));
   EXPECT_TRUE(*servers.find("b:2"));
-  EXPECT_FALSE(servers.forget("a:1"));
+  EXPECT_FALSE(servers.remove_server_entry("a:1"));
   EXPECT_EQ(mode_of(folder / "state" / "known_servers"), 0600u);
 }
 
