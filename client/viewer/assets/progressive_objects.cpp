@@ -44,7 +44,7 @@ std::future<Result<ProgressiveObjects::Binding>> ProgressiveObjects::bind_more(c
 
 std::future<Result<ProgressiveObjects::Binding>> ProgressiveObjects::bind(const StreamedObject& object) { return bind_more(object, 0); }
 
-void ProgressiveObjects::forget(uint32_t object_id) {
+void ProgressiveObjects::remove_coarse(uint32_t object_id) {
   const auto known = coarse_.find(object_id);
   if (known == coarse_.end()) return;
   if (known->second.finer.valid()) unwanted_.push_back(std::move(known->second.finer));
@@ -53,7 +53,7 @@ void ProgressiveObjects::forget(uint32_t object_id) {
 
 void ProgressiveObjects::show(Binding binding, SceneView& view, bool added) {
   const uint32_t id = binding.object.id;
-  forget(id);
+  remove_coarse(id);
   if (!binding.whole) coarse_[id] = {std::move(binding.object), binding.bound.asset->size(), binding.step, {}};
   added ? view.add(id, std::move(binding.bound)) : view.change(id, std::move(binding.bound));
 }
@@ -66,7 +66,7 @@ Result<void> ProgressiveObjects::add(const StreamedObject& object, SceneView& vi
 }
 
 void ProgressiveObjects::remove(uint32_t object_id, SceneView& view) {
-  forget(object_id);
+  remove_coarse(object_id);
   view.remove(object_id);
 }
 

@@ -58,7 +58,7 @@ class ProgressiveObjects {
     std::future<Result<Binding>> finer;  // while more of it is being tied
   };
   std::future<Result<Binding>> bind_more(const StreamedObject& object, size_t than_step);
-  void forget(uint32_t object_id);
+  void remove_coarse(uint32_t object_id);
 
   AssetLibrary& assets_;
   std::map<uint32_t, Coarse> coarse_;                   // by object id
