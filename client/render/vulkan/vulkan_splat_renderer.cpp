@@ -179,7 +179,7 @@ Result<void> VulkanSplatRenderer::draw(std::span<const RenderedObject> objects, 
     binds_no_more_ = true;
     kernels_then_ = kernels;
     held_.clear();
-    frame_.forget();
+    frame_.release_buffers();
     log_warn("%s", notice().c_str());
   }
   auto done = draw_once(objects, eyes, options, take_out);
@@ -189,7 +189,7 @@ Result<void> VulkanSplatRenderer::draw(std::span<const RenderedObject> objects, 
     binds_no_more_ = false;
     kernels_then_ = kernels;
     held_.clear();
-    frame_.forget();
+    frame_.release_buffers();
     done = draw_once(objects, eyes, options, take_out);
   }
   if (done && ended) log_warn("%s (%s)", notice().c_str(), ended->message.c_str());

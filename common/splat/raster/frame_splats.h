@@ -50,7 +50,7 @@ class FrameSplats {
   Result<void> sort();
 
   // Gives all buffers back until the next frame.
-  void forget() { release(); }
+  void release_buffers() { release(); }
 
   // After sort: places in rows(), and how many of them are drawn.
   BufferId order() const { return sorter_->values(); }
