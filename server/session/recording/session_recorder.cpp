@@ -137,8 +137,8 @@ class SessionRecorder::Session {
   std::set<std::string> held_, files_;  // hashes of assets, and names of files, that it has
 };
 
-SessionRecorder::SessionRecorder(AssetStore& assets, size_t most_past_bytes)
-    : most_past_bytes_(most_past_bytes), assets_(assets) {
+SessionRecorder::SessionRecorder(AssetStore& assets, size_t max_history_bytes)
+    : max_history_bytes_(max_history_bytes), assets_(assets) {
   thread_ = std::thread([this] {
     pthread_setname_np(pthread_self(), "recorder");
     run();
@@ -220,7 +220,7 @@ void SessionRecorder::append_history(const TickActions& actions, const TickResul
   history_.bytes += history_.open.back().size();
   if (history_.open.size() == kTicksOfBlock)
     history_.full.push_back(std::make_shared<const Block>(std::exchange(history_.open, {})));
-  if (history_.bytes <= most_past_bytes_) return;
+  if (history_.bytes <= max_history_bytes_) return;
   history_.whole = false;
   history_.open = {};
   history_.full = {};

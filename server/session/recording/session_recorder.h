@@ -39,7 +39,7 @@ struct RecordingOptions {
 class SessionRecorder final : public TickRecorder {
  public:
   // `assets` outlives the recorder.
-  explicit SessionRecorder(AssetStore& assets, size_t most_past_bytes = kMostPastBytes);
+  explicit SessionRecorder(AssetStore& assets, size_t max_history_bytes = kMostPastBytes);
   ~SessionRecorder() override;  // ends a recording in order
 
   // From the next tick on. InvalidArgument when the file is there already or cannot be made, or one is being written.
@@ -71,7 +71,7 @@ class SessionRecorder final : public TickRecorder {
     size_t bytes = 0;
     SamplesBefore samples;
   };
-  const size_t most_past_bytes_;
+  const size_t max_history_bytes_;
   History history_;
 
   AssetStore& assets_;

@@ -164,7 +164,7 @@ void GrpcServer::open(const Scene& scene, InputSink& inputs) {
   open(scene.name(), scene.world().settings().rate_hz, objects, inputs);
 }
 
-void GrpcServer::admit(size_t clients) { parts_->table.set_most(clients); }
+void GrpcServer::admit(size_t clients) { parts_->table.set_max_sessions(clients); }
 
 void GrpcServer::cap_clients(double mbit_s) { parts_->service.set_cap(mbit_s * 1e6 / 8); }
 

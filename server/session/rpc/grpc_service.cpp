@@ -124,7 +124,7 @@ grpc::Status GrpcService::join(const grpc::CallbackServerContext& context, const
   const std::string token = grant->token_name;
   const std::string name = printable(request.client_name()), peer = context.peer();
   JoinTerms terms;
-  terms.most_bytes_s = wish_mbit_s == 0 ? cap_bytes_s_ : std::min(cap_bytes_s_, wish_mbit_s * kBytesPerMbit);
+  terms.max_bytes_s = wish_mbit_s == 0 ? cap_bytes_s_ : std::min(cap_bytes_s_, wish_mbit_s * kBytesPerMbit);
   terms.position_bits = static_cast<int>(position_bits);
   terms.encoding = request.encoding();
   terms.every = static_cast<uint64_t>(std::max(1.0, wish_hz == 0 ? 1.0 : std::floor(scene->rate_hz / wish_hz + 1e-9)));

@@ -130,7 +130,7 @@ std::optional<grpc::Status> StreamCall::take_message() {
     std::lock_guard lock(mutex_);
     session_ = session;
     stream_ = stream;
-    budget_.set_cap(attached->terms.most_bytes_s);
+    budget_.set_cap(attached->terms.max_bytes_s);
     position_bits_ = attached->terms.position_bits;
     encoding_ = attached->terms.encoding;
   }

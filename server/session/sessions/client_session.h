@@ -42,7 +42,7 @@ struct ClientIdentity {
 
 // What a client asked for when it joined; it holds for the streams that it opens until it joins again.
 struct JoinTerms {
-  double most_bytes_s = std::numeric_limits<double>::infinity();
+  double max_bytes_s = std::numeric_limits<double>::infinity();
   int position_bits = 16;
   v1::JoinRequest::Encoding encoding = v1::JoinRequest::DRIVERS;
   uint64_t every = 1;             // tick

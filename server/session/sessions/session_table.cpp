@@ -73,7 +73,7 @@ Result<SessionTable::Joined> SessionTable::join(std::string_view resumed_id, Cli
       joined.session = found->second;
       left = joined.session->rejoin(now_ns(), terms);
     } else {
-      if (sessions_.size() >= most_) {
+      if (sessions_.size() >= max_sessions_) {
         std::shared_ptr<ClientSession> parked_longest;
         for (const auto& [id, session] : sessions_) {
           if (session->state() == ClientSession::State::Parked &&
@@ -83,7 +83,7 @@ Result<SessionTable::Joined> SessionTable::join(std::string_view resumed_id, Cli
         }
         if (!parked_longest) {
           return Error{ErrorCode::TooLarge,
-                       std::to_string(most_) + " clients are here already; try again later, or start the server with a larger --clients"};
+                       std::to_string(max_sessions_) + " clients are here already; try again later, or start the server with a larger --clients"};
         }
         remove(*parked_longest, lock);
       }

@@ -40,7 +40,7 @@ class SessionTable {
   // Random, drawn when the table was made.
   const std::string& instance() const { return instance_; }
   // How many sessions there may be, parked ones included, 1 to kMostSessions; before open().
-  void set_most(size_t sessions) { most_ = sessions; }
+  void set_max_sessions(size_t sessions) { max_sessions_ = sessions; }
   // From now on clients may join. `inputs` outlives the table's sessions.
   void open(std::string scene, double rate_hz, std::vector<Object> objects, InputSink& inputs);
   // Ends every stream with the reason; nobody joins any more.
@@ -128,7 +128,7 @@ class SessionTable {
 
   const std::string instance_;
   GrantCheck grant_check_;
-  size_t most_ = kUsualSessions;
+  size_t max_sessions_ = kUsualSessions;
   mutable std::mutex mutex_;  // guards everything below
   bool open_ = false;
   std::string closed_reason_ = "the scene is still being built";

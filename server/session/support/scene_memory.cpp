@@ -46,10 +46,10 @@ std::optional<uint64_t> number_after(std::string_view text, std::string_view key
   return number;
 }
 
-std::string read_text(const fs::path& path, size_t most_bytes) {
+std::string read_text(const fs::path& path, size_t max_bytes) {
   std::ifstream file(path, std::ios::binary);
-  std::string text(most_bytes, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(most_bytes));
+  std::string text(max_bytes, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(max_bytes));
   text.resize(static_cast<size_t>(std::max<std::streamsize>(file.gcount(), 0)));
   return text;
 }
