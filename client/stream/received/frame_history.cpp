@@ -77,7 +77,7 @@ DriverFrame extrapolate(const DriverFrame& a, const DriverFrame& b, double share
 void FrameHistory::add(DriverFrame frame) {
   if (!frames_.empty() && frame.simulated_ns <= frames_.back().simulated_ns) return;
   frames_.push_back(std::move(frame));
-  if (frames_.size() > most_frames_) frames_.pop_front();
+  if (frames_.size() > max_frames_) frames_.pop_front();
 }
 
 std::optional<DriverFrame> FrameHistory::at(int64_t simulated_ns) const {

@@ -13,7 +13,7 @@ namespace livegs {
 // time (DriverFrame::simulated_ns), which runs evenly however the network delivers. Not locked.
 class FrameHistory {
  public:
-  explicit FrameHistory(size_t most_frames) : most_frames_(most_frames) {}
+  explicit FrameHistory(size_t max_frames) : max_frames_(max_frames) {}
 
   // Frames come in order; one that is not newer than the newest is ignored. The oldest makes room.
   void add(DriverFrame frame);
@@ -38,7 +38,7 @@ class FrameHistory {
  private:
   int64_t shortest_ns() const;
 
-  size_t most_frames_;
+  size_t max_frames_;
   std::deque<DriverFrame> frames_;
 };
 

@@ -27,7 +27,7 @@ void PlaybackQueue::add(StreamItem item) {
     if (closed_) return;
     if (const auto* frame = std::get_if<ReceivedFrame>(&item)) bytes_ += bytes_of(*frame);
     items_.push_back(std::move(item));
-    while (bytes_ > most_bytes_) {
+    while (bytes_ > max_bytes_) {
       const auto oldest = std::find_if(items_.begin(), items_.end(), [](const StreamItem& one) {
         return std::holds_alternative<ReceivedFrame>(one);
       });

@@ -11,11 +11,11 @@
 
 namespace livegs {
 
-// Between the stream's reader and a drawer that may be slower: everything in the order it came. Bounded: when more than `most_bytes` of frames wait, the oldest are dropped and counted, events
+// Between the stream's reader and a drawer that may be slower: everything in the order it came. Bounded: when more than `max_bytes` of frames wait, the oldest are dropped and counted, events
 // never. Any thread.
 class PlaybackQueue final : public ItemSource {
  public:
-  explicit PlaybackQueue(size_t most_bytes) : most_bytes_(most_bytes) {}
+  explicit PlaybackQueue(size_t max_bytes) : max_bytes_(max_bytes) {}
 
   void add(StreamItem item);
   // No more will come; take() gives what waits and then nothing.
@@ -28,7 +28,7 @@ class PlaybackQueue final : public ItemSource {
   uint64_t dropped_frames() const;
 
  private:
-  const size_t most_bytes_;
+  const size_t max_bytes_;
   mutable std::mutex mutex_;  // guards everything below
   std::condition_variable changed_;
   std::deque<StreamItem> items_;

@@ -41,14 +41,14 @@ std::optional<std::pair<double, double>> columns_beside_panels(double width_px, 
   return right_px - left_px >= kLeastShare * width_px ? std::optional(std::pair(left_px, right_px)) : std::nullopt;
 }
 
-void PanelDrawer::place(Panel panel, float left_px, float top_px, float width_px, float height_px, float most_px) {
+void PanelDrawer::place(Panel panel, float left_px, float top_px, float width_px, float height_px, float max_px) {
   ImGui::SetNextWindowPos({left_px, top_px}, stacked_ || resized_ ? ImGuiCond_Always : ImGuiCond_Once);
   if (stacked_)
     ImGui::SetNextWindowCollapsed(open_ != panel, ImGuiCond_Always);
   else if (resized_)
     ImGui::SetNextWindowCollapsed(false, ImGuiCond_Always);
   ImGui::SetNextWindowSize({width_px, height_px});
-  ImGui::SetNextWindowSizeConstraints({width_px, 0}, {width_px, std::max(most_px, 1.0f)});
+  ImGui::SetNextWindowSizeConstraints({width_px, 0}, {width_px, std::max(max_px, 1.0f)});
 }
 
 // A click on its bar opens or closes it when it is begun.
@@ -78,8 +78,8 @@ PanelActions PanelDrawer::draw(const WindowPanels& panels, float width_px, float
   had_notice_ = !panels.run.notice.empty();
 
   const float across_px = std::max(1.0f, width_px - 2 * kMargin_px), down_px = height_px - 2 * kMargin_px;
-  const float most_px = stacked_ ? down_px - kGap_px - ImGui::GetFrameHeight() : down_px;
-  place(Panel::Run, kMargin_px, kMargin_px, std::min(kLeftWidth_px, across_px), 0, most_px);
+  const float max_px = stacked_ ? down_px - kGap_px - ImGui::GetFrameHeight() : down_px;
+  place(Panel::Run, kMargin_px, kMargin_px, std::min(kLeftWidth_px, across_px), 0, max_px);
   ImGui::Begin("Run", nullptr, ImGuiWindowFlags_NoResize);
   see_whether_open(Panel::Run);
   draw_run(panels.run, actions);
@@ -94,7 +94,7 @@ PanelActions PanelDrawer::draw(const WindowPanels& panels, float width_px, float
   const float right_px = std::min(kRightWidth_px, stacked_ ? across_px : width_px - kLeftWidth_px - 3 * kMargin_px);
   // With an object open it takes the whole height: a panel that fits itself to what it holds is a picture late.
   place(Panel::Objects, stacked_ ? kMargin_px : width_px - right_px - kMargin_px, stacked_ ? below_px : kMargin_px, right_px,
-        panels.objects.selected ? most_px : 0, most_px);
+        panels.objects.selected ? max_px : 0, max_px);
   ImGui::Begin("Objects", nullptr, ImGuiWindowFlags_NoResize);
   see_whether_open(Panel::Objects);
   draw_objects(panels.objects, actions);

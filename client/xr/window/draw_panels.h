@@ -26,8 +26,8 @@ class PanelDrawer {
 
  private:
   enum class Panel { None, Run, Objects };
-  // Before and after a panel is begun. `most_px`: of its height; `height_px` 0: as high as what it holds.
-  void place(Panel panel, float left_px, float top_px, float width_px, float height_px, float most_px);
+  // Before and after a panel is begun. `max_px`: of its height; `height_px` 0: as high as what it holds.
+  void place(Panel panel, float left_px, float top_px, float width_px, float height_px, float max_px);
   void see_whether_open(Panel panel);
 
   void draw_loading(const LoadingPanel& loading, float width_px, float height_px);

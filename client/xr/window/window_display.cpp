@@ -107,7 +107,7 @@ double GlfwWindowDisplay::refresh_hz() const {
   glfwGetWindowPos(window_, &left, &top);
   const Eigen::AlignedBox2i window(Eigen::Vector2i(left, top), Eigen::Vector2i(left, top) + size_px());
   GLFWmonitor** monitors = glfwGetMonitors(&count);
-  int64_t most_px = -1;
+  int64_t max_px = -1;
   double hz = 0;
   for (int i = 0; i < count; ++i) {
     const GLFWvidmode* mode = glfwGetVideoMode(monitors[i]);
@@ -116,8 +116,8 @@ double GlfwWindowDisplay::refresh_hz() const {
     const Eigen::AlignedBox2i seen =
         window.intersection({Eigen::Vector2i(left, top), Eigen::Vector2i(left + mode->width, top + mode->height)});
     const int64_t px = seen.isEmpty() ? 0 : int64_t{seen.sizes().x()} * seen.sizes().y();
-    if (px <= most_px) continue;
-    most_px = px;
+    if (px <= max_px) continue;
+    max_px = px;
     hz = mode->refreshRate;
   }
   return hz;
