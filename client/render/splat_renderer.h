@@ -90,7 +90,7 @@ struct VulkanRendererOptions {
   BlendPrecision precision = BlendPrecision::Auto;
   bool separate_times = false;  // waits between the steps, so that last_times tells them apart
   bool read_blended = false;    // images as they were blended, before 8 bits a channel: for measuring
-  uint32_t most_part_rows = 0;  // as FrameSplats has it; 0: what the device binds
+  uint32_t max_part_rows = 0;  // as FrameSplats has it; 0: what the device binds
 };
 // Unavailable where the device cannot draw.
 Result<std::unique_ptr<SplatRenderer>> create_vulkan_renderer(std::shared_ptr<VulkanDevice> device,

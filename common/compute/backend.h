@@ -28,7 +28,7 @@ class Backend {
   // bytes: 1..kMaxBufferBytes, a multiple of 4. The contents are unspecified until they are written.
   virtual Result<BufferId> create_buffer(size_t bytes) = 0;
   // What one buffer may hold here: what passes and draws of this device can bind.
-  virtual size_t most_buffer_bytes() const { return kMaxBufferBytes; }
+  virtual size_t max_buffer_bytes() const { return kMaxBufferBytes; }
   virtual Result<void> destroy_buffer(BufferId buffer) = 0;
 
   // Writes the front of a buffer; a multiple of 4 bytes, no more than it holds. `bytes` may be reused at

@@ -29,7 +29,7 @@ class VulkanBackend final : public Backend, public VulkanCommands {
   Result<void> initialise();
 
   Result<BufferId> create_buffer(size_t bytes) override;
-  size_t most_buffer_bytes() const override {
+  size_t max_buffer_bytes() const override {
     return std::min<size_t>(kMaxBufferBytes, handles_.properties.limits.maxStorageBufferRange);
   }
   Result<void> destroy_buffer(BufferId buffer) override;
@@ -119,7 +119,7 @@ Result<void> VulkanBackend::initialise() {
 
 Result<BufferId> VulkanBackend::create_buffer(size_t bytes) {
   if (auto checked = check_buffer_size(bytes); !checked) return checked.error();
-  const size_t limit = most_buffer_bytes();
+  const size_t limit = max_buffer_bytes();
   if (bytes > limit) {
     return Error{ErrorCode::TooLarge, "buffer: " + std::to_string(bytes) + " bytes; " + device_->name() +
                                           " binds at most " + std::to_string(limit) + ", so split it"};

@@ -29,7 +29,7 @@ Bytes framed(std::span<const std::byte> input) {
     const auto columns = part.subspan(std::min<size_t>(4, part.size()));
     Bytes frame(ZSTD_compressBound(columns.size()));
     frame.resize(ZSTD_compress(frame.data(), frame.size(), columns.data(), columns.size(), 1));
-    frame.resize(std::max(frame.size(), least_payload_bytes(3 * 15, std::min<size_t>(kernels, kMostBlockKernels))));
+    frame.resize(std::max(frame.size(), min_payload_bytes(3 * 15, std::min<size_t>(kernels, kMostBlockKernels))));
     ByteWriter block;
     block.write(static_cast<uint32_t>(frame.size()));
     block.write(kernels);
@@ -84,7 +84,7 @@ Bytes columns_of(std::span<const std::byte> sent) {
     const auto size = head.read<uint32_t>(), kernels = head.read<uint32_t>();
     ByteWriter part;
     part.write(kernels);
-    Bytes block = std::move(part).take(), columns(most_raw_bytes(3 * 15, kernels));
+    Bytes block = std::move(part).take(), columns(max_raw_bytes(3 * 15, kernels));
     const auto frame = sent.subspan(at + kBlockHeadBytes, size);
     columns.resize(ZSTD_decompress(columns.data(), columns.size(), frame.data(), ZSTD_findFrameCompressedSize(frame.data(), frame.size())));
     append(block, columns);

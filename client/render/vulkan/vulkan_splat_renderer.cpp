@@ -29,7 +29,7 @@ class VulkanSplatRenderer final : public SplatRenderer {
         backend_(std::move(backend)),
         timer_(*vulkan_commands(*backend_), device_->handles()),
         painter_(std::move(painter)),
-        frame_(*backend_, options.most_part_rows),
+        frame_(*backend_, options.max_part_rows),
         options_(options),
         name_("vulkan: " + device_->name()) {}
 
@@ -173,9 +173,9 @@ Result<void> VulkanSplatRenderer::draw(std::span<const RenderedObject> objects, 
     log_info("%s: all kernels are drawn again", name_.c_str());
   }
   std::optional<Error> ended;
-  if (share_ * static_cast<double>(kernels) > static_cast<double>(frame_.most_kernels()) && frame_.most_kernels() > objects.size()) {
+  if (share_ * static_cast<double>(kernels) > static_cast<double>(frame_.max_kernels()) && frame_.max_kernels() > objects.size()) {
     // Each object may have one more than its share.
-    share_ = static_cast<double>(frame_.most_kernels() - objects.size()) / static_cast<double>(kernels);
+    share_ = static_cast<double>(frame_.max_kernels() - objects.size()) / static_cast<double>(kernels);
     binds_no_more_ = true;
     kernels_then_ = kernels;
     held_.clear();

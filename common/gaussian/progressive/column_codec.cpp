@@ -113,7 +113,7 @@ ColumnBytes encode_column(std::span<const uint32_t> words) {
     if (entropy_bytes(steps, 4) + entropy_bytes(indices, index_width(palette.size())) < least) way = Way::Palette;
   }
   ColumnBytes out;
-  out.bytes.reserve(most_column_bytes(words.size()));
+  out.bytes.reserve(max_column_bytes(words.size()));
   out.bytes.push_back(static_cast<std::byte>(way));
   switch (way) {
     case Way::Planes:

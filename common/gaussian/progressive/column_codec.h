@@ -23,6 +23,6 @@ ColumnBytes encode_column(std::span<const uint32_t> words);
 bool decode_column(Bytes& bytes, std::span<uint32_t> words);
 
 // What a column of `count` words takes at most.
-inline constexpr size_t most_column_bytes(size_t count) { return 4 * count + 5; }
+inline constexpr size_t max_column_bytes(size_t count) { return 4 * count + 5; }
 
 }  // namespace livegs

@@ -91,7 +91,7 @@ Result<void> ProgressiveDecoder::take(std::span<const std::byte> bytes) {
         (brings_kernels ? kernels > count_ - indices_.size() : kernels != block_counts_[harmonic_blocks_])) {
       return fail(bad("a block has another number of kernels than it may"));
     }
-    if (size < least_payload_bytes(columns, kernels) || size > most_payload_bytes(columns, kernels))
+    if (size < min_payload_bytes(columns, kernels) || size > max_payload_bytes(columns, kernels))
       return fail(bad("a block is shorter or longer than its kernels can be"));
     if (left.size() - kBlockHeadBytes < size) break;
     if (auto taken = take_block(left.subspan(kBlockHeadBytes, size), kernels); !taken) return fail(taken.error());
@@ -124,7 +124,7 @@ Result<void> ProgressiveDecoder::take_block(Bytes payload, uint32_t count) {
   const Bytes padding = payload.subspan(frame);
   if (std::any_of(padding.begin(), padding.end(), [](std::byte byte) { return byte != std::byte{0}; }))
     return bad("bytes follow the zstd frame of a block");
-  std::vector<std::byte> raw(most_raw_bytes(brings_kernels ? kKernelColumns : harmonic_columns(degree_), count));
+  std::vector<std::byte> raw(max_raw_bytes(brings_kernels ? kKernelColumns : harmonic_columns(degree_), count));
   const size_t size = ZSTD_decompress(raw.data(), raw.size(), payload.data(), frame);
   if (ZSTD_isError(size)) return bad("a block is damaged");
   const Bytes columns = Bytes(raw).first(size);

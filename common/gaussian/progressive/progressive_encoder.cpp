@@ -47,8 +47,8 @@ class FrameWriter {
     set(ZSTD_c_checksumFlag, 1);
   }
 
-  void begin(size_t most_raw) {
-    frame_.resize(ZSTD_compressBound(most_raw) + 64 * 1024);
+  void begin(size_t max_raw) {
+    frame_.resize(ZSTD_compressBound(max_raw) + 64 * 1024);
     size_ = 0;
   }
   void add(std::span<const uint32_t> words) {
@@ -112,7 +112,7 @@ class Encoder {
   }
 
   void add_kernels(std::span<const uint32_t> block) {
-    frame_.begin(most_raw_bytes(kKernelColumns, block.size()));
+    frame_.begin(max_raw_bytes(kKernelColumns, block.size()));
     column_.resize(block.size());
     for (size_t i = 0; i < block.size(); ++i) column_[i] = i == 0 ? block[0] : block[i] - block[i - 1] - 1;
     frame_.add(column_);
@@ -126,7 +126,7 @@ class Encoder {
 
   void add_harmonics(std::span<const uint32_t> block) {
     const size_t rest = asset_.sh_rest_count();
-    frame_.begin(most_raw_bytes(3 * rest, block.size()));
+    frame_.begin(max_raw_bytes(3 * rest, block.size()));
     for (size_t k = 0; k < rest; ++k) {
       for (int channel = 0; channel < 3; ++channel)
         add_column(block, [&](uint32_t i) { return asset_.sh_rest[i * rest + k][channel]; });
@@ -136,7 +136,7 @@ class Encoder {
 
   void add_block(size_t kernels, size_t columns) {
     const Bytes frame = frame_.end();
-    const size_t payload = std::max(frame.size(), least_payload_bytes(columns, kernels));
+    const size_t payload = std::max(frame.size(), min_payload_bytes(columns, kernels));
     append(out_, static_cast<uint32_t>(payload));
     append(out_, static_cast<uint32_t>(kernels));
     out_.insert(out_.end(), frame.begin(), frame.end());

@@ -24,13 +24,13 @@ inline constexpr size_t kMostRatio = 1024;
 inline constexpr uint64_t kMostDecodedBytes = uint64_t{4} << 30;
 
 inline constexpr size_t harmonic_columns(int degree) { return 3 * static_cast<size_t>((degree + 1) * (degree + 1) - 1); }
-inline constexpr size_t most_raw_bytes(size_t columns, size_t kernels) { return columns * most_column_bytes(kernels); }
-inline constexpr size_t least_payload_bytes(size_t columns, size_t kernels) {
+inline constexpr size_t max_raw_bytes(size_t columns, size_t kernels) { return columns * max_column_bytes(kernels); }
+inline constexpr size_t min_payload_bytes(size_t columns, size_t kernels) {
   return (columns * kernels * sizeof(float) + kMostRatio - 1) / kMostRatio;
 }
 // Of zstd's frames, which store what does not compress: a bit more than it.
-inline constexpr size_t most_payload_bytes(size_t columns, size_t kernels) {
-  return most_raw_bytes(columns, kernels) + most_raw_bytes(columns, kernels) / 16 + 8192;
+inline constexpr size_t max_payload_bytes(size_t columns, size_t kernels) {
+  return max_raw_bytes(columns, kernels) + max_raw_bytes(columns, kernels) / 16 + 8192;
 }
 
 }  // namespace livegs::progressive_layout

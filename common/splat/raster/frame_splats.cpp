@@ -43,9 +43,9 @@ uint32_t most_spare(uint32_t wanted) { return std::max(wanted / 16, 256u); }
 
 }  // namespace
 
-FrameSplats::FrameSplats(Backend& backend, uint32_t most_part_rows)
-    : backend_(&backend), part_rows_(static_cast<uint32_t>(backend.most_buffer_bytes() / sizeof(SplatRow))) {
-  if (most_part_rows > 0) part_rows_ = std::min(part_rows_, most_part_rows);
+FrameSplats::FrameSplats(Backend& backend, uint32_t max_part_rows)
+    : backend_(&backend), part_rows_(static_cast<uint32_t>(backend.max_buffer_bytes() / sizeof(SplatRow))) {
+  if (max_part_rows > 0) part_rows_ = std::min(part_rows_, max_part_rows);
 }
 
 void FrameSplats::release() {
@@ -70,7 +70,7 @@ Result<void> FrameSplats::make_room(uint32_t kernels, size_t eyes, bool poses) {
   const bool grows = sorter_.has_value();
   release();
   const auto with_spare = [&](uint32_t count) {
-    return count > 1 && grows ? static_cast<uint32_t>(std::min<uint64_t>(count + most_spare(count) / 2, most_kernels())) : count;
+    return count > 1 && grows ? static_cast<uint32_t>(std::min<uint64_t>(count + most_spare(count) / 2, max_kernels())) : count;
   };
   const auto failed = [&](const Error& error) {
     release();
@@ -117,9 +117,9 @@ Result<void> FrameSplats::prepare(std::span<const Object> objects, std::span<con
     total += object.kernels->size();
     poses = poses || object.pose;
   }
-  if (total > most_kernels()) {
+  if (total > max_kernels()) {
     return Error{ErrorCode::TooLarge, "a frame of " + std::to_string(total) + " kernels; the device's buffers hold " +
-                                          std::to_string(most_kernels())};
+                                          std::to_string(max_kernels())};
   }
   kernel_count_ = static_cast<uint32_t>(total);
   if (auto made = make_room(std::max(1u, kernel_count_), eyes.size(), poses); !made) return made;

@@ -33,8 +33,8 @@ class FrameSplats {
     std::function<Result<void>(uint32_t first, uint32_t count, BufferId posed)> pose;
   };
 
-  // `most_part_rows`: kernels whose rows share a buffer; 0: as many as the backend binds.
-  explicit FrameSplats(Backend& backend, uint32_t most_part_rows = 0);
+  // `max_part_rows`: kernels whose rows share a buffer; 0: as many as the backend binds.
+  explicit FrameSplats(Backend& backend, uint32_t max_part_rows = 0);
   FrameSplats(const FrameSplats&) = delete;
   FrameSplats& operator=(const FrameSplats&) = delete;
 
@@ -60,7 +60,7 @@ class FrameSplats {
   BufferId rows(int eye, int part = 0) const { return (rows_[eye][part] ? rows_[eye][part] : rows_[eye][0]).id(); }
   uint32_t part_rows() const { return part_rows_; }
   static constexpr int kRowParts = 3;  // two eyes' and the order are seven buffers; a device binds eight or more (pass.h)
-  uint64_t most_kernels() const { return std::min<uint64_t>(KeySorter::kMaxKeys, uint64_t{kRowParts} * part_rows_); }
+  uint64_t max_kernels() const { return std::min<uint64_t>(KeySorter::kMaxKeys, uint64_t{kRowParts} * part_rows_); }
 
   uint32_t kernel_count() const { return kernel_count_; }
   size_t device_bytes() const { return device_bytes_; }

@@ -27,9 +27,9 @@ inline uint64_t little_endian(uint64_t word) {
 class RiceWriter {
  public:
   static constexpr bool kReads = false;
-  // Over room for `most_codes` codes or strings of bits in all.
-  RiceWriter(std::vector<std::byte>& buffer, size_t most_codes) {
-    if (buffer.size() < 7 * most_codes + 16) buffer.resize(7 * most_codes + 16);
+  // Over room for `max_codes` codes or strings of bits in all.
+  RiceWriter(std::vector<std::byte>& buffer, size_t max_codes) {
+    if (buffer.size() < 7 * max_codes + 16) buffer.resize(7 * max_codes + 16);
     begin_ = at_ = buffer.data();
   }
   uint32_t code(uint32_t value, int k) {

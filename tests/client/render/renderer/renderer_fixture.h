@@ -41,7 +41,7 @@ class BorrowedRenderer final : public SplatRenderer {
 class SharedRenderers final : public testing::Environment {
  public:
   Result<std::unique_ptr<SplatRenderer>> borrow(const VulkanRendererOptions& options) {
-    auto& renderer = renderers_[{options.precision, options.separate_times, options.read_blended, options.most_part_rows}];
+    auto& renderer = renderers_[{options.precision, options.separate_times, options.read_blended, options.max_part_rows}];
     if (!renderer) {
       auto made = create_vulkan_renderer(*shared_vulkan.device(), options);
       if (!made) return made.error();

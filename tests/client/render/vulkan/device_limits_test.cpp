@@ -111,7 +111,7 @@ TEST_F(DeviceLimits, RowsInSeveralBuffersDrawTheSamePicture) {
   const Camera eyes[] = {eye, right};
   const RenderedObject both[] = {rendered(shell.drawn()), rendered(other.drawn())};
   const auto whole = draw(both, eyes);
-  make_renderer({.precision = BlendPrecision::Half, .most_part_rows = 1000});
+  make_renderer({.precision = BlendPrecision::Half, .max_part_rows = 1000});
   const auto parted = draw(both, eyes);
   ASSERT_EQ(parted.size(), 2u);
   for (int e = 0; e < 2; ++e) EXPECT_EQ(parted[e].pixels, whole[e].pixels) << e;

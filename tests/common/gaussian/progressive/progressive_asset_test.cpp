@@ -252,7 +252,7 @@ TEST(ColumnCodec, WritesEachOfItsThreeWays) {
     const ColumnBytes column = encode_column(*words);
     EXPECT_EQ(std::to_integer<int>(column.bytes[0]), way);
     EXPECT_EQ(column.ends.back(), column.bytes.size());
-    EXPECT_LE(column.bytes.size(), most_column_bytes(words->size()));
+    EXPECT_LE(column.bytes.size(), max_column_bytes(words->size()));
     std::vector<uint32_t> back(words->size());
     std::span<const std::byte> bytes = column.bytes;
     ASSERT_TRUE(decode_column(bytes, back));
