@@ -30,7 +30,7 @@ void PointGrid::insert(const Eigen::Vector3d& point_m) {
   points_m_.push_back(point_m);
 }
 
-bool PointGrid::any_nearer(const Eigen::Vector3d& point_m, double radius_m) const {
+bool PointGrid::has_neighbour_within(const Eigen::Vector3d& point_m, double radius_m) const {
   const Eigen::Vector3i low = cell_of(point_m.array() - radius_m), high = cell_of(point_m.array() + radius_m);
   for (int k = low.z(); k <= high.z(); ++k) {
     for (int j = low.y(); j <= high.y(); ++j) {

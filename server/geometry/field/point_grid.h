@@ -22,7 +22,7 @@ class PointGrid {
   size_t size() const { return points_m_.size(); }
 
   // Is there a point nearer than radius_m?
-  bool any_nearer(const Eigen::Vector3d& point_m, double radius_m) const;
+  bool has_neighbour_within(const Eigen::Vector3d& point_m, double radius_m) const;
 
   // Number of the nearest point. Precondition: there is one.
   uint32_t nearest(const Eigen::Vector3d& point_m) const;

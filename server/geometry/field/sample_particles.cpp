@@ -189,7 +189,7 @@ ParticleSet sample_particles(const TriangleMesh& mesh, int density, double spaci
   for (size_t v = 0; v < mesh.vertices_m.size(); ++v) {
     among_used[v] = static_cast<uint32_t>(particles.mesh_vertices_m.size());
     if (used[v]) particles.mesh_vertices_m.push_back(mesh.vertices_m[v]);
-    if (used[v] && !taken.any_nearer(mesh.vertices_m[v], least_distance_m)) take(mesh.vertices_m[v], true);
+    if (used[v] && !taken.has_neighbour_within(mesh.vertices_m[v], least_distance_m)) take(mesh.vertices_m[v], true);
   }
 
   for (const auto& triangle : mesh.triangles) {
@@ -215,7 +215,7 @@ ParticleSet sample_particles(const TriangleMesh& mesh, int density, double spaci
     for_each_triangle_piece(mesh, 0.5 * apart_m, [&](const Eigen::Vector3d& point_m, double) { places.push_back(point_m); });
     shuffle(places);
     for (const Eigen::Vector3d& point_m : places) {
-      if (particles.positions_m.size() < kMostCovering && !taken.any_nearer(point_m, apart_m)) take(point_m, true);
+      if (particles.positions_m.size() < kMostCovering && !taken.has_neighbour_within(point_m, apart_m)) take(point_m, true);
     }
   }
   particles.volumes_m3 = share_volume(mesh, bounds, spacing_m, volume_m3, taken);

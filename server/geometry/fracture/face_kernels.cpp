@@ -203,7 +203,7 @@ void add_rim(const Face& face, double spacing, double overhang, double first_ins
 }  // namespace
 
 std::vector<FaceKernel> face_kernels(const VoronoiPieces& pieces, double spacing_m,
-                                     double most_overhang_m) {
+                                     double max_overhang_m) {
   std::vector<std::vector<FaceKernel>> by_bond(pieces.bonds.size());
   parallel_for(pieces.bonds.size(), 1, [&](size_t begin, size_t end) {
     for (size_t b = begin; b < end; ++b) {
@@ -211,9 +211,9 @@ std::vector<FaceKernel> face_kernels(const VoronoiPieces& pieces, double spacing
       std::vector<FaceKernel> first, second;
       for (const Face& face : faces_of(pieces.pieces[pieces.bonds[b].first], bond)) {
         std::vector<FlatKernel> flat;
-        add_grid(face, spacing_m, most_overhang_m, flat);
-        add_rim(face, spacing_m, most_overhang_m, kRimInsets[0], true, flat);
-        add_rim(face, spacing_m, most_overhang_m, kRimInsets[1], false, flat);
+        add_grid(face, spacing_m, max_overhang_m, flat);
+        add_rim(face, spacing_m, max_overhang_m, kRimInsets[0], true, flat);
+        add_rim(face, spacing_m, max_overhang_m, kRimInsets[1], false, flat);
         for (const FlatKernel& kernel : flat) {
           const Vector3d along = kernel.along.x() * face.right + kernel.along.y() * face.up;
           FaceKernel made;

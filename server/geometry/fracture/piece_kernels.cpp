@@ -89,7 +89,7 @@ double interior_spacing_m(const GaussianAsset& asset, double scale, const Vorono
   double area_m2 = 0.0;
   for (const VoronoiBond& bond : pieces.bonds) area_m2 += bond.area_m2;
   // Two sides, a hexagon of 0.87 spacing² each, and as many again along rims at most.
-  const double least_m = std::sqrt(4.0 * area_m2 / (0.87 * static_cast<double>(std::max<size_t>(options.most_interior, 1))));
+  const double least_m = std::sqrt(4.0 * area_m2 / (0.87 * static_cast<double>(std::max<size_t>(options.max_interior, 1))));
   if (options.interior_spacing_m > 0.0) return std::max(options.interior_spacing_m, least_m);
   std::vector<float> widths;
   for (size_t k = 0; k < asset.size(); ++k) {
@@ -107,7 +107,7 @@ void add_face_kernels(const GaussianAsset& asset, const Similarity& object_from_
                       const PieceKernelOptions& options, double overhang_m, PieceKernels& out) {
   const double spacing_m = interior_spacing_m(asset, object_from_asset.scale, pieces, options);
   const std::vector<FaceKernel> faces =
-      options.most_interior > 0 && spacing_m > 0.0 ? face_kernels(pieces, spacing_m, overhang_m) : std::vector<FaceKernel>{};
+      options.max_interior > 0 && spacing_m > 0.0 ? face_kernels(pieces, spacing_m, overhang_m) : std::vector<FaceKernel>{};
   const size_t begin = out.asset.size();
   out.interior_begin = begin;
   out.asset.resize(begin + faces.size());
@@ -161,11 +161,11 @@ void add_face_kernels(const GaussianAsset& asset, const Similarity& object_from_
 Result<PieceKernels> make_piece_kernels(const GaussianAsset& asset, const Similarity& object_from_asset,
                                         const VoronoiPieces& pieces, const PieceKernelOptions& options) {
   if (pieces.pieces.empty()) return invalid_argument("fracture: no pieces to bind kernels to");
-  if (!(options.most_overhang_m >= 0.0) || !(options.interior_spacing_m >= 0.0)) {
-    return invalid_argument("fracture: most_overhang_m and interior_spacing_m must not be negative");
+  if (!(options.max_overhang_m >= 0.0) || !(options.interior_spacing_m >= 0.0)) {
+    return invalid_argument("fracture: max_overhang_m and interior_spacing_m must not be negative");
   }
   const double overhang_m =
-      options.most_overhang_m > 0.0 ? options.most_overhang_m : kDefaultOverhang * body_diagonal_m(pieces);
+      options.max_overhang_m > 0.0 ? options.max_overhang_m : kDefaultOverhang * body_diagonal_m(pieces);
 
   PieceKernels out;
   out.asset = asset;

@@ -26,11 +26,11 @@ inline constexpr uint32_t kInteriorKernel = ~0u;
 struct PieceKernelOptions {
   // No kernel reaches farther across a cut than this at three standard deviations, metres; 0: a 200th of the diagonal
   // of the body. Kernels that would are first replaced by narrower ones of the same moments.
-  double most_overhang_m = 0.0;
+  double max_overhang_m = 0.0;
   // Kernels on the cut faces, metres apart; 0: as the surface kernels are, by their median size, but no more than
-  // most_interior in all.
+  // max_interior in all.
   double interior_spacing_m = 0.0;
-  size_t most_interior = 60000;
+  size_t max_interior = 60000;
   // Colour of the material inside, 0 … 1; without one, that of the surface kernels nearest to each place, and for the most
   // part the mean of that over the face.
   std::optional<Eigen::Vector3f> interior_rgb;

@@ -72,7 +72,7 @@ GaussianPart below(const GaussianPart& part, const Vector3d& normal, double devi
 
 // A Gaussian of variance 1 is one of variance w² convolved with one of 1 - w²; here the latter is sampled along the
 // normal, a spacing apart.
-void add_narrower(const GaussianPart& part, const Crossing& crossing, double width, double least_opacity,
+void add_narrower(const GaussianPart& part, const Crossing& crossing, double width, double min_opacity,
                   std::vector<GaussianPart>& out) {
   const Vector3d along = part.covariance_m2 * crossing.normal / crossing.deviation_m;
   const double spread = std::sqrt(1.0 - width * width), spacing = kNarrowSpacing * width;
@@ -85,7 +85,7 @@ void add_narrower(const GaussianPart& part, const Crossing& crossing, double wid
     narrow.opacity *= spacing / width / spread * std::exp(-0.5 * at * at / (spread * spread)) /
                       std::sqrt(2.0 * std::numbers::pi);
     narrow.narrowed.push_back(cut_name(part.cell, crossing.neighbour));
-    if (narrow.opacity >= least_opacity) out.push_back(std::move(narrow));
+    if (narrow.opacity >= min_opacity) out.push_back(std::move(narrow));
   }
 }
 
@@ -97,12 +97,12 @@ double overhang_m(const Crossing& crossing) {
 
 // Rounding, other planes' cuts and kMostParts may leave a part reaching too far: it is pressed flat until it does not,
 // and grows more opaque for it.
-void hold_back(GaussianPart& part, const VoronoiPieces& pieces, double most_overhang_m) {
+void hold_back(GaussianPart& part, const VoronoiPieces& pieces, double max_overhang_m) {
   for (uint32_t neighbour : pieces.cell_neighbours[part.cell]) {
     if (one_piece(pieces, part.cell, neighbour)) continue;
     const Crossing crossing = plane_between(part, pieces, neighbour);
     const double distance_m = crossing.end * crossing.deviation_m;
-    const double reach_m = distance_m + most_overhang_m;
+    const double reach_m = distance_m + max_overhang_m;
     const double share = reach_m / (kSplitDeviations * std::max(crossing.deviation_m, 1e-300));
     if (share >= 1.0) continue;
     const Vector3d along = part.covariance_m2 * crossing.normal / crossing.deviation_m;
@@ -134,16 +134,16 @@ std::vector<GaussianPart> split_gaussian(const Vector3d& mean_m, const Matrix3d&
     }
     const GaussianPart high = below(part, -crossing.normal, crossing.deviation_m, -crossing.end);
     const double reach_m = (kSplitDeviations - crossing.end) * crossing.deviation_m;
-    if (high.opacity < limits.least_opacity && reach_m <= limits.most_overhang_m) {
+    if (high.opacity < limits.min_opacity && reach_m <= limits.max_overhang_m) {
       part.cuts.push_back(planes);
       open.push_back(std::move(part));
       continue;
     }
     const double overhang = overhang_m(crossing);
-    if (overhang > limits.most_overhang_m &&
+    if (overhang > limits.max_overhang_m &&
         std::find(part.narrowed.begin(), part.narrowed.end(), planes) == part.narrowed.end()) {
-      const double width = std::clamp(0.9 * limits.most_overhang_m / crossing.deviation_m, kNarrowest, 0.8);
-      add_narrower(part, crossing, width, limits.least_opacity, open);
+      const double width = std::clamp(0.9 * limits.max_overhang_m / crossing.deviation_m, kNarrowest, 0.8);
+      add_narrower(part, crossing, width, limits.min_opacity, open);
       continue;
     }
     GaussianPart low = below(part, crossing.normal, crossing.deviation_m, crossing.end);
@@ -168,10 +168,10 @@ std::vector<GaussianPart> split_gaussian(const Vector3d& mean_m, const Matrix3d&
   std::rotate(done.begin(), done.begin() + static_cast<std::ptrdiff_t>(first),
               done.begin() + static_cast<std::ptrdiff_t>(first) + 1);
   std::erase_if(done, [&](const GaussianPart& part) {
-    return &part != done.data() && part.opacity < limits.least_opacity;
+    return &part != done.data() && part.opacity < limits.min_opacity;
   });
   if (done.size() > 1 || done[0].covariance_m2 != covariance_m2) {
-    for (GaussianPart& part : done) hold_back(part, pieces, limits.most_overhang_m);
+    for (GaussianPart& part : done) hold_back(part, pieces, limits.max_overhang_m);
   }
   return done;
 }

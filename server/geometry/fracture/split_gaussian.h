@@ -23,8 +23,8 @@ struct GaussianPart {
 };
 
 struct SplitLimits {
-  double most_overhang_m;  // across a plane, at kSplitDeviations
-  double least_opacity;    // in parts of the original's; parts below are left out, but for the first
+  double max_overhang_m;  // across a plane, at kSplitDeviations
+  double min_opacity;    // in parts of the original's; parts below are left out, but for the first
 };
 
 // An ellipsoid of this many standard deviations counts as the kernel: outside, its opacity is under a 90th of the peak.

@@ -344,7 +344,7 @@ TEST(PieceKernels, StopWhenTold) {
   options.stop = stop.get_token();
   EXPECT_FALSE(make_piece_kernels(kernels_about(box_mesh({1, 1, 1}), 100, 0.01, 0), {}, pieces, options));
   options = {};
-  options.most_overhang_m = -1;
+  options.max_overhang_m = -1;
   EXPECT_FALSE(make_piece_kernels({}, {}, pieces, options));
   EXPECT_TRUE(make_piece_kernels({}, {}, pieces));
 }
