@@ -44,7 +44,7 @@ struct Options {
   std::string state_dir;
   std::optional<int> metrics_port;
   std::optional<double> client_mbit_s;
-  size_t clients = livegs::kUsualSessions;
+  size_t clients = livegs::kDefaultSessions;
   std::string log_format = "text";
   std::optional<double> rate_hz;
   std::optional<int> substeps;
@@ -263,7 +263,7 @@ int main(int argc, char** argv) {
                  "What a client is sent at most, megabits a second; what matters least to it waits. No limit when left out")
       ->check(CLI::Range(0.1, 1e5));
   app.add_option("--clients", options.clients, "How many may be there at once; who was cut off keeps a place for half a minute")
-      ->check(CLI::Range(size_t{1}, livegs::kMostSessions))
+      ->check(CLI::Range(size_t{1}, livegs::kMaxSessions))
       ->capture_default_str();
   app.add_option("--publish", options.publish,
                  "tcp://127.0.0.1:PORT: publish frames to livegs-client --subscribe and others on this machine, without "

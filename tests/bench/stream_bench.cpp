@@ -172,7 +172,7 @@ struct Secured {
 
 // Noise at `nodes` a frame, to `clients`; added to `measured`. `boxes`: in so many objects.
 void noise(Measured& measured, size_t nodes, Secured* secured, double seconds, size_t boxes = 0) {
-  NoiseServer server(nodes, secured ? secured->security.get() : nullptr, kMostSessions, boxes);
+  NoiseServer server(nodes, secured ? secured->security.get() : nullptr, kMaxSessions, boxes);
   StreamClients clients({server.port(), secured ? secured->security->fingerprint() : "", secured ? secured->token : ""},
                         measured.clients, measured.kind);
   sleep_until_ns(now_ns() + kSecond_ns);
@@ -327,7 +327,7 @@ int main(int argc, char** argv) {
   auto* of_scenes = app.add_option("SCENE", scenes, "Scene files or folders of assets, each to 1 and 8 clients, in place of noise")
                         ->check(CLI::ExistingPath);
   auto* of_clients = app.add_option("--clients", counts, "Noise to so many clients alone, each number to light and to whole ones")
-                         ->check(between(1, static_cast<double>(kMostSessions)))
+                         ->check(between(1, static_cast<double>(kMaxSessions)))
                          ->excludes(of_scenes);
   app.add_flag("--links", links_only, "Noise through links that are narrow, long or stall, alone")
       ->excludes(of_scenes)

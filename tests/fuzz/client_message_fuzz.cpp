@@ -19,7 +19,7 @@ void check_sample(const InputSample& sample) {
   for (const HandSample& hand : sample.hands) {
     if (!hand.active) continue;
     for (const Pose* pose : {&hand.aim, &hand.grip}) {
-      check(pose->position_m.allFinite() && pose->position_m.cwiseAbs().maxCoeff() <= kLargestHandPosition_m, "hands are near");
+      check(pose->position_m.allFinite() && pose->position_m.cwiseAbs().maxCoeff() <= kMaxHandPosition_m, "hands are near");
       check(std::abs(pose->orientation.norm() - 1.0) < 1e-6, "hands are turned by rotations");
     }
     for (const float value : {hand.trigger, hand.squeeze}) check(value >= 0 && value <= 1, "a trigger is between 0 and 1");

@@ -26,7 +26,7 @@ uint64_t TickAim::tick_at(int64_t now_ns) const {
   // The offset of the clocks is in there, as it is in the answer that is asked for: it need not be known.
   const double periods = 1e-9 * static_cast<double>(now_ns + *rank - begun_ns_) * rate_hz_;
   const double ahead = std::max(1.0, std::ceil(periods));
-  return ahead <= kMostTicksAhead ? tick_ + static_cast<uint64_t>(ahead) : 0;
+  return ahead <= kMaxTicksAhead ? tick_ + static_cast<uint64_t>(ahead) : 0;
 }
 
 }  // namespace livegs

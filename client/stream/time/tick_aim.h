@@ -19,13 +19,13 @@ class TickAim {
   // A message that was sent then has arrived then, the one by this clock, the other by the server's.
   void arrived(int64_t sent_ns, int64_t heard_ns);
 
-  // 0, for "the next", while the clock or the way is not known, or would ask for more than kMostTicksAhead.
+  // 0, for "the next", while the clock or the way is not known, or would ask for more than kMaxTicksAhead.
   uint64_t tick_at(int64_t now_ns) const;
 
  private:
   static constexpr size_t kArrivalsKept = 64;
   static constexpr double kArrivalShare = 0.95;
-  static constexpr int64_t kMostTicksAhead = 15;  // the server believes 30
+  static constexpr int64_t kMaxTicksAhead = 15;  // the server believes 30
 
   const double rate_hz_;
   uint64_t tick_ = 0;

@@ -21,9 +21,9 @@ namespace {
 
 constexpr int kBacklog = 512;
 // As gRPC sets it on sockets it listens on itself: unanswered bytes end the connection.
-constexpr unsigned kUnanswered_ms = 3000;
+constexpr unsigned kTcpUserTimeout_ms = 3000;
 // Descriptors are short: the next try is worth nothing before some are closed.
-constexpr useconds_t kOutOfDescriptors_us = 50'000;
+constexpr useconds_t kDescriptorRetry_us = 50'000;
 
 void set(int socket, int level, int option, int value) { ::setsockopt(socket, level, option, &value, sizeof value); }
 
@@ -158,7 +158,7 @@ void ConnectionLimiter::take(int listener) {
   const int socket =
       ::accept4(listener, reinterpret_cast<sockaddr*>(&from), &size, SOCK_CLOEXEC | SOCK_NONBLOCK);
   if (socket < 0) {
-    if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) ::usleep(kOutOfDescriptors_us);
+    if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) ::usleep(kDescriptorRetry_us);
     return;
   }
   bool loopback = false;
@@ -168,7 +168,7 @@ void ConnectionLimiter::take(int listener) {
     return;
   }
   set(socket, IPPROTO_TCP, TCP_NODELAY, 1);
-  set(socket, IPPROTO_TCP, TCP_USER_TIMEOUT, kUnanswered_ms);
+  set(socket, IPPROTO_TCP, TCP_USER_TIMEOUT, kTcpUserTimeout_ms);
   admitted_.push_back({socket, inode_of(socket), address});
   grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
   connection.listener_fd = listener;

@@ -24,7 +24,7 @@ constexpr std::string_view kPrefix = "livegs_";  // so that a person, and who sc
 constexpr size_t kSecretBytes = 32;
 constexpr size_t kMaxName = 64;
 constexpr int64_t kDay_s = 86400;
-constexpr int64_t kRememberedAfter_s = 30 * kDay_s;  // it ended
+constexpr int64_t kExpiredTokenRetention_s = 30 * kDay_s;  // it ended
 constexpr const char* kScopeNames[] = {"view", "interact", "author", "admin"};
 
 template <size_t kBytes>
@@ -125,7 +125,7 @@ Result<TokenStore::Made> TokenStore::add(const std::string& name, v1::Scope scop
   auto& tokens = *tokens_.mutable_tokens();
   tokens.erase(std::remove_if(tokens.begin(), tokens.end(),
                               [&](const v1::Token& token) {
-                                return token.expires_unix_s() + kRememberedAfter_s < now_s;
+                                return token.expires_unix_s() + kExpiredTokenRetention_s < now_s;
                               }),
                tokens.end());
   if (static_cast<size_t>(tokens.size()) >= kMaxTokens) {

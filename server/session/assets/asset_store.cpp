@@ -80,7 +80,7 @@ void AssetStore::drop_unused(const std::set<std::string>& told, int64_t now_ns) 
   }
   std::erase_if(by_hash_, [&](const auto& one) {
     const auto& since_ns = one.second.unused_since_ns;
-    return since_ns && now_ns - *since_ns >= kDroppedAfter_ns;
+    return since_ns && now_ns - *since_ns >= kUnusedAssetLifetime_ns;
   });
 }
 

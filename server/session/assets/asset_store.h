@@ -28,8 +28,8 @@ struct AssetBytes {
 AssetBytes encode_asset(const GaussianAsset& asset);
 
 // So long bytes are kept after the last object that is drawn with them went: a client that joined before may come to them so
-// late (kJoinExpiry_ns), and one that is behind hears of the change later.
-inline constexpr int64_t kDroppedAfter_ns = 120'000'000'000;
+// late (kJoinTimeout_ns), and one that is behind hears of the change later.
+inline constexpr int64_t kUnusedAssetLifetime_ns = 120'000'000'000;
 
 // Every asset of the scene, encoded and hashed once, whoever asks and however many objects share it. Any
 // thread.
@@ -44,7 +44,7 @@ class AssetStore {
   bool has(const std::shared_ptr<const GaussianAsset>& asset) const;
   std::shared_ptr<const AssetBytes> find(std::string_view hash) const;  // nullptr if unknown
   // Drops what nobody needs any more: neither an object that somebody holds is drawn with it, nor was a client told of it
-  // (`told`) within the last kDroppedAfter_ns. Who is just sending it holds it.
+  // (`told`) within the last kUnusedAssetLifetime_ns. Who is just sending it holds it.
   void drop_unused(const std::set<std::string>& told, int64_t now_ns);
   std::vector<std::string> hashes() const;  // of all there is
 

@@ -11,11 +11,11 @@
 namespace livegs {
 namespace {
 
-constexpr double kNearest_m = 0.25;       // what is nearer counts as this near
-constexpr double kDistanceUnseen_m = 1;   // to a client that says nothing of its eye
-constexpr double kOutOfView = 1.0 / 8;    // of what it would count in view
+constexpr double kMinDistance_m = 0.25;       // what is nearer counts as this near
+constexpr double kDefaultDistance_m = 1;   // to a client that says nothing of its eye
+constexpr double kOutOfViewWeight = 1.0 / 8;    // of what it would count in view
 // An elastic object's kernels are farther from its nodes where it is stretched.
-constexpr double kStretch = 2;
+constexpr double kStretchAllowance = 2;
 
 bool holds(std::span<const uint32_t> ids, uint32_t id) { return std::binary_search(ids.begin(), ids.end(), id); }
 
@@ -31,7 +31,7 @@ ObjectBall ball_around(const ObjectDrivers& drivers, double reach_m) {
   for (const Pose& pose : drivers.poses) box.extend(pose.position_m);
   for (const Eigen::Vector3f& position : drivers.positions_m) box.extend(position.cast<double>());
   if (box.isEmpty()) return {drivers.object_id, Eigen::Vector3d::Zero(), std::numeric_limits<double>::infinity(), drivers.asleep};
-  const double stretch = drivers.kind == DriverKind::Rigid ? 1 : kStretch;
+  const double stretch = drivers.kind == DriverKind::Rigid ? 1 : kStretchAllowance;
   return {drivers.object_id, box.center(), 0.5 * box.diagonal().norm() + stretch * reach_m, drivers.asleep};
 }
 
@@ -62,10 +62,10 @@ std::vector<uint32_t> over_budget(const DriverFrame& frame, const StreamBaseline
     if (holds(out, lag.object_id)) continue;
     const ObjectBall* const ball = find(balls, lag.object_id);
     const double radius_m = ball && std::isfinite(ball->radius_m) ? ball->radius_m : 0;
-    double distance_m = kDistanceUnseen_m, share = 1;
+    double distance_m = kDefaultDistance_m, share = 1;
     if (who.view && ball) {
-      distance_m = std::max(kNearest_m, (ball->centre_m - who.view->position_m).norm() - radius_m);
-      share = who.view->touches(ball->centre_m, ball->radius_m) ? 1 : kOutOfView;
+      distance_m = std::max(kMinDistance_m, (ball->centre_m - who.view->position_m).norm() - radius_m);
+      share = who.view->touches(ball->centre_m, ball->radius_m) ? 1 : kOutOfViewWeight;
     }
     const double off_rad = (lag.moved_m + radius_m * lag.turned_rad) / distance_m;
     const double weight = holds(who.held, lag.object_id) ? std::numeric_limits<double>::infinity()

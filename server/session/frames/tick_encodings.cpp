@@ -32,7 +32,7 @@ SharedFramePayload make_frame_tail(std::span<const std::byte> frame) {
 }
 
 // A tick that is encoded so often already makes clients seem slow by itself: who has no cap shares from then on.
-constexpr size_t kManyEncodings = 8;
+constexpr size_t kMaxSharedEncodings = 8;
 
 EncodedFrame whole_frame(std::span<const std::byte> frame) {
   return {std::make_shared<const SharedFramePayload>(make_frame_tail(frame)), nullptr, frame.size()};
@@ -58,7 +58,7 @@ EncodedFrame TickEncodings::for_client(const StreamBaselinePtr& written, const C
   const StreamBaselinePtr baseline = usable(written);
   if (!baseline) return encoded(nullptr, {}, who.position_bits);
   std::vector<uint32_t> left_out;
-  const bool shares = who.uncongested || (std::isinf(budget_bytes) && encodings() >= kManyEncodings);
+  const bool shares = who.uncongested || (std::isinf(budget_bytes) && encodings() >= kMaxSharedEncodings);
   if (who.view && !shares) left_out = culled(balls(), who, frame_.tick, tick_of(*baseline));
   const EncodedFrame whole = encoded(baseline, left_out, who.position_bits);
   if (static_cast<double>(whole.bytes) <= budget_bytes) return whole;

@@ -9,17 +9,17 @@ namespace livegs {
 namespace {
 
 // A decision is taken by so many answers, or by those of so long if they are few: a stall of 300 ms delays four of them.
-constexpr size_t kAnswers = 32, kFewAnswers = 8;
-constexpr int64_t kLongest_ns = 2'000'000'000;
+constexpr size_t kAnswersPerDecision = 32, kMinAnswers = 8;
+constexpr int64_t kMaxDecisionInterval_ns = 2'000'000'000;
 // Enough to see that a size which was too large is so still.
-constexpr size_t kTrialAnswers = 12;
-constexpr size_t kLoneFrames = 5;
-constexpr int64_t kAloneHolds_ns = 10'000'000'000;
-constexpr int64_t kFirstPause_ns = 10'000'000'000, kLongestPause_ns = 40'000'000'000;
+constexpr size_t kTrialAnswerCount = 12;
+constexpr size_t kLoneFrameCount = 5;
+constexpr int64_t kLoneMeasurementLifetime_ns = 10'000'000'000;
+constexpr int64_t kMinPause_ns = 10'000'000'000, kMaxPause_ns = 40'000'000'000;
 // Answers farther apart than ticks, by more than noise; round trips longer than alone, by more than noise.
-constexpr double kSlower = 1.1, kQueued = 1.25;
+constexpr double kSlowdownRatio = 1.1, kQueueRatio = 1.25;
 // The share of a frame that a window may lack to fill a pipe: four fifths of its pace remain.
-constexpr double kMayLack = 0.25;
+constexpr double kMaxPipeGap = 0.25;
 // By so much of an interval has a round trip to fall below the limit at which the window grew.
 constexpr double kHysteresis = 0.25;
 
@@ -39,7 +39,7 @@ int64_t usual_mean(std::vector<int64_t>& values) {
 double ratio(int64_t a, int64_t b) { return static_cast<double>(a) / static_cast<double>(std::max<int64_t>(b, 1)); }
 
 size_t window_of(double intervals) {
-  return static_cast<size_t>(std::clamp(std::ceil(intervals), double{WindowSize::kLeast}, double{WindowSize::kMost}));
+  return static_cast<size_t>(std::clamp(std::ceil(intervals), double{WindowSize::kMinFrames}, double{WindowSize::kMaxFrames}));
 }
 
 }  // namespace
@@ -61,8 +61,8 @@ void WindowSize::add(const Answer& answer) {
   }
   round_trips_ns_.push_back(round_trip_ns);
   if (answer.written_ns < before_ns) paces_ns_.push_back((heard_ns_ - before_ns) / static_cast<int64_t>(std::max<size_t>(answer.frames, 1)));
-  const size_t enough = size_ >= queued_at_ ? kTrialAnswers : kAnswers;
-  const bool few = round_trips_ns_.size() >= kFewAnswers && heard_ns_ - decided_ns_ >= kLongest_ns;
+  const size_t enough = size_ >= queued_at_ ? kTrialAnswerCount : kAnswersPerDecision;
+  const bool few = round_trips_ns_.size() >= kMinAnswers && heard_ns_ - decided_ns_ >= kMaxDecisionInterval_ns;
   if (round_trips_ns_.size() < enough && !few) return;
   decide(heard_ns_);
   forget_answers();
@@ -76,15 +76,15 @@ void WindowSize::forget_answers() {
 
 void WindowSize::decide(int64_t now_ns) {
   round_trip_ns_ = median(round_trips_ns_);
-  const bool paced = paces_ns_.size() >= kFewAnswers / 2;
+  const bool paced = paces_ns_.size() >= kMinAnswers / 2;
   pace_ns_ = paced ? usual_mean(paces_ns_) : 0;
-  const bool slower = size_ == 1 ? round_trip_ns_ > interval_ns_ : ratio(pace_ns_, interval_ns_) > kSlower;
+  const bool slower = size_ == 1 ? round_trip_ns_ > interval_ns_ : ratio(pace_ns_, interval_ns_) > kSlowdownRatio;
   if (!slower) {
     const double intervals = ratio(round_trip_ns_, interval_ns_);
     const size_t grown = window_of(std::ceil(intervals) + 1), shrunk = window_of(std::ceil(intervals + kHysteresis) + 1);
     if (grown > size_) size_ = grown;
     if (shrunk < size_) size_ = shrunk;
-    queued_at_ = kMost + 1;
+    queued_at_ = kMaxFrames + 1;
     pause_ns_ = 0;
     return;
   }
@@ -93,9 +93,9 @@ void WindowSize::decide(int64_t now_ns) {
     alone_ns_ = round_trip_ns_;
     alone_at_ns_ = now_ns;
   }
-  if (alone_ns_ == 0 || now_ns - alone_at_ns_ > kAloneHolds_ns) {
+  if (alone_ns_ == 0 || now_ns - alone_at_ns_ > kLoneMeasurementLifetime_ns) {
     lone_.clear();
-    lone_left_ = kLoneFrames;
+    lone_left_ = kLoneFrameCount;
     return;
   }
   judge(now_ns);
@@ -104,26 +104,26 @@ void WindowSize::decide(int64_t now_ns) {
 void WindowSize::note_slow(int64_t now_ns) {
   if (!slow(now_ns)) {
     const bool again = slow_pause_ns_ > 0 && now_ns < slow_until_ns_ + slow_pause_ns_;
-    slow_pause_ns_ = again ? std::min(2 * slow_pause_ns_, kLongestPause_ns) : kFirstPause_ns;
+    slow_pause_ns_ = again ? std::min(2 * slow_pause_ns_, kMaxPause_ns) : kMinPause_ns;
   }
   slow_until_ns_ = now_ns + slow_pause_ns_;
 }
 
 void WindowSize::judge(int64_t now_ns) {
-  if (size_ > 1 && ratio(round_trip_ns_, alone_ns_) > kQueued) {
+  if (size_ > 1 && ratio(round_trip_ns_, alone_ns_) > kQueueRatio) {
     note_slow(now_ns);
-    size_ = std::min(size_ - 1, window_of(ratio(alone_ns_, pace_ns_) - kMayLack));
+    size_ = std::min(size_ - 1, window_of(ratio(alone_ns_, pace_ns_) - kMaxPipeGap));
     queued_at_ = size_ + 1;
-    pause_ns_ = pause_ns_ == 0 ? kFirstPause_ns : std::min(2 * pause_ns_, kLongestPause_ns);
+    pause_ns_ = pause_ns_ == 0 ? kMinPause_ns : std::min(2 * pause_ns_, kMaxPause_ns);
     queued_until_ns_ = now_ns + pause_ns_;
     return;
   }
   if (size_ >= queued_at_) {  // what stood in the way is gone
-    queued_at_ = kMost + 1;
+    queued_at_ = kMaxFrames + 1;
     pause_ns_ = 0;
   }
-  if (size_ == kMost) note_slow(now_ns);  // narrow and so far that no queue shows, or too far for four
-  if (size_ < kMost && (size_ + 1 < queued_at_ || now_ns >= queued_until_ns_)) ++size_;
+  if (size_ == kMaxFrames) note_slow(now_ns);  // narrow and so far that no queue shows, or too far for four
+  if (size_ < kMaxFrames && (size_ + 1 < queued_at_ || now_ns >= queued_until_ns_)) ++size_;
 }
 
 }  // namespace livegs

@@ -17,7 +17,7 @@ namespace livegs {
 // doubles. (The two questions are those of Brakmo and Peterson 1995, TCP Vegas, and Cardwell et al. 2016, BBR.)
 class WindowSize {
  public:
-  static constexpr size_t kLeast = 1, kFirst = 2, kMost = 4;
+  static constexpr size_t kMinFrames = 1, kInitialFrames = 2, kMaxFrames = 4;
 
   // Of the frames that are offered.
   void set_interval(int64_t interval_ns) { interval_ns_ = interval_ns; }
@@ -40,7 +40,7 @@ class WindowSize {
   void forget_answers();
 
   int64_t interval_ns_ = 11'111'111;
-  size_t size_ = kFirst;
+  size_t size_ = kInitialFrames;
 
   // Since the last decision.
   std::vector<int64_t> round_trips_ns_;
@@ -52,7 +52,7 @@ class WindowSize {
   std::vector<int64_t> lone_;                // round trips of frames that go alone to be measured
   size_t lone_left_ = 0;
   int64_t alone_ns_ = 0, alone_at_ns_ = 0;   // what one takes alone, and when that was measured; 0: never
-  size_t queued_at_ = kMost + 1;             // the least size at which a queue stood
+  size_t queued_at_ = kMaxFrames + 1;             // the least size at which a queue stood
   int64_t queued_until_ns_ = 0, pause_ns_ = 0;
   int64_t slow_until_ns_ = 0, slow_pause_ns_ = 0;
 };

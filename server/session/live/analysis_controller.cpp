@@ -40,7 +40,7 @@ v1::AnalysisProgress::Verdict verdict_of(const AnalysisUpdate& update) {
   }
 }
 
-constexpr const char* kHowToDecide =
+constexpr const char* kDecisionRemedy =
     "Accept in the window or livegs analyze --accept takes it; Decline, --decline or an edit of the object ends it";
 
 // As a client may read it; where that leaves something out, the log has it.
@@ -63,7 +63,7 @@ void log_finished(const std::string& name, const v1::AnalysisProgress& progress)
     case v1::AnalysisProgress::ACCEPTED:
       return log_info("analysis: %s: accepted%s", shown.c_str(), why.c_str());
     case v1::AnalysisProgress::NEEDS_REVIEW:
-      return log_info("analysis: %s: needs review%s; kept as a proposal: %s", shown.c_str(), why.c_str(), kHowToDecide);
+      return log_info("analysis: %s: needs review%s; kept as a proposal: %s", shown.c_str(), why.c_str(), kDecisionRemedy);
     case v1::AnalysisProgress::REFUSED:
       return log_info("analysis: %s: refused%s", shown.c_str(), why.c_str());
     default:
@@ -94,7 +94,7 @@ void AnalysisController::begin() {
   for (const auto& [id, known] : known_) {
     const std::string name = shown_text(known.object->name, 80);
     if (waits(id)) {
-      log_info("analysis: %s: a proposal waits from before: %s", name.c_str(), kHowToDecide);
+      log_info("analysis: %s: a proposal waits from before: %s", name.c_str(), kDecisionRemedy);
       continue;
     }
     if (known.object->written.behavior() != v1::Physics::AUTO) continue;

@@ -11,10 +11,10 @@
 namespace livegs {
 namespace {
 
-constexpr uint32_t kMostSteps = 1000;
+constexpr uint32_t kMaxSteps = 1000;
 // Of each loading: more objects and balls than one scene sees.
-constexpr uint32_t kIdsOfOneLoading = 1u << 20;
-constexpr uint32_t kMostResets = 4000;
+constexpr uint32_t kIdsPerLoad = 1u << 20;
+constexpr uint32_t kMaxResets = 4000;
 
 }  // namespace
 
@@ -29,7 +29,7 @@ Result<RunStatus> RunController::control(const v1::ControlRunRequest& request) {
       loop_.pause(request.pause());
       break;
     case v1::ControlRunRequest::kStepTicks:
-      if (request.step_ticks() == 0 || request.step_ticks() > kMostSteps) {
+      if (request.step_ticks() == 0 || request.step_ticks() > kMaxSteps) {
         return invalid_argument("step_ticks: must be 1 to 1000");
       }
       loop_.step_paused(request.step_ticks());
@@ -47,14 +47,14 @@ Result<void> RunController::reset() {
   std::lock_guard lock(mutex_);
   const RunStatus now = loop_.run_status();
   if (now.loading) return Error{ErrorCode::Unavailable, "reset: the scene is being loaded already"};
-  if (now.resets >= kMostResets) return Error{ErrorCode::TooLarge, "reset: too many; start the server anew"};
+  if (now.resets >= kMaxResets) return Error{ErrorCode::TooLarge, "reset: too many; start the server anew"};
   loop_.set_loading(true, "");
   const auto failed = [this](const std::string& why) {
     log_warn("reset: %s", why.c_str());
     loop_.set_loading(false, "reset: " + redact_paths(why));
   };
   try {
-    loading_ = std::jthread([this, failed, first_id = (now.resets + 1) * kIdsOfOneLoading + 1] {
+    loading_ = std::jthread([this, failed, first_id = (now.resets + 1) * kIdsPerLoad + 1] {
       pthread_setname_np(pthread_self(), "loading");
       try {
         auto scene = load_(first_id);

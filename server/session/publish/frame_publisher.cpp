@@ -18,7 +18,7 @@ namespace {
 // How often silent sessions are looked for when no tick comes.
 constexpr std::chrono::milliseconds kSweepInterval{100};
 // How often assets that nobody needs are looked for.
-constexpr int64_t kDropInterval_ns = 1'000'000'000;
+constexpr int64_t kAssetSweepInterval_ns = 1'000'000'000;
 
 template <class Happened>
 void go_before(std::vector<Happened>& older, std::vector<Happened>& newer) {
@@ -87,7 +87,7 @@ void FramePublisher::run() {
     if (tick) take(*std::move(tick));
     const int64_t now = now_ns();
     table_.sweep(now);
-    if (now - dropped_ns_ < kDropInterval_ns) continue;
+    if (now - dropped_ns_ < kAssetSweepInterval_ns) continue;
     dropped_ns_ = now;
     assets_.drop_unused(table_.asset_hashes(), now);
   }

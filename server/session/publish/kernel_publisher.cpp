@@ -12,8 +12,8 @@
 namespace livegs {
 namespace {
 
-constexpr int64_t kSlow_ns = 100'000'000;
-constexpr size_t kSlowInARow = 3;
+constexpr int64_t kSlowFrame_ns = 100'000'000;
+constexpr size_t kMaxSlowFrames = 3;
 
 }  // namespace
 
@@ -62,8 +62,8 @@ void KernelPublisher::publish(std::shared_ptr<TickEncodings> tick) {
 
 // The first frame ties kernels to drivers, and says nothing of the next.
 void KernelPublisher::note_time(int64_t took_ns, size_t bytes) {
-  slow_ = took_ns > kSlow_ns ? slow_ + 1 : 0;
-  if (warned_ || slow_ < kSlowInARow) return;
+  slow_ = took_ns > kSlowFrame_ns ? slow_ + 1 : 0;
+  if (warned_ || slow_ < kMaxSlowFrames) return;
   warned_ = true;
   log_warn("kernels: to move and encode a frame of %.1f MB takes %.0f ms, so that is how old it is at least; drivers are not held up",
            1e-6 * static_cast<double>(bytes), milliseconds_from_ns(took_ns));

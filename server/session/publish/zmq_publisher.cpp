@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::string_view kTcp = "tcp://";
 // For a subscriber that conflates, what waits on this side is one frame too old already.
-constexpr int kMostWaiting = 2;
+constexpr int kMaxQueuedFrames = 2;
 
 }  // namespace
 
@@ -37,7 +37,7 @@ Result<std::unique_ptr<ZmqPublisher>> ZmqPublisher::bind(const std::string& addr
   }
   auto socket = std::make_unique<Socket>();
   try {
-    socket->frames.set(zmq::sockopt::sndhwm, kMostWaiting);
+    socket->frames.set(zmq::sockopt::sndhwm, kMaxQueuedFrames);
     socket->frames.set(zmq::sockopt::linger, 0);
     socket->frames.set(zmq::sockopt::ipv6, where->host.front() == '[');
     const std::string host = where->host == "localhost" ? "127.0.0.1" : where->host;

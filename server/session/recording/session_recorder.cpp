@@ -20,7 +20,7 @@ namespace livegs {
 namespace {
 
 // So long stop() waits for the disk; what waits then is written all the same.
-constexpr std::chrono::seconds kStopPatience{3};
+constexpr std::chrono::seconds kStopTimeout{3};
 
 }  // namespace
 
@@ -187,7 +187,7 @@ Result<v1::RecordingStatus> SessionRecorder::stop() {
   }
   ends_ = true;
   changed_.notify_all();
-  changed_.wait_for(lock, kStopPatience, [&] { return !session_; });
+  changed_.wait_for(lock, kStopTimeout, [&] { return !session_; });
   return status_;
 }
 
@@ -218,7 +218,7 @@ void SessionRecorder::append_history(const TickActions& actions, const TickResul
   if (tick.scene_is_new) record.scene = scene.source();
   history_.open.push_back(encode_tick(record, history_.samples));
   history_.bytes += history_.open.back().size();
-  if (history_.open.size() == kTicksOfBlock)
+  if (history_.open.size() == kTicksPerBlock)
     history_.full.push_back(std::make_shared<const Block>(std::exchange(history_.open, {})));
   if (history_.bytes <= max_history_bytes_) return;
   history_.whole = false;
@@ -265,7 +265,7 @@ void SessionRecorder::record(const TickActions& taken, const TickResult& tick, c
     if (!session_ || ends_ || sessions_ != session) return;
     waiting_bytes_ += job->bytes;
     waiting_.push_back(std::move(job));
-    if (waiting_bytes_ > kMostWaitingBytes) fail("the disk is too slow for the session");
+    if (waiting_bytes_ > kMaxQueuedBytes) fail("the disk is too slow for the session");
   }
   changed_.notify_all();
 }

@@ -19,11 +19,11 @@
 namespace livegs {
 
 // What waits to be written may hold this much; a disk that is further behind ends the recording, never the session.
-inline constexpr size_t kMostWaitingBytes = 256u << 20;
+inline constexpr size_t kMaxQueuedBytes = 256u << 20;
 
 // What was done since the scene was built may hold this much: about two hours of two tracked hands. A recording that begins
 // later than that cannot be simulated again.
-inline constexpr size_t kMostPastBytes = 64u << 20;
+inline constexpr size_t kMaxHistoryBytes = 64u << 20;
 
 struct RecordingOptions {
   bool inputs_only = false;  // no frames: it can be simulated again, not watched
@@ -39,7 +39,7 @@ struct RecordingOptions {
 class SessionRecorder final : public TickRecorder {
  public:
   // `assets` outlives the recorder.
-  explicit SessionRecorder(AssetStore& assets, size_t max_history_bytes = kMostPastBytes);
+  explicit SessionRecorder(AssetStore& assets, size_t max_history_bytes = kMaxHistoryBytes);
   ~SessionRecorder() override;  // ends a recording in order
 
   // From the next tick on. InvalidArgument when the file is there already or cannot be made, or one is being written.
@@ -62,7 +62,7 @@ class SessionRecorder final : public TickRecorder {
   // are shared with the recording that begins, so that a tick copies one at most.
   using Block = std::vector<std::vector<std::byte>>;
   using Blocks = std::vector<std::shared_ptr<const Block>>;
-  static constexpr size_t kTicksOfBlock = 256;
+  static constexpr size_t kTicksPerBlock = 256;
   struct History {
     v1::SceneSource scene;  // that the first tick began with
     bool begun = false, whole = true;

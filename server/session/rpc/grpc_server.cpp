@@ -31,9 +31,9 @@ constexpr const char* kServiceName = "livegs.v1.LiveGs";
 // Everything a client sends is small.
 constexpr int kMaxRequestBytes = 16 << 10;
 constexpr int kMaxStreamsPerConnection = 16;
-static_assert(3 * kMostSessions < kMaxConnections, "a client has three, and some room is left for who only asks");
+static_assert(3 * kMaxSessions < kMaxConnections, "a client has three, and some room is left for who only asks");
 // What clients that still read need on a machine that is busy to hear the reason; only one that does not takes it all.
-constexpr std::chrono::seconds kShutdownPatience{3};
+constexpr std::chrono::seconds kShutdownTimeout{3};
 
 // Health and reflection are switched on for the process, before the first server is built; what gRPC has to
 // say goes to the log, so that a program's own one line is not drowned.
@@ -204,7 +204,7 @@ void GrpcServer::shut_down(const std::string& reason) {
   parts_->server->GetHealthCheckService()->SetServingStatus(kServiceName, false);
   parts_->door->close();
   parts_->table.close(reason);
-  parts_->server->Shutdown(std::chrono::system_clock::now() + kShutdownPatience);
+  parts_->server->Shutdown(std::chrono::system_clock::now() + kShutdownTimeout);
   parts_->server->Wait();
   std::lock_guard lock(parts_->proposals->mutex);
   parts_->proposals->table = nullptr;

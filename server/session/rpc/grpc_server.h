@@ -45,7 +45,7 @@ class GrpcServer {
   void open(const std::string& scene_name, double rate_hz, std::span<const SceneObject* const> objects,
             InputSink& inputs);
   void open(const Scene& scene, InputSink& inputs);
-  // How many clients may be there, 1 to kMostSessions; kUsualSessions when it is not called. Before open().
+  // How many clients may be there, 1 to kMaxSessions; kDefaultSessions when it is not called. Before open().
   void admit(size_t clients);
   // No client is sent more than this, megabits a second of messages, whatever it wishes for; before open().
   void cap_clients(double mbit_s);

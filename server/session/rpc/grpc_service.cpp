@@ -24,9 +24,9 @@ namespace {
 constexpr size_t kMaxClientName = 64;
 constexpr double kBytesPerMbit = 1e6 / 8;
 // A client that wishes for less would wait seconds for its first frame.
-constexpr double kLeastMbit_s = 0.1;
+constexpr double kMinMbit_s = 0.1;
 // Frames that come less often than this are no motion: the client's playout takes the next for a new beginning.
-constexpr double kLeastRate_hz = 5;
+constexpr double kMinRate_hz = 5;
 
 // A client's name goes to the log: printable ASCII only.
 std::string printable(const std::string& name) {
@@ -103,11 +103,11 @@ grpc::Status GrpcService::join(const grpc::CallbackServerContext& context, const
                 "; update the older one"};
   }
   const double wish_mbit_s = request.most_mbit_s();
-  if (wish_mbit_s != 0 && !(wish_mbit_s >= kLeastMbit_s)) {  // NaN too
+  if (wish_mbit_s != 0 && !(wish_mbit_s >= kMinMbit_s)) {  // NaN too
     return {grpc::StatusCode::INVALID_ARGUMENT, "most_mbit_s: is not 0.1 or more; leave it out, or 0, for whatever the server gives"};
   }
   const double wish_hz = request.rate_hz();
-  if (wish_hz != 0 && !(wish_hz >= kLeastRate_hz)) {
+  if (wish_hz != 0 && !(wish_hz >= kMinRate_hz)) {
     return {grpc::StatusCode::INVALID_ARGUMENT, "rate_hz: is not 5 or more; leave it out, or 0, for a frame each tick"};
   }
   const uint32_t position_bits = request.position_bits() == 0 ? 16 : request.position_bits();

@@ -285,14 +285,14 @@ void SessionTable::sweep(int64_t now) {
   bool check_grants = false;
   {
     std::lock_guard lock(mutex_);
-    check_grants = now - grants_checked_ns_ >= kGrantCheckEvery_ns;
+    check_grants = now - grants_checked_ns_ >= kGrantCheckInterval_ns;
     if (check_grants) grants_checked_ns_ = now;
     std::erase_if(ending_, [&](const Ending& one) {
-      if (now - one.told_ns < kEndPatience_ns) return one.writer.expired();
+      if (now - one.told_ns < kEndTimeout_ns) return one.writer.expired();
       if (auto writer = one.writer.lock()) stuck.push_back(std::move(writer));
       return true;
     });
-    for (; !begun_.empty() && now - begun_.front().begun_ns >= kSilentAfter_ns; begun_.pop_front()) {
+    for (; !begun_.empty() && now - begun_.front().begun_ns >= kSilenceTimeout_ns; begun_.pop_front()) {
       if (auto writer = begun_.front().writer.lock()) overdue.push_back(std::move(writer));
     }
   }
@@ -302,9 +302,9 @@ void SessionTable::sweep(int64_t now) {
   for (const auto& session : sessions_now()) {
     const ClientSession::State state = session->state();
     const int64_t silent_ns = now - session->heard_ns.load();
-    const int64_t patience_ns = state == ClientSession::State::Streaming ? kSilentAfter_ns
-                                : state == ClientSession::State::Parked  ? kParkedExpiry_ns
-                                                                         : kJoinExpiry_ns;
+    const int64_t patience_ns = state == ClientSession::State::Streaming ? kSilenceTimeout_ns
+                                : state == ClientSession::State::Parked  ? kParkedTimeout_ns
+                                                                         : kJoinTimeout_ns;
     const auto [writer, stream] = session->stream();
     if (silent_ns < patience_ns) {
       if (writer) writer->send_keepalive(now);

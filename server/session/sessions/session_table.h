@@ -17,18 +17,18 @@
 
 namespace livegs {
 
-// Unless it is told another number, up to kMostSessions: a client has three connections, and kMaxConnections are let in.
-inline constexpr size_t kUsualSessions = 64, kMostSessions = 320;
+// Unless it is told another number, up to kMaxSessions: a client has three connections, and kMaxConnections are let in.
+inline constexpr size_t kDefaultSessions = 64, kMaxSessions = 320;
 // A stream that sends nothing for so long is over, one that has just begun too: clients send a sign of life every 50 ms.
-inline constexpr int64_t kSilentAfter_ns = 2'000'000'000;
+inline constexpr int64_t kSilenceTimeout_ns = 2'000'000'000;
 // So long a stream that was told to end may take to write what it is writing.
-inline constexpr int64_t kEndPatience_ns = 500'000'000;
+inline constexpr int64_t kEndTimeout_ns = 500'000'000;
 // So often it is looked whether tokens still hold.
-inline constexpr int64_t kGrantCheckEvery_ns = 1'000'000'000;
+inline constexpr int64_t kGrantCheckInterval_ns = 1'000'000'000;
 // So long a session is kept whose stream broke.
-inline constexpr int64_t kParkedExpiry_ns = 30'000'000'000;
+inline constexpr int64_t kParkedTimeout_ns = 30'000'000'000;
 // From Join to Stream a client fetches assets and ties kernels to drivers, which may take a while.
-inline constexpr int64_t kJoinExpiry_ns = 120'000'000'000;
+inline constexpr int64_t kJoinTimeout_ns = 120'000'000'000;
 
 // Who is there and what there is to see. Objects and sessions stand under one lock, so that the list a client
 // is given and the events it gets afterwards fit together. Any thread.
@@ -39,7 +39,7 @@ class SessionTable {
 
   // Random, drawn when the table was made.
   const std::string& instance() const { return instance_; }
-  // How many sessions there may be, parked ones included, 1 to kMostSessions; before open().
+  // How many sessions there may be, parked ones included, 1 to kMaxSessions; before open().
   void set_max_sessions(size_t sessions) { max_sessions_ = sessions; }
   // From now on clients may join. `inputs` outlives the table's sessions.
   void open(std::string scene, double rate_hz, std::vector<Object> objects, InputSink& inputs);
@@ -55,7 +55,7 @@ class SessionTable {
   // open and after close, TooLarge when as many as may be are there; of those the one parked longest makes room.
   Result<Joined> join(std::string_view resumed_id = {}, ClientIdentity who = {}, const JoinTerms& terms = {});
   std::shared_ptr<ClientSession> find(std::string_view session_id) const;
-  // A stream that has no session until its first message names one; kSilentAfter_ns later sweep() ends it if there was none.
+  // A stream that has no session until its first message names one; kSilenceTimeout_ns later sweep() ends it if there was none.
   void stream_begun(std::weak_ptr<SessionWriter> writer);
   // The session's stream of this number is over: in order, and so is the session, or it broke, and the session waits
   // for its client. Nothing if the session has gone on without that stream.
@@ -128,7 +128,7 @@ class SessionTable {
 
   const std::string instance_;
   GrantCheck grant_check_;
-  size_t max_sessions_ = kUsualSessions;
+  size_t max_sessions_ = kDefaultSessions;
   mutable std::mutex mutex_;  // guards everything below
   bool open_ = false;
   std::string closed_reason_ = "the scene is still being built";

@@ -27,7 +27,7 @@ void HandControls::apply(Scene& scene, SessionNumber session, const InputSample&
     track(hand, input, sample.sampled_ns);
     apply_grab(scene, spring_id(session, i), hand, input);
     apply_ray(scene, spring_id(session, i), hand, input);
-    if (input.shoot && !hand.shooting && now_s - hand.last_shot_s >= kLeastShotInterval_s) {
+    if (input.shoot && !hand.shooting && now_s - hand.last_shot_s >= kMinShotInterval_s) {
       scene.shoot_ball(input.aim.position_m, kBallSpeed_m_s * ray_direction(input.aim));
       hand.last_shot_s = now_s;
       ++shots_;
@@ -37,7 +37,7 @@ void HandControls::apply(Scene& scene, SessionNumber session, const InputSample&
 }
 
 void HandControls::apply_ray(Scene& scene, uint64_t spring, Hand& hand, const HandSample& input) {
-  const bool pressed = input.trigger > (hand.triggered ? kTriggerEased : kTriggerPressed);
+  const bool pressed = input.trigger > (hand.triggered ? kTriggerReleased : kTriggerPressed);
   World& world = scene.world();
   if (pressed && !hand.triggered && !hand.grabbing) {  // cast once: a ray that is swept over things does not pick them up
     if (const auto hit = world.ray_cast(input.aim.position_m, ray_direction(input.aim), kRayReach_m)) {
@@ -66,8 +66,8 @@ void HandControls::apply_ray(Scene& scene, uint64_t spring, Hand& hand, const Ha
 // headset takes them while a picture is made, the last says best where the hand is, and none how fast.
 void HandControls::track(Hand& hand, const HandSample& sample, int64_t sampled_ns) {
   const double passed_s = 1e-9 * (static_cast<double>(sampled_ns) - static_cast<double>(hand.sampled_ns));
-  const bool told = hand.tracked && std::abs(passed_s) <= kRarestSample_s;
-  if (told && passed_s < kSameMoment_s) {
+  const bool told = hand.tracked && std::abs(passed_s) <= kMaxSampleInterval_s;
+  if (told && passed_s < kMinSampleInterval_s) {
     hand.grip = sample.grip;
     return;
   }
@@ -84,8 +84,8 @@ void HandControls::track(Hand& hand, const HandSample& sample, int64_t sampled_n
     const Eigen::Vector3d velocity = (sample.grip.position_m - hand.grip.position_m) / passed_s;
     const Eigen::Vector3d spin = angle / passed_s * turn.axis();
     const double share = 1.0 - std::exp(-passed_s / kHandSmoothing_s);
-    hand.velocity_m_s += share * (bounded(velocity, kFastestHand_m_s) - hand.velocity_m_s);
-    hand.spin_rad_s += share * (bounded(spin, kFastestTurn_rad_s) - hand.spin_rad_s);
+    hand.velocity_m_s += share * (bounded(velocity, kMaxHandSpeed_m_s) - hand.velocity_m_s);
+    hand.spin_rad_s += share * (bounded(spin, kMaxHandSpin_rad_s) - hand.spin_rad_s);
   }
   hand.tracked = true;
   hand.grip = sample.grip;
@@ -93,7 +93,7 @@ void HandControls::track(Hand& hand, const HandSample& sample, int64_t sampled_n
 }
 
 void HandControls::apply_grab(Scene& scene, uint64_t grab_id, Hand& hand, const HandSample& input) {
-  const bool squeezed = input.squeeze > (hand.squeezed ? kSqueezeEased : kSqueezed);
+  const bool squeezed = input.squeeze > (hand.squeezed ? kSqueezeReleased : kSqueezePressed);
   World& world = scene.world();
   if (squeezed && !hand.squeezed) {  // a hand that is closed already takes nothing
     if (const auto met = world.nearest(input.grip.position_m, kGrabReach_m)) {

@@ -17,29 +17,29 @@ namespace livegs {
 // The trigger's threshold, and how much it must ease before the ray lets go, so that a finger that rests on
 // it does not chatter.
 inline constexpr float kTriggerPressed = 0.5f;
-inline constexpr float kTriggerEased = 0.4f;
+inline constexpr float kTriggerReleased = 0.4f;
 
 // A ray reaches across a room, not to the horizon.
 inline constexpr double kRayReach_m = 20.0;
 
 // A hand that closes takes the nearest object within this distance of its grip.
 inline constexpr double kGrabReach_m = 0.1;
-inline constexpr float kSqueezed = 0.5f;
-inline constexpr float kSqueezeEased = 0.4f;
+inline constexpr float kSqueezePressed = 0.5f;
+inline constexpr float kSqueezeReleased = 0.4f;
 // A thrown object goes as the hand went: its velocity is averaged over about this time, and bounded, since samples come
 // from outside.
 inline constexpr double kHandSmoothing_s = 0.03;
 // Between samples a hand goes on as it went, for as long as the last two were apart: a client that draws slowly throws as well
 // as one that draws fast. Those further apart than this say nothing of how it moved.
-inline constexpr double kRarestSample_s = 0.3;
-inline constexpr double kSameMoment_s = 0.002;  // nor do those that are closer
-inline constexpr double kFastestHand_m_s = 15.0;
-inline constexpr double kFastestTurn_rad_s = 30.0;
+inline constexpr double kMaxSampleInterval_s = 0.3;
+inline constexpr double kMinSampleInterval_s = 0.002;  // nor do those that are closer
+inline constexpr double kMaxHandSpeed_m_s = 15.0;
+inline constexpr double kMaxHandSpin_rad_s = 30.0;
 
 // An underarm throw.
 inline constexpr double kBallSpeed_m_s = 6.0;
 // A hand shoots no faster: a client that flickers its button cannot flood the scene.
-inline constexpr double kLeastShotInterval_s = 0.1;
+inline constexpr double kMinShotInterval_s = 0.1;
 
 class HandControls {
  public:

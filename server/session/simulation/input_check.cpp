@@ -13,7 +13,7 @@ Result<Pose> checked_pose(const Floats& position, const Floats& orientation, con
   if (orientation.size() != 4) return invalid_argument(field + "_orientation: has not four numbers");
   Pose pose;
   for (int i = 0; i < 3; ++i) {
-    if (!(std::abs(position[i]) <= kLargestHandPosition_m)) {  // false for NaN too
+    if (!(std::abs(position[i]) <= kMaxHandPosition_m)) {  // false for NaN too
       return invalid_argument(field + "_position_m: is not a finite place within 1000 m");
     }
     pose.position_m[i] = position[i];
@@ -86,7 +86,7 @@ Result<std::optional<ViewCone>> check_view(const v1::ClientMessage& message) {
   if (said.forward_size() != 3) return invalid_argument("view.forward: has not three numbers");
   ViewCone view;
   for (int i = 0; i < 3; ++i) {
-    if (!(std::abs(said.position_m(i)) <= kLargestHandPosition_m))
+    if (!(std::abs(said.position_m(i)) <= kMaxHandPosition_m))
       return invalid_argument("view.position_m: is not a finite place within 1000 m");
     view.position_m[i] = said.position_m(i);
     view.forward[i] = said.forward(i);

@@ -13,7 +13,7 @@ namespace livegs {
 
 // A client is untrusted: nothing of a message reaches the world before it has passed here.
 inline constexpr int kMaxSamplesPerMessage = 8;  // a client sends three
-inline constexpr double kLargestHandPosition_m = 1000.0;
+inline constexpr double kMaxHandPosition_m = 1000.0;
 
 // The samples of a message, oldest first. Refused, with the field's name: a number that is not finite, a
 // position out of the bound above, a vector of the wrong length, a quaternion that is no rotation (norm off

@@ -14,7 +14,7 @@ namespace livegs {
 namespace {
 
 // A scene of one tick a second still stops at once.
-constexpr int64_t kLongestSleep_ns = 50'000'000;
+constexpr int64_t kMaxSleep_ns = 50'000'000;
 
 }  // namespace
 
@@ -65,7 +65,7 @@ void SimulationLoop::run() {
   }
   logged_ns_ = due_ns;
   while (!stopping_) {
-    const int64_t wake_ns = std::min(due_ns, now_ns() + kLongestSleep_ns);
+    const int64_t wake_ns = std::min(due_ns, now_ns() + kMaxSleep_ns);
     sleep_until_ns(wake_ns);
     if (now_ns() < due_ns) continue;
     tick();
@@ -153,7 +153,7 @@ std::vector<InputSample> SimulationLoop::due(std::deque<InputSample>& samples, u
   std::vector<InputSample> taken;
   while (!samples.empty()) {
     const uint64_t meant = samples.front().for_tick;
-    if (meant > tick && meant - tick <= kMostTicksAhead) break;
+    if (meant > tick && meant - tick <= kMaxTicksAhead) break;
     taken.push_back(samples.front());
     samples.pop_front();
   }
@@ -169,7 +169,7 @@ TickActions SimulationLoop::take_actions(std::vector<v1::SceneChange> changes) {
   for (auto& [session, mailbox] : mailboxes_) {
     auto samples = due(mailbox.samples, next_tick);
     if (!samples.empty()) actions.samples.push_back({session, std::move(samples)});
-    if (now_ns() - mailbox.heard_ns > kStalledAfter_ns && scene_run_.holding(session)) actions.released.push_back(session);
+    if (now_ns() - mailbox.heard_ns > kInputTimeout_ns && scene_run_.holding(session)) actions.released.push_back(session);
   }
   actions.stepped = !run_.paused || steps_left_ > 0;
   if (run_.paused && steps_left_ > 0) --steps_left_;

@@ -18,10 +18,10 @@
 namespace livegs {
 
 // A session that was silent for so long holds nothing any more.
-inline constexpr int64_t kStalledAfter_ns = 500'000'000;
+inline constexpr int64_t kInputTimeout_ns = 500'000'000;
 
 // A sample that is meant for a tick further ahead is not believed and goes into the next.
-inline constexpr uint64_t kMostTicksAhead = 30;
+inline constexpr uint64_t kMaxTicksAhead = 30;
 
 // Samples of one session that wait for their tick. At 90 Hz a tick sees one; more wait while ticks are late or the client
 // sends ahead.

@@ -14,7 +14,7 @@ class DurationHistogram {
  public:
   void add(double value) {
     if (!(value >= 0)) return;
-    const double bin = value <= kLowest ? 0.0 : std::log(value / kLowest) / std::log(kRatio);
+    const double bin = value <= kMinValue ? 0.0 : std::log(value / kMinValue) / std::log(kRatio);
     ++bins_[std::min(static_cast<size_t>(bin), kBins - 1)];
     ++count_;
     sum_ += value;
@@ -27,7 +27,7 @@ class DurationHistogram {
     uint64_t seen = 0;
     for (size_t i = 0; i < kBins; ++i) {
       seen += bins_[i];
-      if (seen > rank) return std::min(largest_, kLowest * std::pow(kRatio, static_cast<double>(i) + 0.5));
+      if (seen > rank) return std::min(largest_, kMinValue * std::pow(kRatio, static_cast<double>(i) + 0.5));
     }
     return largest_;
   }
@@ -36,7 +36,7 @@ class DurationHistogram {
   double largest() const { return largest_; }
 
  private:
-  static constexpr double kLowest = 1e-4;
+  static constexpr double kMinValue = 1e-4;
   static constexpr double kRatio = 1.02;
   static constexpr size_t kBins = 1512;  // ln(1e13) / ln(1.02)
   std::array<uint64_t, kBins> bins_{};

@@ -16,7 +16,7 @@ namespace {
 TEST(ManyClients, SixtyFourGetTheirFramesAndShareTheirBytes) {
   NoiseServer noise(1000);
   std::vector<std::unique_ptr<Listener>> clients;
-  for (size_t i = 0; i < kUsualSessions; ++i) clients.push_back(std::make_unique<Listener>(noise.port()));
+  for (size_t i = 0; i < kDefaultSessions; ++i) clients.push_back(std::make_unique<Listener>(noise.port()));
   const auto wait = [&](const std::function<bool(const Listener&)>& enough) {
     return wait_until([&] { return std::all_of(clients.begin(), clients.end(), [&](const auto& client) { return enough(*client); }); });
   };
@@ -29,7 +29,7 @@ TEST(ManyClients, SixtyFourGetTheirFramesAndShareTheirBytes) {
   EXPECT_LT(static_cast<double>(after.encoded - before.encoded), 32.0 * static_cast<double>(after.frames - before.frames));
   const uint64_t newest = noise.newest;
   EXPECT_TRUE(wait([&](const Listener& client) { return client.tick() >= newest; }));
-  EXPECT_EQ(noise.server->streaming_count(), kUsualSessions);
+  EXPECT_EQ(noise.server->streaming_count(), kDefaultSessions);
 }
 
 }  // namespace

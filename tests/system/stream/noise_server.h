@@ -21,7 +21,7 @@ namespace livegs {
 // origin, in place of one that is everywhere: whoever stands there sees some of them.
 class NoiseServer {
  public:
-  explicit NoiseServer(size_t nodes, ServerSecurity* security = nullptr, size_t clients = kUsualSessions, size_t boxes = 0)
+  explicit NoiseServer(size_t nodes, ServerSecurity* security = nullptr, size_t clients = kDefaultSessions, size_t boxes = 0)
       : scene_(box_scene()), ring_(boxes, *scene_.find("box")) {
     auto listening = GrpcServer::listen("127.0.0.1:0", security);
     EXPECT_TRUE(listening) << listening.error().message;

@@ -341,7 +341,7 @@ TEST_F(Timing, ACapIsUsedAndNotPassed) {
 TEST_F(Timing, NoneOfManyClientsIsLeftBehind) {
   NoiseServer noise(1000);
   std::vector<std::unique_ptr<Listener>> clients;
-  for (size_t i = 0; i < kUsualSessions; ++i) clients.push_back(std::make_unique<Listener>(noise.port()));
+  for (size_t i = 0; i < kDefaultSessions; ++i) clients.push_back(std::make_unique<Listener>(noise.port()));
   ASSERT_TRUE(wait_until([&] { return std::all_of(clients.begin(), clients.end(), [](const auto& one) { return one->frames() >= 20; }); }));
   const uint64_t tick = noise.newest;
   const PublisherSummary before = noise.server->published();

@@ -57,7 +57,7 @@ TEST(AssetStore, TenResetsLeaveItAsItWas) {
     add_all(next, store);
     scene = std::move(next);
     EXPECT_EQ(store.hashes(), first) << "reset " << reset;
-    store.drop_unused({}, reset * kDroppedAfter_ns);
+    store.drop_unused({}, reset * kUnusedAssetLifetime_ns);
     EXPECT_EQ(store.hashes(), first) << "reset " << reset;
   }
 }
@@ -76,14 +76,14 @@ TEST(AssetStore, WhatWasCutAnewIsDroppedOnceNobodyNeedsIt) {
   ASSERT_NE(before, after);
 
   store.drop_unused({before}, 0);
-  store.drop_unused({before}, 2 * kDroppedAfter_ns);
+  store.drop_unused({before}, 2 * kUnusedAssetLifetime_ns);
   EXPECT_TRUE(has(store, before)) << "clients are told of it";
-  const int64_t told_otherwise_ns = 2 * kDroppedAfter_ns + 1;
+  const int64_t told_otherwise_ns = 2 * kUnusedAssetLifetime_ns + 1;
   store.drop_unused({after}, told_otherwise_ns);
-  store.drop_unused({after}, told_otherwise_ns + kDroppedAfter_ns - 1);
+  store.drop_unused({after}, told_otherwise_ns + kUnusedAssetLifetime_ns - 1);
   EXPECT_TRUE(has(store, before)) << "a client may still be about to fetch it";
   const auto sending = store.find(before);
-  store.drop_unused({after}, told_otherwise_ns + kDroppedAfter_ns);
+  store.drop_unused({after}, told_otherwise_ns + kUnusedAssetLifetime_ns);
   EXPECT_FALSE(has(store, before));
   EXPECT_FALSE(store.find(before));
   EXPECT_EQ(sending->hash, before);

@@ -215,7 +215,7 @@ TEST(Cap, IsKeptAndWhatMattersMostComesFirst) {
   for (size_t from = 0; from < sent.size(); ++from) {
     size_t bytes = 0;
     for (size_t i = from; i < sent.size() && sent[i].at_ns < sent[from].at_ns + 1'000'000'000; ++i) bytes += sent[i].bytes;
-    EXPECT_LE(static_cast<double>(bytes), kCap_bytes_s * (1 + SendBudget::kSaved_s) + static_cast<double>(most_message));
+    EXPECT_LE(static_cast<double>(bytes), kCap_bytes_s * (1 + SendBudget::kBurst_s) + static_cast<double>(most_message));
   }
   const double free_bytes_s = free_bytes * 90 / static_cast<double>(kMoving);
   EXPECT_GT(free_bytes_s, 2 * kCap_bytes_s);  // it was tight

@@ -69,7 +69,7 @@ TEST(SendWindow, AnAcknowledgementOfTheFutureOpensItForWhatWasSentOnly) {
     window.offer(tick(number));
     taken(window);
   }
-  EXPECT_EQ(window.in_flight(), WindowSize::kFirst);
+  EXPECT_EQ(window.in_flight(), WindowSize::kInitialFrames);
 }
 
 // Answers that take 40 ms open it; a stream that begins anew has two again.

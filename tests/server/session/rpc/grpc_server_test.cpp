@@ -73,7 +73,7 @@ TEST_F(GrpcServerTest, AnotherProtocolVersionIsToldSo) {
 TEST_F(GrpcServerTest, SessionsAreBounded) {
   open();
   RawClient client(server_->port());
-  for (size_t i = 0; i < kUsualSessions; ++i) ASSERT_TRUE(client.join().ok());
+  for (size_t i = 0; i < kDefaultSessions; ++i) ASSERT_TRUE(client.join().ok());
   EXPECT_EQ(client.join().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
 }
 

@@ -150,7 +150,7 @@ TEST_F(SessionTableTest, OneThatLoadsAssetsMayTakeTwoMinutes) {
 // A parked session may come back at any moment, but nobody who is there is turned away for it.
 TEST_F(SessionTableTest, WhoIsParkedLongestMakesRoom) {
   std::vector<std::shared_ptr<ClientSession>> sessions;
-  for (size_t i = 0; i < kUsualSessions; ++i) sessions.push_back(join());
+  for (size_t i = 0; i < kDefaultSessions; ++i) sessions.push_back(join());
   EXPECT_EQ(join(), nullptr);
   for (const size_t parked : {5u, 3u}) {
     ASSERT_TRUE(sessions[parked]->attach(std::make_shared<Writer>()));
