@@ -13,9 +13,9 @@ namespace {
 
 // An environment whose middle is nearer than this to the objects' middle, in units of their size, is around
 // them.
-constexpr double kAround = 0.15;
+constexpr double kMaxCentreOffset = 0.15;
 // Room at the edge, of the picture or of its free columns, for what moves: 10 % of the half width.
-constexpr double kFilled = 0.9;
+constexpr double kFillShare = 0.9;
 
 // Of the angles from the view direction to the edges, along an axis: to the lower one against it.
 struct Tangents {
@@ -64,15 +64,15 @@ Camera choose_camera(const SceneView& view, int width, int height, const std::op
   double azimuth_rad = 0.0;
   if (const auto environment = view.environment_middle()) {
     const Eigen::Vector3d away = all.center() - *environment;
-    if (std::hypot(away.x(), away.z()) > kAround * all.sizes().maxCoeff()) {
+    if (std::hypot(away.x(), away.z()) > kMaxCentreOffset * all.sizes().maxCoeff()) {
       azimuth_rad = std::atan2(away.x(), away.z());
     }
   }
   Camera camera = frame_bounds(all, width, height, azimuth_rad);
   const PictureColumns columns = free.value_or(PictureColumns{0, static_cast<double>(width)});
   const double offset_px = 0.5 * (columns.left_px + columns.right_px - width);
-  const double half_width_px = kFilled * 0.5 * (columns.right_px - columns.left_px);
-  const double tangent_y = kFilled * 0.5 * height / camera.focal_y_px;
+  const double half_width_px = kFillShare * 0.5 * (columns.right_px - columns.left_px);
+  const double tangent_y = kFillShare * 0.5 * height / camera.focal_y_px;
   Pose& pose = camera.world_from_camera;
   pose.position_m = nearest_position(
       corners, pose.orientation,

@@ -11,8 +11,8 @@ namespace livegs {
 namespace {
 
 constexpr float kReach = 3.0f;           // standard deviations
-constexpr float kLeastOpacity = 0.02f;   // of what counts
-constexpr float kThinnest = 1e-6f;       // of the trace, added so that a flat kernel has an inverse
+constexpr float kMinOpacity = 0.02f;   // of what counts
+constexpr float kMinTrace = 1e-6f;       // of the trace, added so that a flat kernel has an inverse
 
 struct Crossing {
   float distance_m, opacity;
@@ -36,7 +36,7 @@ std::optional<PickedKernel> pick_kernel(std::span<const DrawnObject> objects, co
       if (to.squaredNorm() - middle * middle > kReach * kReach * trace) continue;
       Eigen::Matrix3f covariance;
       covariance << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
-      covariance.diagonal().array() += kThinnest * trace;
+      covariance.diagonal().array() += kMinTrace * trace;
       const Eigen::Matrix3f inverse = covariance.inverse();
       // (o + t d - p)ᵀ Σ⁻¹ (o + t d - p) is least at t = dᵀ Σ⁻¹ (p - o) / dᵀ Σ⁻¹ d.
       const float bend = along.dot(inverse * along);
@@ -44,7 +44,7 @@ std::optional<PickedKernel> pick_kernel(std::span<const DrawnObject> objects, co
       const float exponent = (to - distance * along).dot(inverse * (to - distance * along));
       const float opacity =
           std::exp(-0.5f * exponent) / (1.0f + std::exp(-objects[i].asset->opacity_logits[k]));
-      if (!(opacity > kLeastOpacity) || distance < near_m) continue;
+      if (!(opacity > kMinOpacity) || distance < near_m) continue;
       crossings.push_back({distance, opacity, static_cast<uint32_t>(i), static_cast<uint32_t>(k)});
     }
   }

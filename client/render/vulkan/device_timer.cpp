@@ -6,7 +6,7 @@
 namespace livegs {
 namespace {
 
-constexpr uint32_t kKept = 16;  // moments for what follows projection
+constexpr uint32_t kReservedTimestamps = 16;  // moments for what follows projection
 
 }  // namespace
 
@@ -20,20 +20,20 @@ Result<void> DeviceTimer::begin() {
   if (!pool_) {
     auto info = vulkan_info<VkQueryPoolCreateInfo>(VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO);
     info.queryType = VK_QUERY_TYPE_TIMESTAMP;
-    info.queryCount = kMost;
+    info.queryCount = kMaxTimestamps;
     if (const VkResult made = handles_.vk.CreateQueryPool(handles_.device, &info, nullptr, &pool_); made != VK_SUCCESS)
       return vulkan_error("vkCreateQueryPool", made);
   }
   auto commands = commands_.record();
   if (!commands) return commands.error();
-  handles_.vk.CmdResetQueryPool(*commands, pool_, 0, kMost);
+  handles_.vk.CmdResetQueryPool(*commands, pool_, 0, kMaxTimestamps);
   return {};
 }
 
 Result<void> DeviceTimer::mark(DevicePass pass) {
   if (!pool_) return {};
-  if ((pass == DevicePass::Skin || pass == DevicePass::Project) && marks_ + kKept > kMost) return {};
-  LIVEGS_ASSERT(marks_ < kMost);
+  if ((pass == DevicePass::Skin || pass == DevicePass::Project) && marks_ + kReservedTimestamps > kMaxTimestamps) return {};
+  LIVEGS_ASSERT(marks_ < kMaxTimestamps);
   auto commands = commands_.record();
   if (!commands) return commands.error();
   passes_[marks_] = pass;
@@ -42,7 +42,7 @@ Result<void> DeviceTimer::mark(DevicePass pass) {
 }
 
 bool DeviceTimer::read(std::array<double, 6>& ms_of_pass) const {
-  std::array<uint64_t, kMost> moments{};
+  std::array<uint64_t, kMaxTimestamps> moments{};
   if (!pool_ || marks_ < 2 ||
       handles_.vk.GetQueryPoolResults(handles_.device, pool_, 0, marks_, sizeof moments, moments.data(), sizeof(uint64_t),
                                       VK_QUERY_RESULT_64_BIT) != VK_SUCCESS)

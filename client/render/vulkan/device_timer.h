@@ -27,13 +27,13 @@ class DeviceTimer {
   // Milliseconds of each pass, once all of them have run; false where there is no clock or a moment is missing.
   bool read(std::array<double, 6>& ms_of_pass) const;
 
-  static constexpr uint32_t kMost = 128;
+  static constexpr uint32_t kMaxTimestamps = 128;
 
  private:
   VulkanCommands& commands_;
   const VulkanHandles& handles_;
   VkQueryPool pool_ = VK_NULL_HANDLE;
-  std::array<DevicePass, kMost> passes_{};
+  std::array<DevicePass, kMaxTimestamps> passes_{};
   uint32_t marks_ = 0;
 };
 

@@ -18,8 +18,8 @@
 namespace livegs {
 namespace {
 
-constexpr double kFewer = 0.7;             // of the kernels, where memory has ended
-constexpr double kLeastShare = 1.0 / 64;  // with fewer, the CPU draws better
+constexpr double kKernelBackoff = 0.7;             // of the kernels, where memory has ended
+constexpr double kMinKernelShare = 1.0 / 64;  // with fewer, the CPU draws better
 
 class VulkanSplatRenderer final : public SplatRenderer {
  public:
@@ -183,9 +183,9 @@ Result<void> VulkanSplatRenderer::draw(std::span<const RenderedObject> objects, 
     log_warn("%s", notice().c_str());
   }
   auto done = draw_once(objects, eyes, options, take_out);
-  while (!done && done.error().code == ErrorCode::TooLarge && share_ >= kLeastShare) {
+  while (!done && done.error().code == ErrorCode::TooLarge && share_ >= kMinKernelShare) {
     ended = done.error();
-    share_ *= kFewer;
+    share_ *= kKernelBackoff;
     binds_no_more_ = false;
     kernels_then_ = kernels;
     held_.clear();

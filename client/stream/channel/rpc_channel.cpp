@@ -17,7 +17,7 @@ namespace livegs {
 namespace {
 
 // How long a look at the connections that are being made takes.
-constexpr int64_t kLookEvery_ns = 5'000'000;
+constexpr int64_t kPollInterval_ns = 5'000'000;
 // A scene's rest bodies come in one message; frames are smaller.
 constexpr int kMaxReplyBytes = 512 << 20;
 
@@ -37,7 +37,7 @@ std::shared_ptr<grpc::Channel> make_channel(const std::string& address, const Se
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);  // each channel is a connection of its own
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);          // a headset's server is on the same network
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
-  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, static_cast<int>(kConnectPatience_ns / 1'000'000));
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, static_cast<int>(kConnectTimeout_ns / 1'000'000));
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 500);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 1000);  // the server permits 500
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 3000);
@@ -64,15 +64,15 @@ std::shared_ptr<grpc::Channel> connect_channel(const std::string& address, const
     }
     // In turn: a connection comes about only while somebody waits for it.
     for (const Attempt& attempt : attempts) {
-      const std::chrono::nanoseconds share(kLookEvery_ns / static_cast<int64_t>(attempts.size()));
+      const std::chrono::nanoseconds share(kPollInterval_ns / static_cast<int64_t>(attempts.size()));
       if (attempt.channel->WaitForConnected(std::chrono::system_clock::now() + share)) return attempt.channel;
     }
     std::erase_if(attempts, [&](const Attempt& attempt) {
       return attempt.channel->GetState(false) == GRPC_CHANNEL_TRANSIENT_FAILURE ||
-             now - attempt.begun_ns > kConnectPatience_ns;
+             now - attempt.begun_ns > kConnectTimeout_ns;
     });
     if (access && !access->refused()) return nullptr;
-    if (now >= give_up_ns || wait(attempts.empty() ? kLookEvery_ns : 0)) return nullptr;
+    if (now >= give_up_ns || wait(attempts.empty() ? kPollInterval_ns : 0)) return nullptr;
   }
 }
 

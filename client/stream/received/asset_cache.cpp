@@ -31,14 +31,14 @@ Error system_error(const std::filesystem::path& path, const char* what) {
 class PartFile {
  public:
   static Result<PartFile> open(const std::filesystem::path& path, const std::stop_token& stop) {
-    constexpr int64_t kLookEvery_ns = 20'000'000;
+    constexpr int64_t kPollInterval_ns = 20'000'000;
     for (;;) {
       PartFile file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
       if (file.descriptor_ < 0) return system_error(path, "cannot be written");
       while (::flock(file.descriptor_, LOCK_EX | LOCK_NB) != 0) {
         if (errno != EINTR && errno != EWOULDBLOCK) return system_error(path, "cannot be locked");
         if (stop.stop_requested()) return Error{ErrorCode::Unavailable, path.string() + ": another client fetches it; no longer waited for"};
-        sleep_until_ns(now_ns() + kLookEvery_ns);
+        sleep_until_ns(now_ns() + kPollInterval_ns);
       }
       struct stat held {
       }, named{};

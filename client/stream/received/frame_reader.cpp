@@ -9,14 +9,14 @@
 namespace livegs {
 namespace {
 
-constexpr float kLeastTurn = 1e-3f;  // of a rotation's length: what is shorter has no direction
+constexpr float kMinRotationLength = 1e-3f;  // of a rotation's length: what is shorter has no direction
 
 DriverFrame as_drivers(KernelFrame frame) {
   DriverFrame drivers{frame.tick, frame.simulated_ns, {}};
   for (ObjectKernels& object : frame.objects) {
     for (Eigen::Quaternionf& turn : object.kernels.world_from_asset) {
       const float length = turn.norm();
-      turn = length > kLeastTurn ? Eigen::Quaternionf(turn.coeffs() / length) : Eigen::Quaternionf::Identity();
+      turn = length > kMinRotationLength ? Eigen::Quaternionf(turn.coeffs() / length) : Eigen::Quaternionf::Identity();
     }
     ObjectDrivers& one = drivers.objects.emplace_back();
     one.object_id = object.object_id;

@@ -16,7 +16,7 @@ namespace {
 using Numbers = google::protobuf::RepeatedField<double>;
 
 constexpr double kPull_s = 0.6, kHold_s = 0.4;
-constexpr double kPullOfSize = 0.8;
+constexpr double kPullPerSize = 0.8;
 constexpr double kGravity_m_s2 = 9.81;
 
 Result<void> check_vector(const Numbers& numbers, const std::string& field, bool needed) {
@@ -172,7 +172,7 @@ void ScriptedHands::apply(Poke& poke, double time_s, const Locate& locate, HandS
     }
     const Eigen::Vector3d from_m = vector_or(poke.script.from_m(), settings_.eye_m);
     poke.aim = aimed(from_m, extent->middle_m - from_m);
-    poke.pull_m = vector_or(poke.script.pull_m(), {0, kPullOfSize * extent->size_m, 0});
+    poke.pull_m = vector_or(poke.script.pull_m(), {0, kPullPerSize * extent->size_m, 0});
   }
   const double share = poke.pull_s > 0 ? std::min(1.0, (time_s - poke.start_s) / poke.pull_s) : 1.0;
   hand.aim = hand.grip = poke.aim;
@@ -194,7 +194,7 @@ void ScriptedHands::apply(Grab& grab, double time_s, const Locate& locate, HandS
       return;
     }
     grab.from_m = extent->middle_m;
-    grab.move_m = vector_or(grab.script.move_m(), {0, kPullOfSize * extent->size_m, 0});
+    grab.move_m = vector_or(grab.script.move_m(), {0, kPullPerSize * extent->size_m, 0});
   }
   const double passed_s = time_s - grab.script.start_s();
   const double share = grab.move_s > 0 ? std::min(1.0, passed_s / grab.move_s) : 1.0;

@@ -34,15 +34,15 @@ using Clock = std::chrono::system_clock;  // gRPC's deadlines
 constexpr std::chrono::seconds kCallDeadline{10};
 // A session that is resumed asks again sooner, in case the answer was lost.
 constexpr std::chrono::seconds kRejoinDeadline{2};
-constexpr int64_t kAskAgainAfter_ns = 100'000'000;  // a server that builds its scene
+constexpr int64_t kRetryInterval_ns = 100'000'000;  // a server that builds its scene
 // A call for an asset that takes longer is made again from where it was, if anything came; else the server is given up, and
 // what has arrived is kept for the next attempt.
-constexpr std::chrono::seconds kFetchPatience{10};
-constexpr uint64_t kSlowestFetch_bytes_s = 1 << 20;
+constexpr std::chrono::seconds kFetchTimeout{10};
+constexpr uint64_t kMinFetchRate_bytes_s = 1 << 20;
 // So many streams of kernels one after the other may be given up without a frame, each after twice as long as the one before.
-constexpr int kMostSilentStreams = 3;
+constexpr int kMaxSilentStreams = 3;
 // Streams that bring no frame are opened less and less often, down to once in so long.
-constexpr int64_t kLongestFruitlessPause_ns = 2'000'000'000;
+constexpr int64_t kMaxRetryPause_ns = 2'000'000'000;
 
 int64_t after(int64_t moment_ns, double duration_s) {
   const double most_s = seconds_from_ns(std::numeric_limits<int64_t>::max() - moment_ns);
@@ -177,7 +177,7 @@ Result<v1::JoinReply> SessionClient::Connection::join(int64_t give_up_ns) {
       }
       const bool full = status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED;
       if (!may_pass(status) || (full && session_id.empty())) return error_from(status, address);
-      if (now_ns() + kAskAgainAfter_ns > give_up_ns || wait(kAskAgainAfter_ns)) return error_from(status, address);
+      if (now_ns() + kRetryInterval_ns > give_up_ns || wait(kRetryInterval_ns)) return error_from(status, address);
       // The server is there but its scene is not, yet.
     } while (status.error_code() == grpc::StatusCode::UNAVAILABLE && channel->GetState(false) == GRPC_CHANNEL_READY);
     deadline = std::min(2 * deadline, kCallDeadline);
@@ -240,8 +240,8 @@ Result<void> SessionClient::fetch_asset(const std::string& hash, uint64_t asset_
     request.set_asset_hash(hash);
     request.set_offset(offset);
     Connection::Call call(connection);
-    call.context.set_deadline(Clock::now() + kFetchPatience +
-                              std::chrono::seconds((asset_bytes - std::min(offset, asset_bytes)) / kSlowestFetch_bytes_s));
+    call.context.set_deadline(Clock::now() + kFetchTimeout +
+                              std::chrono::seconds((asset_bytes - std::min(offset, asset_bytes)) / kMinFetchRate_bytes_s));
     const auto reader = stub->FetchAsset(&call.context, request);
     v1::AssetChunk chunk;
     while (reader->Read(&chunk)) {
@@ -308,8 +308,8 @@ void SessionClient::set_view(const ViewCone& view) {
 
 int64_t SessionClient::Connection::first_silence_ns() const {
   const bool kernels = FrameReader::is_kernel_encoding(encoding);
-  const double first_s = std::ldexp(kernels ? options.first_kernels_s : seconds_from_ns(kServerSilentAfter_ns), std::min(silent_streams, 8));
-  return std::min(after(0, first_s), kLongestSilence_ns);
+  const double first_s = std::ldexp(kernels ? options.first_kernels_s : seconds_from_ns(kServerTimeout_ns), std::min(silent_streams, 8));
+  return std::min(after(0, first_s), kMaxSilence_ns);
 }
 
 SessionStream::Outcome SessionClient::Connection::stream_once() {
@@ -341,7 +341,7 @@ void SessionClient::Connection::run() {
     if (wait(0) || (done.drained && !options.reconnect_after_drain)) return end({});
     silent_streams = done.silent && done.frames == 0 ? silent_streams + 1 : 0;
     const bool kernels = FrameReader::is_kernel_encoding(encoding);
-    if (kernels && silent_streams >= kMostSilentStreams) {
+    if (kernels && silent_streams >= kMaxSilentStreams) {
       return end(Error{ErrorCode::Unavailable, address + format_text(": no frame of kernels came whole in %d tries: they are larger than the "
                                                                      "link carries; ask for --encoding drivers",
                                                                      silent_streams)});
@@ -349,7 +349,7 @@ void SessionClient::Connection::run() {
     if (!may_pass(done.status)) return end(error_from(done.status, address));
     log_warn("%s: %s; connecting again", address.c_str(), done.reason.c_str());
     sink->on_lost(done.reason);
-    fruitless_pause_ns = done.frames > 0 ? 0 : std::clamp(2 * fruitless_pause_ns, kRetryPause_ns, kLongestFruitlessPause_ns);
+    fruitless_pause_ns = done.frames > 0 ? 0 : std::clamp(2 * fruitless_pause_ns, kRetryPause_ns, kMaxRetryPause_ns);
     if (fruitless_pause_ns > 0 && wait(fruitless_pause_ns)) return end({});
     if (auto resumed = resume(done); !resumed) return wait(0) ? end({}) : end(std::move(resumed));
   }

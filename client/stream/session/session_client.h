@@ -16,7 +16,7 @@
 namespace livegs {
 
 // So long a program that is to end by itself (--seconds) waits for its first frame, if it is not to run for longer anyway.
-inline constexpr double kFirstFrame_s = 10;
+inline constexpr double kFirstFrameTimeout_s = 10;
 
 struct ConnectOptions {
   double timeout_s = 5.0;  // for the server to be there and its scene to be built

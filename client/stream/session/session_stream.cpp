@@ -16,20 +16,20 @@
 namespace livegs {
 namespace {
 
-constexpr std::chrono::milliseconds kSignOfLife{50};
-constexpr std::chrono::milliseconds kLookEvery{50};  // whether the server is silent
-constexpr int64_t kSilentGaps = 5;  // of the longest time that a frame of kernels took to come
-constexpr int64_t kHalfClosePatience_ns = 1'000'000'000;
+constexpr std::chrono::milliseconds kKeepaliveInterval{50};
+constexpr std::chrono::milliseconds kPollInterval{50};  // whether the server is silent
+constexpr int64_t kSilenceGapFactor = 5;  // of the longest time that a frame of kernels took to come
+constexpr int64_t kHalfCloseTimeout_ns = 1'000'000'000;
 constexpr size_t kSamplesPerMessage = 3;
-constexpr int64_t kAsksAgainAfter_ns = 250'000'000;  // for a key frame: the one that was asked for may be spoiled too
+constexpr int64_t kKeyFrameRetryInterval_ns = 250'000'000;  // for a key frame: the one that was asked for may be spoiled too
 
 Eigen::Vector3f vector_of(const google::protobuf::RepeatedField<float>& numbers) {
   return numbers.size() == 3 ? Eigen::Vector3f(numbers[0], numbers[1], numbers[2]) : Eigen::Vector3f::Zero();
 }
 
 // The first frame of a stream has waited for the client to be ready.
-constexpr double kOldKernels_ms = 150;
-constexpr size_t kOldKernelsInARow = 3;
+constexpr double kLateKernelFrame_ms = 150;
+constexpr size_t kMaxLateKernelFrames = 3;
 
 }  // namespace
 
@@ -53,18 +53,18 @@ SessionStream::Outcome SessionStream::run() {
     std::unique_lock lock(mutex_);
     int64_t stopping_ns = 0;
     while (!ended_) {
-      over_.wait_for(lock, kLookEvery, [&] { return ended_; });
+      over_.wait_for(lock, kPollInterval, [&] { return ended_; });
       const int64_t now = now_ns();
       if (stopping_ && stopping_ns == 0) stopping_ns = now;
       const int64_t most_ns = longest_silence_ns();
       const bool silent = now - heard_ns_ > most_ns;
       if (silent && !outcome_.silent) {
         outcome_.silent = true;
-        outcome_.reason = most_ns <= kServerSilentAfter_ns ? "nothing came from it for a second"
+        outcome_.reason = most_ns <= kServerTimeout_ns ? "nothing came from it for a second"
                                                            : format_text("nothing came from it for %.1f s", seconds_from_ns(most_ns));
         if (streams_kernels_ && outcome_.frames == 0) outcome_.reason += "; frames of kernels may be larger than the link carries";
       }
-      if (silent || (stopping_ns != 0 && now - stopping_ns > kHalfClosePatience_ns)) context_.TryCancel();
+      if (silent || (stopping_ns != 0 && now - stopping_ns > kHalfCloseTimeout_ns)) context_.TryCancel();
     }
   }
   writer.join();
@@ -77,7 +77,7 @@ SessionStream::Outcome SessionStream::run() {
 
 int64_t SessionStream::longest_silence_ns() const {
   if (outcome_.frames == 0) return first_silence_ns_;
-  return streams_kernels_ ? std::clamp(kSilentGaps * longest_gap_ns_, kServerSilentAfter_ns, kLongestSilence_ns) : kServerSilentAfter_ns;
+  return streams_kernels_ ? std::clamp(kSilenceGapFactor * longest_gap_ns_, kServerTimeout_ns, kMaxSilence_ns) : kServerTimeout_ns;
 }
 
 void SessionStream::send(const InputSample& sample) {
@@ -111,7 +111,7 @@ void SessionStream::write() {
     {
       std::unique_lock lock(mutex_);
       if (!first) {
-        to_send_.wait_for(lock, kSignOfLife,
+        to_send_.wait_for(lock, kKeepaliveInterval,
                           [&] { return stopping_ || ended_ || samples_new_ || acknowledgement_new_; });
       }
       if (stopping_ || ended_) break;
@@ -192,8 +192,8 @@ void SessionStream::take_clock(const v1::ServerMessage& message, int64_t receive
 void SessionStream::warn_of_late_kernels(const ReceivedFrame& frame) {
   if (!streams_kernels_ || warned_ || !frame.clock) return;
   const double age_ms = milliseconds_from_ns(frame.decoded_ns + frame.clock->offset_ns - frame.stepped_ns);
-  late_kernel_frames_ = age_ms > kOldKernels_ms ? late_kernel_frames_ + 1 : 0;
-  if (late_kernel_frames_ < kOldKernelsInARow) return;
+  late_kernel_frames_ = age_ms > kLateKernelFrame_ms ? late_kernel_frames_ + 1 : 0;
+  if (late_kernel_frames_ < kMaxLateKernelFrames) return;
   warned_ = true;
   log_warn("frames of kernels are %.0f ms old when they can be drawn: moving, packing and sending %.1f MB takes longer than the "
            "ticks they are of; --encoding drivers is as current as the link",
@@ -225,7 +225,7 @@ Result<void> SessionStream::take(v1::ServerMessage& message, int64_t received_ns
     aim_.add_frame(frame.tick, frame.stepped_ns - static_cast<int64_t>(1e6 * frame.step_ms));
   }
   const uint64_t tick = frame.tick;
-  const bool waits = frames_.needs_key_frame() && received_ns - key_frame_requested_ns_ < kAsksAgainAfter_ns;
+  const bool waits = frames_.needs_key_frame() && received_ns - key_frame_requested_ns_ < kKeyFrameRetryInterval_ns;
   auto drivers = frames_.read(std::as_bytes(std::span(message.frame())));
   if (drivers) {
     frame.bytes = message.frame().size();

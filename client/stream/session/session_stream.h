@@ -26,10 +26,10 @@ namespace livegs {
 
 // A server that says nothing for so long is not there: it says something every quarter of a second. A Wi-Fi that stalls
 // for 300 ms is waited out.
-inline constexpr int64_t kServerSilentAfter_ns = 1'000'000'000;
+inline constexpr int64_t kServerTimeout_ns = 1'000'000'000;
 // Nor while a message is on its way, though, and a frame of kernels may take seconds over a slow link. So before its first
 // frame more is waited for, and between frames of kernels some times what the longest took; so much at most.
-inline constexpr int64_t kLongestSilence_ns = 30'000'000'000;
+inline constexpr int64_t kMaxSilence_ns = 30'000'000'000;
 
 // One Stream rpc of a session, from its opening to its status. gRPC types: for session_client.cpp only.
 class SessionStream {

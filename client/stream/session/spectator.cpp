@@ -22,10 +22,10 @@
 namespace livegs {
 namespace {
 
-constexpr std::chrono::milliseconds kLookEvery{50};  // whether it is to end, and whether frames stay away
-constexpr int64_t kSilentAfter_ns = 1'000'000'000;
+constexpr std::chrono::milliseconds kPollInterval{50};  // whether it is to end, and whether frames stay away
+constexpr int64_t kSilenceTimeout_ns = 1'000'000'000;
 constexpr std::chrono::seconds kCallDeadline{10}, kFetchDeadline{600};
-constexpr int64_t kAskAgainAfter_ns = 100'000'000;
+constexpr int64_t kRetryInterval_ns = 100'000'000;
 
 }  // namespace
 
@@ -110,8 +110,8 @@ void Spectator::Connection::run() {
   while (!stopping) {
     zmq::message_t message;
     try {
-      if (!frames.recv(message)) {  // nothing for kLookEvery
-        if (!lost && heard_ns > 0 && now_ns() - heard_ns > kSilentAfter_ns) {
+      if (!frames.recv(message)) {  // nothing for kPollInterval
+        if (!lost && heard_ns > 0 && now_ns() - heard_ns > kSilenceTimeout_ns) {
           lost = true;
           sink->on_lost("nothing was published for a second");
         }
@@ -161,7 +161,7 @@ Result<std::unique_ptr<Spectator>> Spectator::subscribe(const std::string& serve
   try {
     connection->frames.set(zmq::sockopt::conflate, 1);  // before it connects: the newest frame and no other waits
     connection->frames.set(zmq::sockopt::maxmsgsize, static_cast<int64_t>(kMaxFrameBytes) + 64);
-    connection->frames.set(zmq::sockopt::rcvtimeo, static_cast<int>(kLookEvery.count()));
+    connection->frames.set(zmq::sockopt::rcvtimeo, static_cast<int>(kPollInterval.count()));
     connection->frames.set(zmq::sockopt::linger, 0);
     connection->frames.set(zmq::sockopt::ipv6, published.find('[') != std::string::npos);
     connection->frames.set(zmq::sockopt::subscribe, "");
@@ -175,7 +175,7 @@ Result<std::unique_ptr<Spectator>> Spectator::subscribe(const std::string& serve
   const int64_t give_up_ns = now_ns() + static_cast<int64_t>(1e9 * timeout_s);
   auto described = connection->describe();
   while (!described && described.error().code == ErrorCode::Unavailable && now_ns() < give_up_ns) {
-    sleep_until_ns(now_ns() + kAskAgainAfter_ns);
+    sleep_until_ns(now_ns() + kRetryInterval_ns);
     described = connection->describe();
   }
   if (!described) return described.error();

@@ -7,12 +7,12 @@ namespace livegs {
 namespace {
 
 // Bounds that exclude each other by more than this: a clock was set, or a machine slept.
-constexpr int64_t kContradiction_ns = 1'000'000;
+constexpr int64_t kMaxBoundContradiction_ns = 1'000'000;
 
 }  // namespace
 
 int64_t ClockOffset::loosened(const Bound& bound, int64_t client_ns) {
-  return bound.value_ns + static_cast<int64_t>(kMostDrift * static_cast<double>(client_ns - bound.client_ns));
+  return bound.value_ns + static_cast<int64_t>(kMaxDrift * static_cast<double>(client_ns - bound.client_ns));
 }
 
 void ClockOffset::tighten(Bounds& bounds, const Bound& bound) {
@@ -27,7 +27,7 @@ void ClockOffset::add(const ClockSample& sample) {
   if (const auto known = at(sample.received_ns)) {
     const int64_t upper_ns = known->offset_ns + known->uncertainty_ns;
     const int64_t lower_ns = known->offset_ns - known->uncertainty_ns;
-    if (up.value_ns < lower_ns - kContradiction_ns || -down.value_ns > upper_ns + kContradiction_ns) {
+    if (up.value_ns < lower_ns - kMaxBoundContradiction_ns || -down.value_ns > upper_ns + kMaxBoundContradiction_ns) {
       upper_.clear();
       lower_.clear();
     }

@@ -25,14 +25,14 @@ struct ClockSample {
 class ClockOffset {
  public:
   // Quartz of computers: RFC 5905 has 15 parts in a million for a disciplined clock; cheap ones reach 200.
-  static constexpr double kMostDrift = 200e-6;
+  static constexpr double kMaxDrift = 200e-6;
   static constexpr int64_t kWindow_ns = 10'000'000'000;
 
   void add(const ClockSample& sample);
 
   struct Estimate {
     int64_t offset_ns = 0;       // server's clock minus the client's, now
-    int64_t uncertainty_ns = 0;  // it is off by no more, as long as the clocks drift by no more than kMostDrift
+    int64_t uncertainty_ns = 0;  // it is off by no more, as long as the clocks drift by no more than kMaxDrift
   };
   std::optional<Estimate> at(int64_t client_ns) const;
 

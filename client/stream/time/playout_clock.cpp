@@ -10,7 +10,7 @@
 namespace livegs {
 namespace {
 
-constexpr int64_t kLeastSpan_ns = 1'000'000'000;  // that a rate is taken from
+constexpr int64_t kMinRateSpan_ns = 1'000'000'000;  // that a rate is taken from
 constexpr double kRateNoise = 0.05;               // what jitter makes of it
 constexpr double kCorrection_ns = 400e6;          // an error goes with this time constant
 
@@ -18,7 +18,7 @@ constexpr double kCorrection_ns = 400e6;          // an error goes with this tim
 
 void PlayoutClock::arrived(int64_t simulated_ns, int64_t received_ns) {
   const bool stands = !arrivals_.empty() && simulated_ns <= arrivals_.back().simulated_ns;
-  const bool silent = !arrivals_.empty() && received_ns - arrivals_.back().received_ns > kSilence_ns;
+  const bool silent = !arrivals_.empty() && received_ns - arrivals_.back().received_ns > kSilenceTimeout_ns;
   if (stands || silent) arrivals_.clear();
   arrivals_.push_back({simulated_ns, received_ns});
   while (arrivals_.front().received_ns < received_ns - kWindow_ns) arrivals_.pop_front();
@@ -28,7 +28,7 @@ double PlayoutClock::rate() const {
   if (arrivals_.empty()) return 1;
   const Arrival &first = arrivals_.front(), &last = arrivals_.back();
   const auto passed = static_cast<double>(last.received_ns - first.received_ns);
-  if (passed < kLeastSpan_ns) return 1;
+  if (passed < kMinRateSpan_ns) return 1;
   const double rate = static_cast<double>(last.simulated_ns - first.simulated_ns) / passed;
   return std::abs(rate - 1) < kRateNoise ? 1 : std::clamp(rate, 0.01, 4.0);
 }
@@ -48,7 +48,7 @@ double PlayoutClock::wanted_ns(int64_t drawn_ns) const {
     needed.push_back(late(arrivals_[i].received_ns, arrivals_[i - 1].simulated_ns));
     quickest = std::min(quickest, late(arrivals_[i].received_ns, arrivals_[i].simulated_ns));
   }
-  const double delay = std::min(percentile(std::move(needed), kShareInTime), quickest + static_cast<double>(kMostJitter_ns));
+  const double delay = std::min(percentile(std::move(needed), kOnTimeShare), quickest + static_cast<double>(kMaxJitter_ns));
   return rate * (static_cast<double>(drawn_ns - newest.received_ns) - delay);
 }
 
@@ -57,13 +57,13 @@ int64_t PlayoutClock::at(int64_t now_ns, int64_t displayed_ns) {
   leads_ns_.push_back(displayed_ns - now_ns);
   if (leads_ns_.size() > kLeadsKept) leads_ns_.pop_front();
   // A picture's frames have to be there when it is drawn, which is that much before it is seen.
-  const int64_t lead = percentile(std::vector<int64_t>(leads_ns_.begin(), leads_ns_.end()), kShareInTime);
+  const int64_t lead = percentile(std::vector<int64_t>(leads_ns_.begin(), leads_ns_.end()), kOnTimeShare);
   const int64_t drawn_ns = displayed_ns - lead;
   const auto newest = static_cast<double>(arrivals_.back().simulated_ns);
   const double passed = rate() * static_cast<double>(std::max<int64_t>(0, drawn_ns - last_drawn_ns_));
   const double error = newest + wanted_ns(drawn_ns) - (shown_ns_ + passed);
-  const bool jumps = !shows_ || std::abs(error) > static_cast<double>(kJump_ns);
-  shown_ns_ += jumps ? passed + error : passed * (1 + std::clamp(error / kCorrection_ns, -kMostHaste, kMostHaste));
+  const bool jumps = !shows_ || std::abs(error) > static_cast<double>(kMaxPlayoutError_ns);
+  shown_ns_ += jumps ? passed + error : passed * (1 + std::clamp(error / kCorrection_ns, -kMaxRateDeviation, kMaxRateDeviation));
   if (arrivals_.size() < 2) shown_ns_ = std::min(shown_ns_, newest);
   shows_ = true;
   last_drawn_ns_ = std::max(last_drawn_ns_, drawn_ns);

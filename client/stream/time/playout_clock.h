@@ -14,15 +14,15 @@ namespace livegs {
 class PlayoutClock {
  public:
   static constexpr int64_t kWindow_ns = 2'000'000'000;
-  static constexpr double kShareInTime = 0.95;
+  static constexpr double kOnTimeShare = 0.95;
   // More than the quickest frames need is not waited for; then things go on as they moved (FrameHistory), and then stand.
-  static constexpr int64_t kMostJitter_ns = 100'000'000;
+  static constexpr int64_t kMaxJitter_ns = 100'000'000;
   // The moment shown advances by so much faster or slower at most, while it is behind or ahead of where it should be...
-  static constexpr double kMostHaste = 0.1;
+  static constexpr double kMaxRateDeviation = 0.1;
   // ... and jumps when it is off by more than this: after a halt, or when a stream came back.
-  static constexpr int64_t kJump_ns = 200'000'000;
+  static constexpr int64_t kMaxPlayoutError_ns = 200'000'000;
   // After so long without a frame it begins anew: the simulation may have stood meanwhile.
-  static constexpr int64_t kSilence_ns = 250'000'000;
+  static constexpr int64_t kSilenceTimeout_ns = 250'000'000;
 
   // Frames in the order they came. One that is not newer says that the simulation stands.
   void arrived(int64_t simulated_ns, int64_t received_ns);

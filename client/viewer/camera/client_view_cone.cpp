@@ -9,9 +9,9 @@ namespace livegs {
 namespace {
 
 // A head that looks around turns by 2 to 4 rad/s.
-constexpr double kTurned_rad = 0.35;
+constexpr double kTurnMargin_rad = 0.35;
 // And a step to the side in that time.
-constexpr double kMoved_m = 0.2;
+constexpr double kMotionMargin_m = 0.2;
 
 Eigen::Vector3d direction(const Camera& eye, double x_px, double y_px) {
   const Eigen::Vector3d ahead((x_px - eye.centre_x_px) / eye.focal_x_px, (eye.centre_y_px - y_px) / eye.focal_y_px, -1.0);
@@ -30,9 +30,9 @@ ViewCone client_view_cone(std::span<const Camera> eyes) {
   }
   cone.forward.normalize();
   cone.half_angle_rad = 0;
-  double apart_m = kMoved_m;
+  double apart_m = kMotionMargin_m;
   for (const Camera& eye : eyes) {
-    apart_m = std::max(apart_m, kMoved_m + (eye.world_from_camera.position_m - cone.position_m).norm());
+    apart_m = std::max(apart_m, kMotionMargin_m + (eye.world_from_camera.position_m - cone.position_m).norm());
     for (const double x_px : {0.0, static_cast<double>(eye.width)}) {
       for (const double y_px : {0.0, static_cast<double>(eye.height)}) {
         const double cosine = std::clamp(direction(eye, x_px, y_px).dot(cone.forward), -1.0, 1.0);
@@ -40,7 +40,7 @@ ViewCone client_view_cone(std::span<const Camera> eyes) {
       }
     }
   }
-  cone.half_angle_rad = std::min(M_PI, cone.half_angle_rad + kTurned_rad);
+  cone.half_angle_rad = std::min(M_PI, cone.half_angle_rad + kTurnMargin_rad);
   // From so far behind, the cone holds those of all points within apart_m.
   cone.position_m -= cone.forward * (apart_m / std::sin(std::min(cone.half_angle_rad, 0.5 * M_PI)));
   return cone;

@@ -8,19 +8,19 @@
 namespace livegs {
 namespace {
 
-constexpr double kMostElevation_rad = 1.55;
-constexpr double kNearest_m = 0.05;
+constexpr double kMaxElevation_rad = 1.55;
+constexpr double kMinDistance_m = 0.05;
 
 }  // namespace
 
 OrbitCamera::OrbitCamera(const Camera& camera, double distance_m)
-    : distance_m_(std::max(kNearest_m, distance_m)),
+    : distance_m_(std::max(kMinDistance_m, distance_m)),
       vertical_fov_rad_(2.0 * std::atan(0.5 * camera.height / camera.focal_y_px)) {
   const Eigen::Vector3d back = camera.world_from_camera.orientation * Eigen::Vector3d::UnitZ();
   target_m_ = camera.world_from_camera.position_m - distance_m_ * back;
   azimuth_rad_ = std::atan2(back.x(), back.z());
   elevation_rad_ =
-      std::clamp(std::asin(std::clamp(back.y(), -1.0, 1.0)), -kMostElevation_rad, kMostElevation_rad);
+      std::clamp(std::asin(std::clamp(back.y(), -1.0, 1.0)), -kMaxElevation_rad, kMaxElevation_rad);
 }
 
 Eigen::Quaterniond OrbitCamera::orientation() const {
@@ -30,8 +30,8 @@ Eigen::Quaterniond OrbitCamera::orientation() const {
 
 void OrbitCamera::orbit(const Eigen::Vector2d& moved_px, double window_height_px) {
   azimuth_rad_ = std::remainder(azimuth_rad_ - M_PI * moved_px.x() / window_height_px, 2.0 * M_PI);
-  elevation_rad_ = std::clamp(elevation_rad_ + M_PI * moved_px.y() / window_height_px, -kMostElevation_rad,
-                              kMostElevation_rad);
+  elevation_rad_ = std::clamp(elevation_rad_ + M_PI * moved_px.y() / window_height_px, -kMaxElevation_rad,
+                              kMaxElevation_rad);
 }
 
 void OrbitCamera::pan(const Eigen::Vector2d& moved_px, double window_height_px) {
@@ -40,7 +40,7 @@ void OrbitCamera::pan(const Eigen::Vector2d& moved_px, double window_height_px) 
 }
 
 void OrbitCamera::zoom(double notches) {
-  distance_m_ = std::max(kNearest_m, distance_m_ * std::pow(0.9, notches));
+  distance_m_ = std::max(kMinDistance_m, distance_m_ * std::pow(0.9, notches));
 }
 
 void OrbitCamera::fly(const Eigen::Vector3d& direction, double passed_s) {

@@ -15,7 +15,7 @@ inline double window_budget_ms(double refresh_hz) {
 }
 
 // Of pictures that are drawn at full size however long they take.
-inline constexpr double kUnhurried_ms = std::numeric_limits<double>::infinity();
+inline constexpr double kUnlimitedBudget_ms = std::numeric_limits<double>::infinity();
 
 // How much smaller than its window a picture is drawn, and which kernels are left out of it, so that it is drawn in
 // time. Cost is taken to go with the number of pixels; steps of an eighth, and a dead zone, keep the size from
@@ -31,7 +31,7 @@ class RenderScale {
   void drew(double ms) {
     if (ms > 0.7 * budget_ms_ && ms < budget_ms_) return;
     const double next = std::clamp(
-        wanted_ * std::clamp(std::sqrt(0.85 * budget_ms_ / std::max(ms, 1e-3)), 0.7, 1.1), kLeastWanted, 1.0);
+        wanted_ * std::clamp(std::sqrt(0.85 * budget_ms_ / std::max(ms, 1e-3)), 0.7, 1.1), kMinScale, 1.0);
     // A step from 3/8 to 1/2 is more than the dead zone: it is taken if it will do, or sizes would alternate.
     const double step = size(next) / value();
     if (step > 1.0 && ms * step * step > 0.95 * budget_ms_) return;
@@ -44,7 +44,7 @@ class RenderScale {
   float min_contribution_px() const { return static_cast<float>(value() * value() * (1.0 / wanted_ - 1.0)); }
 
  private:
-  static constexpr double kLeastWanted = 0.2;
+  static constexpr double kMinScale = 0.2;
   static double size(double wanted) { return std::max(0.25, std::floor(8.0 * wanted + 1e-9) / 8.0); }
   double budget_ms_;
   double wanted_ = 1.0;

@@ -11,7 +11,7 @@ namespace {
 constexpr double kWeightLength = 0.4;           // of the object's size
 constexpr double kUnknownLength_m_n = 0.01;     // of what has no weight
 constexpr double kShaftWidth = 0.10, kHeadWidth = 0.28, kHeadLength = 0.32;  // of the length
-constexpr double kShortest_px = 4;
+constexpr double kMinArrowLength_px = 4;
 
 }  // namespace
 
@@ -42,7 +42,7 @@ std::optional<ProjectedArrow> project_arrow(const Camera& camera, const Eigen::V
     if (!pixel) return std::nullopt;
     seen.outline_px[i] = *pixel;
   }
-  if ((seen.outline_px[3] - 0.5 * (seen.outline_px[0] + seen.outline_px[6])).norm() < kShortest_px) {
+  if ((seen.outline_px[3] - 0.5 * (seen.outline_px[0] + seen.outline_px[6])).norm() < kMinArrowLength_px) {
     return std::nullopt;
   }
   return seen;

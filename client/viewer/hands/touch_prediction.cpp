@@ -8,13 +8,13 @@
 namespace livegs {
 namespace {
 
-constexpr double kAhead_s = 0.025;  // about two pictures
+constexpr double kLookahead_s = 0.025;  // about two pictures
 constexpr int kSteps = 4;           // looked at on the way: 12 mm apart at 2 m/s
-constexpr float kHand_m = 0.01f;    // the hand's ball
-constexpr float kHeld_m = 0.003f;   // kernels of two things come no closer than that where the server lets them touch
-constexpr float kApart_m = 0.015f;  // more than this is needed to end a touch
-constexpr size_t kProbes = 64, kMostSurface = 4096;
-constexpr int64_t kLongest_ns = 500'000'000;  // between pictures
+constexpr float kHandRadius_m = 0.01f;    // the hand's ball
+constexpr float kContactDistance_m = 0.003f;   // kernels of two things come no closer than that where the server lets them touch
+constexpr float kReleaseDistance_m = 0.015f;  // more than this is needed to end a touch
+constexpr size_t kProbes = 64, kMaxSurfaceKernels = 4096;
+constexpr int64_t kMaxPictureInterval_ns = 500'000'000;  // between pictures
 
 }  // namespace
 
@@ -25,7 +25,7 @@ std::optional<TouchPrediction::Touch> TouchPrediction::at(size_t hand, const Han
   if (!sample.active) return std::nullopt;
   const Eigen::Vector3d place_m = sample.grip.position_m;
   last_[hand] = Last{place_m, displayed_ns, last && last->touches};
-  if (!last || displayed_ns <= last->displayed_ns || displayed_ns - last->displayed_ns > kLongest_ns) return std::nullopt;
+  if (!last || displayed_ns <= last->displayed_ns || displayed_ns - last->displayed_ns > kMaxPictureInterval_ns) return std::nullopt;
   const Eigen::Vector3f velocity_m_s =
       ((place_m - last->place_m) / seconds_from_ns(displayed_ns - last->displayed_ns)).cast<float>();
 
@@ -36,13 +36,13 @@ std::optional<TouchPrediction::Touch> TouchPrediction::at(size_t hand, const Han
     const Eigen::AlignedBox3f all(Eigen::Vector3f::Constant(-1e6f), Eigen::Vector3f::Constant(1e6f));
     for (const SurfaceKernel& point : surface_within({&*held, 1}, all, kProbes)) probes.push_back(point.middle_m);
   }
-  const float reach_m = held_id == 0 ? kHand_m : kHeld_m;
-  const float end_m = last->touches ? reach_m + kApart_m : reach_m;
+  const float reach_m = held_id == 0 ? kHandRadius_m : kContactDistance_m;
+  const float end_m = last->touches ? reach_m + kReleaseDistance_m : reach_m;
   Eigen::AlignedBox3f box;
   for (const Eigen::Vector3f& probe : probes) box.extend(probe);
   Touch touch{false, velocity_m_s.norm()};
   if (!probes.empty()) {
-    const Eigen::Vector3f ahead = static_cast<float>(kAhead_s) * velocity_m_s;
+    const Eigen::Vector3f ahead = static_cast<float>(kLookahead_s) * velocity_m_s;
     box.extend(Eigen::AlignedBox3f(box.min() + ahead, box.max() + ahead));
     const Eigen::Vector3f wider = Eigen::Vector3f::Constant(end_m + 0.05f);  // middles of large kernels are farther away
     const Eigen::AlignedBox3f looked_at(box.min() - wider, box.max() + wider);
@@ -50,7 +50,7 @@ std::optional<TouchPrediction::Touch> TouchPrediction::at(size_t hand, const Han
     std::erase_if(others, [&](const DrawnObject& object) {
       return object.object_id == held_id || HandMarkers::is_marker(object.object_id);
     });
-    const auto surface = surface_within(others, looked_at, kMostSurface);
+    const auto surface = surface_within(others, looked_at, kMaxSurfaceKernels);
     for (int step = 0; step <= kSteps && !touch.touches; ++step) {
       for (const Eigen::Vector3f& probe : probes) {
         const Eigen::Vector3f there = probe + static_cast<float>(step) / kSteps * ahead;

@@ -31,7 +31,7 @@ void FrameQueue::on_frame(ReceivedFrame frame) {
     update_.frames.clear();
   }
   if (records_frames_) recorded_.push_back(frame);
-  if (update_.frames.size() == kMostFrames) update_.frames.erase(update_.frames.begin());
+  if (update_.frames.size() == kMaxFrames) update_.frames.erase(update_.frames.begin());
   update_.frames.push_back(std::move(frame));
 }
 

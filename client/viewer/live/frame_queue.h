@@ -51,7 +51,7 @@ class FrameQueue final : public StreamSink {
 
  private:
   using Binding = ProgressiveObjects::Binding;
-  static constexpr size_t kMostFrames = 32;
+  static constexpr size_t kMaxFrames = 32;
   struct Event {
     std::optional<StreamedObject> object;
     bool added = false;

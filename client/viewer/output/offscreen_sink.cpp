@@ -11,7 +11,7 @@
 namespace livegs {
 namespace {
 
-constexpr double kLastFrame_s = 1;  // later than it is to be
+constexpr double kLastFrameTimeout_s = 1;  // later than it is to be
 
 std::optional<Eigen::Vector3d> middle_of(const DriverFrame& frame, uint32_t object_id) {
   const auto object = std::find_if(frame.objects.begin(), frame.objects.end(),
@@ -130,7 +130,7 @@ bool OffscreenSink::wait_done(double seconds) {
   changed_.wait_for(lock, std::chrono::duration<double>(seconds), [&] { return done_; });
   if (done_ || seconds_ == 0) return done_;
   gave_up_ = first_ns_ == 0 && seconds_from_ns(now_ns() - made_ns_) >= patience_s();
-  done_ = gave_up_ || (first_ns_ != 0 && seconds_from_ns(now_ns() - first_ns_) >= seconds_ + kLastFrame_s);
+  done_ = gave_up_ || (first_ns_ != 0 && seconds_from_ns(now_ns() - first_ns_) >= seconds_ + kLastFrameTimeout_s);
   return done_;
 }
 

@@ -43,7 +43,7 @@ class OffscreenSink final : public StreamSink {
 
   // Waits, at most so long, until the recording is done or the server drains. True when it is.
   bool wait_done(double seconds);
-  double patience_s() const { return std::max(seconds_, kFirstFrame_s); }
+  double patience_s() const { return std::max(seconds_, kFirstFrameTimeout_s); }
   bool gave_up() const;  // no frame came
   std::string draining_reason() const;
   // How often the stream was gone, and the time until it was joined again.

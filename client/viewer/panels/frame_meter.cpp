@@ -6,7 +6,7 @@
 namespace livegs {
 namespace {
 
-constexpr size_t kGraphLength = 180, kMostSamples = 512;
+constexpr size_t kGraphLength = 180, kMaxSamples = 512;
 constexpr int64_t kSecond_ns = 1'000'000'000;
 
 void add(std::vector<float>& values, double value) {
@@ -18,7 +18,7 @@ void add(std::vector<float>& values, double value) {
 
 void FrameMeter::sampled(uint64_t sequence, int64_t sampled_ns) {
   samples_.push_back({sequence, sampled_ns});
-  if (samples_.size() > kMostSamples) samples_.pop_front();
+  if (samples_.size() > kMaxSamples) samples_.pop_front();
 }
 
 void FrameMeter::shown(const ReceivedFrame& frame, int64_t shown_ns, double picture_ms, const std::optional<DeviceTimes>& device) {

@@ -8,7 +8,7 @@
 namespace livegs {
 namespace {
 
-constexpr size_t kLongestReason = 150;  // characters
+constexpr size_t kMaxReasonLength = 150;  // characters
 
 const char* behavior_text(v1::Physics::Behavior behavior) {
   switch (behavior) {
@@ -40,9 +40,9 @@ const char* fill_text(v1::Physics::Fill fill) {
 
 // Whole words of it.
 std::string shortened(const std::string& reason) {
-  if (reason.size() <= kLongestReason) return reason;
-  const size_t space = reason.rfind(' ', kLongestReason - 3);
-  return reason.substr(0, space == std::string::npos ? kLongestReason - 3 : space) + " ...";
+  if (reason.size() <= kMaxReasonLength) return reason;
+  const size_t space = reason.rfind(' ', kMaxReasonLength - 3);
+  return reason.substr(0, space == std::string::npos ? kMaxReasonLength - 3 : space) + " ...";
 }
 
 std::string stiffness_text(const v1::ElasticAccuracy& elastic) {

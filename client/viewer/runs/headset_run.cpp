@@ -28,8 +28,8 @@
 namespace livegs {
 namespace {
 
-constexpr double kBudgetOfPeriod = 0.8;      // for drawing
-constexpr size_t kMostLatencies = 1 << 20;
+constexpr double kDrawBudgetShare = 0.8;      // for drawing
+constexpr size_t kMaxLatencies = 1 << 20;
 
 class HeadsetRun {
  public:
@@ -81,8 +81,8 @@ class HeadsetRun {
 
 // One stands where the camera would, upright.
 Result<void> HeadsetRun::place() {
-  constexpr PictureSize kAsSeen{640, 640};
-  const auto first = initial_camera(view_, kAsSeen, options_.camera_file);
+  constexpr PictureSize kDefaultViewSize{640, 640};
+  const auto first = initial_camera(view_, kDefaultViewSize, options_.camera_file);
   if (!first) return first.error();
   const Camera& camera = *first;
   const Eigen::Vector3d ahead = camera.world_from_camera.orientation * -Eigen::Vector3d::UnitZ();
@@ -214,17 +214,17 @@ Result<void> HeadsetRun::draw(PlannedFrame& planned) {
   if (auto submitted = display_.submit(planned, images_); !submitted) return submitted;
   if (display_.counts().pictures == before) return {};  // the session was lost meanwhile
   if (options_.on_picture) options_.on_picture(planned, view_);
-  if (draws_ms_.size() < kMostLatencies) draws_ms_.push_back(milliseconds_from_ns(drawn_ns - begun_ns));
+  if (draws_ms_.size() < kMaxLatencies) draws_ms_.push_back(milliseconds_from_ns(drawn_ns - begun_ns));
   // Of the first picture of each sample.
   const ReceivedFrame& shown = *playout_.shown();
   meter_.shown(shown, std::max(drawn_ns, planned.display_time_ns), milliseconds_from_ns(drawn_ns - last_ns_));
   last_ns_ = drawn_ns;
-  if (shown.input_sequence > measured_sequence_ && meter_.hand_to_picture_ms() && latencies_ms_.size() < kMostLatencies) {
+  if (shown.input_sequence > measured_sequence_ && meter_.hand_to_picture_ms() && latencies_ms_.size() < kMaxLatencies) {
     measured_sequence_ = shown.input_sequence;
     latencies_ms_.push_back(*meter_.hand_to_picture_ms());
   }
   if (!options_.scales) return {};
-  const double budget_ms = 1e3 * kBudgetOfPeriod * display_.period_s();
+  const double budget_ms = 1e3 * kDrawBudgetShare * display_.period_s();
   if (!scale_ || std::abs(budget_ms - scale_budget_ms_) > 0.01) scale_.emplace(scale_budget_ms_ = budget_ms);
   scale_->drew(view_.last_times().raster_ms);  // the rest of it does not go with the number of pixels
   display_.set_scale(scale_->value());
@@ -244,7 +244,7 @@ Result<void> HeadsetRun::run(const std::atomic<bool>& interrupted) {
     if (placed_) send_hands(planned->display_time_ns);
     if (auto done = planned->views.empty() || !placed_ ? display_.submit(*planned, {}) : draw(*planned); !done) return done;
     const double shown_s = seconds_from_ns(now_ns() - (placed_ ? placed_ns_ : begun_ns));
-    if (options_.seconds > 0 && shown_s >= (placed_ ? options_.seconds : std::max(options_.seconds, kFirstFrame_s))) break;
+    if (options_.seconds > 0 && shown_s >= (placed_ ? options_.seconds : std::max(options_.seconds, kFirstFrameTimeout_s))) break;
   }
   return {};
 }

@@ -4,13 +4,13 @@
 namespace livegs {
 namespace {
 
-constexpr double kPicture_s = 1.0 / 30;  // a display that nobody looks at does not hold it back
+constexpr double kPictureInterval_s = 1.0 / 30;  // a display that nobody looks at does not hold it back
 
 }  // namespace
 
 Result<std::unique_ptr<ConnectedScene>> load_in_window(SceneLoader& loading, WindowDisplay& display, const std::atomic<bool>& interrupted) {
   const Image dark{1, 1, {0.08f, 0.08f, 0.1f, 1.0f}};
-  while (!loading.wait(kPicture_s)) {
+  while (!loading.wait(kPictureInterval_s)) {
     const auto planned = display.wait_frame();
     if (!planned || interrupted) return std::unique_ptr<ConnectedScene>();
     const SceneLoader::Progress progress = loading.progress();

@@ -21,7 +21,7 @@ namespace livegs {
 namespace {
 
 constexpr double kWaitSlice_s = 0.05;
-constexpr std::chrono::milliseconds kLookEvery{10};
+constexpr std::chrono::milliseconds kPollInterval{10};
 
 // What can be wrong before a server is asked.
 struct Prepared {
@@ -119,7 +119,7 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
   auto drawn_log = DrawnLog::create(options.output / "timings.csv");
   if (!drawn_log) return drawn_log.error();
 
-  PlaybackQueue queue(kMostBacklogBytes);
+  PlaybackQueue queue(kMaxBacklogBytes);
   OffscreenSink recorder(client, assets, queue, std::move(*received_log), options.seconds);
   const auto on_first_frame = [&](const SceneView& posed) -> Result<void> {
     const Camera camera =
@@ -147,7 +147,7 @@ Result<OffscreenRunSummary> run_offscreen(const OffscreenRunOptions& options,
   const Result<void> streamed = client.stop();
   queue.close();
   if (!play_ended && !interrupted) log_info("the stream has ended; drawing what is left of it");
-  for (; !play_ended; std::this_thread::sleep_for(kLookEvery)) {
+  for (; !play_ended; std::this_thread::sleep_for(kPollInterval)) {
     if (interrupted) queue.abandon();
   }
   drawer.join();

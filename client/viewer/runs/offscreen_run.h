@@ -47,7 +47,7 @@ struct OffscreenRunSummary {
 };
 
 // Frames that wait to be drawn may hold this much: four minutes at 90 Hz and 25 kB.
-inline constexpr size_t kMostBacklogBytes = 512u << 20;
+inline constexpr size_t kMaxBacklogBytes = 512u << 20;
 
 // Joins, fetches, records the stream for its time and draws it, into `output`:
 //   out.mp4, frame_NNNNN.png    the video, and some of its pictures

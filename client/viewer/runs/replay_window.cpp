@@ -25,7 +25,7 @@ class ReplayWindow {
  public:
   ReplayWindow(const ReplayOptions& options, RecordingPlayback& playback, AssetLibrary& assets, SceneView& view,
                WindowDisplay& display)
-      : options_(options), playback_(playback), assets_(assets), view_(view), display_(display), scale_(options.full_size ? kUnhurried_ms : window_budget_ms(display.refresh_hz())) {}
+      : options_(options), playback_(playback), assets_(assets), view_(view), display_(display), scale_(options.full_size ? kUnlimitedBudget_ms : window_budget_ms(display.refresh_hz())) {}
 
   Result<void> run(const std::atomic<bool>& interrupted) {
     if (auto begun = go_to(options_.from_s); !begun) return begun;

@@ -22,7 +22,7 @@
 namespace livegs {
 namespace {
 
-constexpr std::chrono::milliseconds kLookEvery{50};
+constexpr std::chrono::milliseconds kPollInterval{50};
 
 // Everything into the queue of the thread that draws.
 class Watcher final : public StreamSink {
@@ -118,7 +118,7 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
   auto drawn_log = DrawnLog::create(options.output / "timings.csv");
   if (!drawn_log) return drawn_log.error();
 
-  PlaybackQueue queue(kMostBacklogBytes);
+  PlaybackQueue queue(kMaxBacklogBytes);
   Watcher watcher(assets, queue, std::move(*received_log));
   Player player(view, assets, queue, **display, std::move(*drawn_log), [&](const SceneView& posed) -> Result<void> {
     const Camera chosen = camera.value_or(choose_camera(posed, size.width, size.height));
@@ -137,7 +137,7 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
   // Nothing comes between two frames, however healthy the server is.
   const double silence_s = std::max({options.reconnect_s, 1.0, 3 / std::max((*spectator)->scene().rate_hz, 0.1)});
   (*spectator)->start(watcher);
-  for (; !interrupted && !play_ended; std::this_thread::sleep_for(kLookEvery)) {
+  for (; !interrupted && !play_ended; std::this_thread::sleep_for(kPollInterval)) {
     const int64_t now = now_ns();
     const Watcher::Heard heard = watcher.heard();
     if (heard.first_ns == 0) {
@@ -153,7 +153,7 @@ Result<SpectateSummary> run_spectator(const std::string& published, const Offscr
   }
   (*spectator)->stop();
   queue.close();
-  for (; !play_ended; std::this_thread::sleep_for(kLookEvery)) {
+  for (; !play_ended; std::this_thread::sleep_for(kPollInterval)) {
     if (interrupted) queue.abandon();
   }
   drawer.join();

@@ -40,7 +40,7 @@ class WindowRun {
   WindowRun(const WindowRunOptions& options, SessionClient& client, SceneControl& control, ProgressiveObjects& arriving,
             SceneView& view, WindowDisplay& display)
       : options_(options), client_(client), calls_(control), arriving_(arriving), stream_(arriving), view_(view), display_(display),
-        scale_(options.full_size ? kUnhurried_ms : window_budget_ms(display.refresh_hz())) {
+        scale_(options.full_size ? kUnlimitedBudget_ms : window_budget_ms(display.refresh_hz())) {
     for (const StreamedObject& object : client.scene().objects) objects_[object.id] = object;
   }
 
@@ -516,7 +516,7 @@ Result<void> WindowRun::show(const std::atomic<bool>& interrupted) {
       }
     }
     // Counted from the first frame, if there is to be one.
-    const bool counts = options_.seconds > 0 && (camera_ || client_.ended() || seconds_from_ns(now - begun_ns_) >= kFirstFrame_s);
+    const bool counts = options_.seconds > 0 && (camera_ || client_.ended() || seconds_from_ns(now - begun_ns_) >= kFirstFrameTimeout_s);
     if (counts && seconds_from_ns(now - begun_ns_) >= options_.seconds) break;
   }
   return {};

@@ -14,7 +14,7 @@ namespace livegs {
 namespace {
 
 constexpr double kRadian_deg = std::numbers::pi / 180;
-constexpr double kLongestForce_s = 60;  // scene.cpp has the same
+constexpr double kMaxForceDuration_s = 60;  // scene.cpp has the same
 
 // "1 second", "0.3 seconds".
 std::string in_words(double value, const std::string& unit) {
@@ -103,7 +103,7 @@ Result<v1::Event::Force> parse_force(const std::string& text) {
   const auto is_finite = [](double number) { return std::isfinite(number); };
   if (!std::all_of(p, p + 3, is_finite) || !std::all_of(f, f + 3, is_finite))
     return invalid_argument("--force " + text + ": the point and the force must be finite numbers");
-  if (!(seconds > 0 && seconds <= kLongestForce_s))
+  if (!(seconds > 0 && seconds <= kMaxForceDuration_s))
     return invalid_argument("--force " + text + ": SECONDS must be over 0 and at most 60");
   v1::Event::Force force;
   force.set_object(text.substr(0, at));

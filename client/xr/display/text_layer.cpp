@@ -36,10 +36,10 @@ TextPlate::~TextPlate() = default;
 
 TextPlate::Picture TextPlate::draw(const std::string& text, std::array<uint8_t, 3> ink) const {
   const ImFont& font = *font_->font;
-  constexpr int kMostLines = static_cast<int>((kMostHeight_px - 2 * kMargin_px) / kLine_px);
+  constexpr int kMaxLines = static_cast<int>((kMaxHeight_px - 2 * kMargin_px) / kLine_px);
   std::vector<std::pair<const char*, const char*>> lines;
   const char* const end = text.data() + text.size();
-  for (const char* at = text.data(); at < end && std::ssize(lines) < kMostLines;) {
+  for (const char* at = text.data(); at < end && std::ssize(lines) < kMaxLines;) {
     const char* const paragraph = std::find(at, end, '\n');
     const char* next = font.CalcWordWrapPositionA(1.0f, at, paragraph, kWidth_px - 2 * kMargin_px);
     if (next == at && paragraph != at) ++next;  // not even one letter

@@ -22,7 +22,7 @@ class TextPlate {
   };
   // As high as the text's lines, which are broken at the plate's width; what does not fit is left out. `ink`: 0..255.
   Picture draw(const std::string& text, std::array<uint8_t, 3> ink) const;
-  static constexpr int kWidth_px = 640, kMostHeight_px = 256;
+  static constexpr int kWidth_px = 640, kMaxHeight_px = 256;
 
  private:
   struct Font;

@@ -26,7 +26,7 @@ XrResult OpenXrTextLayer::write(XrSession session) {
   }
   if (!swapchain_) {
     swapchain_.emplace(handles_);
-    const XrResult made = swapchain_->create(session, TextPlate::kWidth_px, TextPlate::kMostHeight_px, 1);
+    const XrResult made = swapchain_->create(session, TextPlate::kWidth_px, TextPlate::kMaxHeight_px, 1);
     if (XR_FAILED(made)) return made;
   }
   DeviceImage image;

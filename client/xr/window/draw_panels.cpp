@@ -36,9 +36,9 @@ void same_line_if_it_fits(const char* button) {
 }  // namespace
 
 std::optional<std::pair<double, double>> columns_beside_panels(double width_px, bool recorded) {
-  constexpr double kLeastShare = 0.3;
+  constexpr double kMinPanelShare = 0.3;
   const double left_px = kMargin_px + kLeftWidth_px, right_px = recorded ? width_px : width_px - kRightWidth_px - kMargin_px;
-  return right_px - left_px >= kLeastShare * width_px ? std::optional(std::pair(left_px, right_px)) : std::nullopt;
+  return right_px - left_px >= kMinPanelShare * width_px ? std::optional(std::pair(left_px, right_px)) : std::nullopt;
 }
 
 void PanelDrawer::place(Panel panel, float left_px, float top_px, float width_px, float height_px, float max_px) {
@@ -67,7 +67,7 @@ PanelActions PanelDrawer::draw(const WindowPanels& panels, float width_px, float
   resized_ = width_px != width_px_ || height_px != height_px_;
   width_px_ = width_px;
   height_px_ = height_px;
-  const bool stacks = width_px < kSideBySide_px;
+  const bool stacks = width_px < kMinSideBySideWidth_px;
   const bool selected = panels.objects.selected.has_value();
   if (stacks && !stacked_) open_ = selected ? Panel::Objects : Panel::Run;
   if (selected && !had_selection_) open_ = Panel::Objects;

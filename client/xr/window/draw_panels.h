@@ -16,13 +16,13 @@ std::optional<std::pair<double, double>> columns_beside_panels(double width_px, 
 // that is held stands. Between ImGui's NewFrame and Render.
 //
 // Run stands on the left and Objects on the right, where a person may move them until the window changes its size. In one of
-// less than kSideBySide_px they stand one above the other, and at most one is open: what opens one closes the other. The
+// less than kMinSideBySideWidth_px they stand one above the other, and at most one is open: what opens one closes the other. The
 // first thing that is selected opens Objects, and what is out of order Run.
 class PanelDrawer {
  public:
   PanelActions draw(const WindowPanels& panels, float width_px, float height_px);
 
-  static constexpr float kSideBySide_px = 700;
+  static constexpr float kMinSideBySideWidth_px = 700;
 
  private:
   enum class Panel { None, Run, Objects };

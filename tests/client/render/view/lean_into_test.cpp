@@ -14,7 +14,7 @@ namespace {
 constexpr int kWidth = 480, kHeight = 360, kSteps = 8, kStays = 8;
 constexpr double kOutside_m = 3, kInside_m = 0.2;  // from the middle of a shell of radius 0.5 m
 // Inside of the shell, as a share of the cost outside: 0.9 and 3.0 found on lavapipe, with smaller pictures and without.
-constexpr double kMostShare = 1.6, kLeastUnscaled = 2;
+constexpr double kMaxShare = 1.6, kMinUnscaled = 2;
 
 class LeanInto : public VulkanPictures {
  protected:
@@ -68,8 +68,8 @@ TEST_F(LeanInto, SmallerPicturesHoldTheCostInside) {
   const double unscaled_ms = inside_ms(object, nullptr), scaled_ms = inside_ms(object, &scale);
   std::printf("%s: outside %.1f ms, inside %.1f ms, at %.0f %% of the size %.1f ms\n", device_->name().c_str(), outside_ms, unscaled_ms,
               100 * scale.value(), scaled_ms);
-  EXPECT_LT(scaled_ms, kMostShare * outside_ms);
-  EXPECT_GT(unscaled_ms, kLeastUnscaled * outside_ms);  // or there was nothing to hold
+  EXPECT_LT(scaled_ms, kMaxShare * outside_ms);
+  EXPECT_GT(unscaled_ms, kMinUnscaled * outside_ms);  // or there was nothing to hold
   EXPECT_LT(scale.value(), 1.0);
 }
 

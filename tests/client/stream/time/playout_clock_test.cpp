@@ -146,7 +146,7 @@ TEST(PlayoutClock, BearsDroppedFrames) {
     size_t beyond = 0, pictures = 0;
     for (uint64_t seed = 1; seed <= 5; ++seed) {
       const std::vector<Shown> shown = play({.jitter_ms = 5, .dropped = dropped}, {.rate_hz = 90}, 12, seed);
-      EXPECT_LE(percentile(evenness(shown).haste, 1), PlayoutClock::kMostHaste + 1e-6);
+      EXPECT_LE(percentile(evenness(shown).haste, 1), PlayoutClock::kMaxRateDeviation + 1e-6);
       for (const Shown& picture : shown) {
         off_m.push_back(std::abs(picture.x_m - true_x(picture.simulated_s)));
         beyond += picture.simulated_s > picture.newest_s;

@@ -33,7 +33,7 @@ struct Drawer {
 };
 
 TEST(RenderScale, LeavesPicturesAloneThatNobodyWaitsFor) {
-  RenderScale scale(kUnhurried_ms);
+  RenderScale scale(kUnlimitedBudget_ms);
   Drawer{5000, 5000}.draw(scale, 100);
   EXPECT_EQ(scale.value(), 1.0);
   EXPECT_EQ(scale.min_contribution_px(), 0.0f);

@@ -56,9 +56,9 @@ TEST(TextPlate, BreaksWhatIsTooWideAndLeavesOutWhatIsTooLong) {
     EXPECT_TRUE(write_png(std::filesystem::path(folder) / "text_plate.png", image));
   }
   const auto word = plate.draw(std::string(500, 'M'), kInk);  // nowhere to break it
-  EXPECT_LE(word.height_px, TextPlate::kMostHeight_px);
+  EXPECT_LE(word.height_px, TextPlate::kMaxHeight_px);
   for (int y = 0; y < word.height_px; ++y) EXPECT_TRUE(is_plate(word, word.width_px - 5, y));
-  EXPECT_LE(plate.draw(std::string(100, '\n') + "end", kInk).height_px, TextPlate::kMostHeight_px);
+  EXPECT_LE(plate.draw(std::string(100, '\n') + "end", kInk).height_px, TextPlate::kMaxHeight_px);
 }
 
 // Letters stand beside each other: between those of "ill" there are columns without ink.
@@ -81,7 +81,7 @@ TEST(TextPlate, TakesAnyBytes) {
   EXPECT_EQ(lines_of(plate.draw("", kInk)).size(), 0u);
   std::string bytes;
   for (int i = 1; i < 256; ++i) bytes.push_back(static_cast<char>(i));
-  for (size_t cut = 0; cut <= bytes.size(); ++cut) EXPECT_LE(plate.draw(bytes.substr(cut), kInk).height_px, TextPlate::kMostHeight_px);
+  for (size_t cut = 0; cut <= bytes.size(); ++cut) EXPECT_LE(plate.draw(bytes.substr(cut), kInk).height_px, TextPlate::kMaxHeight_px);
   EXPECT_EQ(lines_of(plate.draw("fa\xc3\xa7" "ade", kInk)).size(), 1u);
 }
 
