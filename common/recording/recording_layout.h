@@ -18,7 +18,7 @@ enum class ChunkKind : uint8_t { Start = 1, Object = 2, Objects = 3, Tick = 4, A
 inline constexpr size_t kChunkHeadBytes = 9;
 inline constexpr size_t kMaxPayloadBytes = (64u << 20) + (64u << 10);
 inline constexpr size_t kAssetPieceBytes = 1u << 20;  // of a file, too
-inline constexpr size_t kMostFileName = 4096;
+inline constexpr size_t kMaxFileNameBytes = 4096;
 
 // Ticks from one key tick to the next: what a seek decodes at most.
 inline constexpr uint64_t kKeyInterval = 128;

@@ -279,7 +279,7 @@ Result<void> RecordingReader::files(const std::function<Result<void>(const Recor
       const std::span<const std::byte> payload((*chunk)->payload);
       ByteReader in(payload);
       const auto length = read_varint(in);
-      if (!length || *length == 0 || *length > kMostFileName || *length > in.remaining()) return bad("holds a file without a name");
+      if (!length || *length == 0 || *length > kMaxFileNameBytes || *length > in.remaining()) return bad("holds a file without a name");
       RecordedFilePiece piece;
       piece.name.assign(reinterpret_cast<const char*>(payload.data()) + in.offset(), *length);
       in.skip(*length);

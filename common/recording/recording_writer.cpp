@@ -96,7 +96,7 @@ Result<void> RecordingWriter::add_asset(const std::string& hash, std::span<const
 }
 
 Result<void> RecordingWriter::add_file(const std::string& name, std::span<const std::byte> bytes) {
-  LIVEGS_ASSERT(!name.empty() && name.size() <= kMostFileName);
+  LIVEGS_ASSERT(!name.empty() && name.size() <= kMaxFileNameBytes);
   uint64_t offset = 0;
   do {
     const auto piece = bytes.subspan(offset, std::min<uint64_t>(kAssetPieceBytes, bytes.size() - offset));

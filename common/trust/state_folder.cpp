@@ -14,7 +14,7 @@
 namespace livegs {
 namespace {
 
-constexpr uint64_t kMostSecretBytes = 4 << 20;
+constexpr uint64_t kMaxSecretBytes = 4 << 20;
 
 Error file_error(const std::filesystem::path& path, const char* what) {
   return {ErrorCode::PermissionDenied, path.string() + ": " + what + ": " + std::strerror(errno)};
@@ -71,7 +71,7 @@ Result<std::string> read_secret_file(const std::filesystem::path& path) {
     return Error{ErrorCode::PermissionDenied,
                  path.string() + ": others may read it; make it anew, or chmod 600 if nobody has"};
   }
-  return read_text_file(path, kMostSecretBytes);
+  return read_text_file(path, kMaxSecretBytes);
 }
 
 }  // namespace livegs

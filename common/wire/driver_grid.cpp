@@ -17,11 +17,11 @@ namespace {
 
 // A component that was left out stays so while no other is larger by more than this part: ties do not flip to
 // and fro.
-constexpr double kKeepLeftOut = 1.05;
+constexpr double kLeftOutHysteresis = 1.05;
 // A body that has shrunk to less than this part of what its step was chosen for gets a finer one.
-constexpr double kShrunk = 0.35;
+constexpr double kMaxShrinkage = 0.35;
 // Integers stay below 2^30, so that their second differences fit into 32 bits.
-constexpr double kLargestStepCount = 1073741824.0;
+constexpr double kMaxStepCount = 1073741824.0;
 
 // Adding this to a double leaves its integer part, rounded to nearest, in the low bits.
 constexpr double kRoundingBias = 6755399441055744.0;  // 1.5 * 2^52
@@ -39,7 +39,7 @@ int exponent_above(double value) {
 
 int coarse_enough(int exponent, double farthest_m) {
   if (!(farthest_m > 0.0)) return exponent;
-  return std::max(exponent, exponent_above(farthest_m / kLargestStepCount));
+  return std::max(exponent, exponent_above(farthest_m / kMaxStepCount));
 }
 
 // Smallest and largest coordinates, eight positions at a time: 24 lanes, of which each stays with its axis.
@@ -79,7 +79,7 @@ int lattice_exponent(const ObjectDrivers& drivers, const DriverGrid* before, con
   if (!before) return fitting;
   const int kept = before->exponent;
   if (kept < fitting) return fitting;
-  const bool shrunk = kept > precision.finest_exponent && side < kShrunk * steps * kStepPart * std::ldexp(1.0, kept);
+  const bool shrunk = kept > precision.finest_exponent && side < kMaxShrinkage * steps * kStepPart * std::ldexp(1.0, kept);
   return shrunk ? fitting : kept;
 }
 
@@ -119,7 +119,7 @@ void put_rotations(DriverGrid& grid, const DriverGrid* before, const Coefficient
     }
     if (before) {
       const int32_t was = before->values[6 * n + i] & 3;
-      if (std::abs(v[largest]) <= kKeepLeftOut * std::abs(v[was])) largest = was;
+      if (std::abs(v[largest]) <= kLeftOutHysteresis * std::abs(v[was])) largest = was;
     }
     left[i] = static_cast<int32_t>(largest);
     pack(v, static_cast<int>(largest), scale, a + i, a + n + i, a + 2 * n + i);

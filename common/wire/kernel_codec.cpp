@@ -25,15 +25,15 @@ constexpr size_t kObjectHeaderBytes = 9, kBoxBytes = 24;
 constexpr size_t kExactBytes = 52, kQuantisedBytes = 20;
 constexpr int kPositionBits = 16, kComponentBits = 12, kDeviationBits = 10;
 constexpr size_t kDeviationBytes = 4, kRotationBytes = 5;
-constexpr double kLeastDeviationLog2 = -20, kDeviationOctaves = 24;  // 2^-20 m (1 µm) to 2^4 m
+constexpr double kMinDeviationLog2 = -20, kDeviationOctaves = 24;  // 2^-20 m (1 µm) to 2^4 m
 constexpr double kLastDeviation = (1 << kDeviationBits) - 1;
 
 uint32_t quantised_deviation(double variance_m2) {
   const double log2_m = 0.5 * std::log2(std::max(variance_m2, 1e-30));
-  return static_cast<uint32_t>(std::lround(std::clamp((log2_m - kLeastDeviationLog2) / kDeviationOctaves, 0.0, 1.0) * kLastDeviation));
+  return static_cast<uint32_t>(std::lround(std::clamp((log2_m - kMinDeviationLog2) / kDeviationOctaves, 0.0, 1.0) * kLastDeviation));
 }
 double deviation_m(uint32_t steps) {
-  return std::exp2(kLeastDeviationLog2 + kDeviationOctaves * steps / kLastDeviation);
+  return std::exp2(kMinDeviationLog2 + kDeviationOctaves * steps / kLastDeviation);
 }
 
 // Standard deviations along the kernel's own axes, and these as a rotation.

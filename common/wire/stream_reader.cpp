@@ -75,14 +75,14 @@ Result<DriverGrid> read_form(RiceReader& bits) {
   if (grid.exponent < kMinExponent || grid.exponent > kMaxExponent) return bad("an object's step is out of range");
   if (grid.revision != 0 && grid.kind != DriverKind::Rigid) return bad("sets a reserved bit");
   const bool told = grid.kind == DriverKind::Lattice && bits.bits(0, 1) != 0;
-  if (bits.failed() || grid.count > bits.remaining_bits() / kLeastIntraDriverBits)
+  if (bits.failed() || grid.count > bits.remaining_bits() / kMinIntraDriverBits)
     return bad("claims " + std::to_string(grid.count) + " drivers but is cut short");
   if (!told) return grid;
   std::vector<Eigen::Vector3i> coordinates(grid.count);
   if (!code_coordinates(bits, coordinates)) return bad("an object is cut short");
   grid.neighbours = find_node_neighbours(std::move(coordinates));
   if (!grid.neighbours) return bad("a node's coordinates are out of range");
-  if (grid.count > bits.remaining_bits() / kLeastIntraDriverBits) return bad("an object is cut short");
+  if (grid.count > bits.remaining_bits() / kMinIntraDriverBits) return bad("an object is cut short");
   return grid;
 }
 

@@ -29,7 +29,7 @@ Bytes framed(std::span<const std::byte> input) {
     const auto columns = part.subspan(std::min<size_t>(4, part.size()));
     Bytes frame(ZSTD_compressBound(columns.size()));
     frame.resize(ZSTD_compress(frame.data(), frame.size(), columns.data(), columns.size(), 1));
-    frame.resize(std::max(frame.size(), min_payload_bytes(3 * 15, std::min<size_t>(kernels, kMostBlockKernels))));
+    frame.resize(std::max(frame.size(), min_payload_bytes(3 * 15, std::min<size_t>(kernels, kMaxBlockKernels))));
     ByteWriter block;
     block.write(static_cast<uint32_t>(frame.size()));
     block.write(kernels);

@@ -87,7 +87,7 @@ Result<void> ProgressiveDecoder::take(std::span<const std::byte> bytes) {
     if (left.size() < kBlockHeadBytes) break;
     const auto size = load<uint32_t>(left, 0), kernels = load<uint32_t>(left, 4);
     const size_t columns = brings_kernels ? kKernelColumns : harmonics;
-    if (kernels == 0 || kernels > kMostBlockKernels ||
+    if (kernels == 0 || kernels > kMaxBlockKernels ||
         (brings_kernels ? kernels > count_ - indices_.size() : kernels != block_counts_[harmonic_blocks_])) {
       return fail(bad("a block has another number of kernels than it may"));
     }
@@ -111,7 +111,7 @@ Result<void> ProgressiveDecoder::take_head(Bytes head) {
   const unsigned flags = byte_at(head, 13);
   if (count_ == 0 || degree_ > 3 || flags > kAntialiased || load<uint16_t>(head, 14) != 0)
     return bad("has no kernels, or more harmonics or flags than there are");
-  if (count_ * sizeof(float) * (kFloatColumns + harmonic_columns(degree_)) > kMostDecodedBytes) return bad("is over 4 GiB");
+  if (count_ * sizeof(float) * (kFloatColumns + harmonic_columns(degree_)) > kMaxDecodedBytes) return bad("is over 4 GiB");
   asset_.antialiased = flags != 0;
   has_head_ = true;
   return {};

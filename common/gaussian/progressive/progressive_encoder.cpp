@@ -89,7 +89,7 @@ class Encoder {
     append(out_, static_cast<uint8_t>(asset_.antialiased ? kAntialiased : 0));
     append(out_, uint16_t{0});
     std::vector<std::span<uint32_t>> blocks;
-    for (size_t at = 0, size = kFirstBlockKernels; at < order_.size(); size = std::min(2 * size, kMostBlockKernels)) {
+    for (size_t at = 0, size = kFirstBlockKernels; at < order_.size(); size = std::min(2 * size, kMaxBlockKernels)) {
       const auto block = std::span(order_).subspan(at, std::min(size, order_.size() - at));
       // Inside a block kernels stand as in the asset: neighbours there are often neighbours in space, and gaps between
       // ascending numbers are small.

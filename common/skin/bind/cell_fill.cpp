@@ -9,14 +9,14 @@ namespace livegs {
 namespace {
 
 // A box that enters a part by less than this, in parts, does not touch it.
-constexpr float kGraze = 1e-3f;
+constexpr float kMinOverlap = 1e-3f;
 
 }  // namespace
 
 uint64_t fill_of_box(const Eigen::Vector3f& low, const Eigen::Vector3f& high) {
   std::array<int, 3> first, last;
   for (int d = 0; d < 3; ++d) {
-    const float from = kFillParts * low[d] + kGraze, to = kFillParts * high[d] - kGraze;
+    const float from = kFillParts * low[d] + kMinOverlap, to = kFillParts * high[d] - kMinOverlap;
     const float middle = 0.5f * (from + to);
     first[d] = std::clamp(static_cast<int>(std::floor(std::min(from, middle))), 0, kFillParts - 1);
     last[d] = std::clamp(static_cast<int>(std::floor(std::max(to, middle))), first[d], kFillParts - 1);

@@ -7,11 +7,11 @@
 namespace livegs {
 namespace {
 
-constexpr float kDeviations = 3.0f;
+constexpr float kReachDeviations = 3.0f;
 constexpr float kRounding = 1.0001f;
 
 float extent_m(const Symmetric3f& covariance_m2) {  // the trace bounds the largest variance
-  return kDeviations * std::sqrt(std::max(0.0f, covariance_m2[0] + covariance_m2[3] + covariance_m2[5]));
+  return kReachDeviations * std::sqrt(std::max(0.0f, covariance_m2[0] + covariance_m2[3] + covariance_m2[5]));
 }
 
 // Inside its cell a kernel's place is a mean of nodes; its offset beyond, and its own size, are stretched by F.

@@ -18,12 +18,12 @@ struct NodeNeighbours {
     std::array<uint32_t, 3> nodes;
     uint32_t count;
   };
-  std::vector<Eigen::Vector3i> coordinates;  // in cells, within +-kMostNodeCoordinate
+  std::vector<Eigen::Vector3i> coordinates;  // in cells, within +-kMaxNodeCoordinate
   std::vector<Before> before;                // one a node
 };
 using NodeNeighboursPtr = std::shared_ptr<const NodeNeighbours>;
 
-inline constexpr int kMostNodeCoordinate = (1 << 20) - 1;
+inline constexpr int kMaxNodeCoordinate = (1 << 20) - 1;
 
 // Null where a coordinate is out of range. Of several nodes at one place the one of the next lower index is taken.
 NodeNeighboursPtr find_node_neighbours(std::vector<Eigen::Vector3i> coordinates);

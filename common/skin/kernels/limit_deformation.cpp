@@ -29,14 +29,14 @@ Lanes dot(const LaneVector& a, const LaneVector& b) { return a.x * b.x + a.y * b
 // 2.1, 1.3, 1.03, 1.0006, 1 + 2e-7, and then float has no more digits.
 constexpr int kNewtonSteps = 6;
 static_assert(kMaxKernelStretch <= 4.0f && kMinKernelStretch >= 0.25f);
-static_assert(kMaxKernelStretch == kMostKernelStretch && kMinKernelStretch * kMostKernelStretch == 1.0f);
+static_assert(kMaxKernelStretch == kKernelStretchLimit && kMinKernelStretch * kKernelStretchLimit == 1.0f);
 
 // From three columns of any angles; convergence is quadratic, and four sweeps were the most seen.
 constexpr int kJacobiSweeps = 6;
 
 // A stretch below which its direction is no longer known: the nodes of a cell of 10 mm, as floats some metres from the
 // origin, are that much off.
-constexpr float kVanishing = 1e-4f;
+constexpr float kMinKnownStretch = 1e-4f;
 
 struct Vector {
   float x, y, z;
@@ -76,7 +76,7 @@ void order_columns(Vector (&b)[3], Vector (&v)[3], int p, int q) {  // the longe
 // in the same way where rounding decides which.
 void limit_by_singular_values(Eigen::Matrix3f& gradient, Eigen::Quaternionf& rotation) {
   const float scale = gradient.cwiseAbs().maxCoeff();
-  if (scale < kVanishing) {
+  if (scale < kMinKnownStretch) {
     gradient = kMinKernelStretch * Eigen::Matrix3f::Identity();
     rotation.setIdentity();
     return;
@@ -102,7 +102,7 @@ void limit_by_singular_values(Eigen::Matrix3f& gradient, Eigen::Quaternionf& rot
   u[0] = unit(b[0]);
   const Vector second = b[1] - dot(u[0], b[1]) * u[0];
   const float second_length = std::sqrt(dot(second, second));
-  if (scale * second_length > kVanishing) {
+  if (scale * second_length > kMinKnownStretch) {
     u[1] = (1.0f / second_length) * second;
   } else {
     const float along = 1.0f + dot(v[0], u[0]);

@@ -4,9 +4,9 @@
 
 const int kNewtonSteps = 6;
 const int kJacobiSweeps = 6;
-const float kVanishing = 1e-4;
-const float kMostStretch = float(kMostKernelStretch);
-const float kLeastStretch = 1.0 / kMostStretch;
+const float kMinKnownStretch = 1e-4;
+const float kMaxStretch = float(kKernelStretchLimit);
+const float kMinStretch = 1.0 / kMaxStretch;
 
 struct LimitedDeformation {
   mat3 gradient;
@@ -90,7 +90,7 @@ void order_columns(inout vec3 b_p, inout vec3 b_q, inout vec3 v_p, inout vec3 v_
 LimitedDeformation limit_by_singular_values(mat3 gradient) {
   const vec3 most = max(max(abs(gradient[0]), abs(gradient[1])), abs(gradient[2]));
   const float scale = max(max(most.x, most.y), most.z);
-  if (scale < kVanishing) return LimitedDeformation(mat3(kLeastStretch), vec4(0.0, 0.0, 0.0, 1.0));
+  if (scale < kMinKnownStretch) return LimitedDeformation(mat3(kMinStretch), vec4(0.0, 0.0, 0.0, 1.0));
   precise vec3 f0 = gradient[0] / scale;
   precise vec3 f1 = gradient[1] / scale;
   precise vec3 f2 = gradient[2] / scale;
@@ -117,7 +117,7 @@ LimitedDeformation limit_by_singular_values(mat3 gradient) {
   precise float second_length = sqrt(exact_dot(second, second));
   precise float second_stretch = scale * second_length;
   vec3 u1;
-  if (second_stretch > kVanishing) {
+  if (second_stretch > kMinKnownStretch) {
     precise float inverse = 1.0 / second_length;
     u1 = inverse * second;
   } else {
@@ -131,14 +131,14 @@ LimitedDeformation limit_by_singular_values(mat3 gradient) {
   const float third = exact_dot(u2, third_column);
 
   const vec3 sigma = vec3(scale * sqrt(exact_dot(b0, b0)), second_stretch, scale * third);
-  const vec3 stretch = clamp(sigma, kLeastStretch, kMostStretch);
+  const vec3 stretch = clamp(sigma, kMinStretch, kMaxStretch);
   const mat3 limited =
       outerProduct(stretch.x * u0, v0) + outerProduct(stretch.y * u1, v1) + outerProduct(stretch.z * u2, v2);
   const mat3 turn = outerProduct(u0, v0) + outerProduct(u1, v1) + outerProduct(u2, v2);
   return LimitedDeformation(limited, quaternion_of(turn));
 }
 
-// Singular values held to kLeastStretch..kMostStretch, and the rotation.
+// Singular values held to kMinStretch..kMaxStretch, and the rotation.
 LimitedDeformation limit_deformation(mat3 gradient) {
   vec3 c0 = gradient[0];
   vec3 c1 = gradient[1];
@@ -149,7 +149,7 @@ LimitedDeformation limit_deformation(mat3 gradient) {
   float determinant = exact_dot(c0, co0);
   precise float norm_squared = exact_dot(c0, c0) + exact_dot(c1, c1) + exact_dot(c2, c2);
   if (!(norm_squared < 3e38)) return LimitedDeformation(mat3(1.0), vec4(0.0, 0.0, 0.0, 1.0));
-  if (!(norm_squared <= kMostStretch * kMostStretch && 2.0 * determinant >= kLeastStretch * norm_squared &&
+  if (!(norm_squared <= kMaxStretch * kMaxStretch && 2.0 * determinant >= kMinStretch * norm_squared &&
         determinant > 0.0)) {
     return limit_by_singular_values(gradient);
   }

@@ -41,7 +41,7 @@ struct SkinLatticeConstants {
 };
 
 // A kernel is stretched to this at most and shrunk to one over it, as skin_kernels.h has it.
-const uint kMostKernelStretch = 4;
+const uint kKernelStretchLimit = 4;
 
 #ifdef __cplusplus
 static_assert(sizeof(SkinLatticeConstants) == 72);

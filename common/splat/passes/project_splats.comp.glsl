@@ -53,7 +53,7 @@ Cofactors cofactors(PosedKernelRow k) {
 
 // Where and how large the kernel is to the eye, colour left out. False where nothing of it can be seen.
 bool project(EyeView eye, PosedKernelRow k, Cofactors c, float kernel_log2_opacity, out SplatRow row) {
-  row = SplatRow(0.0, 0.0, 0.0, 0.0, 0.0, kUnseen_log2, 0.0, 0.0, 0.0);
+  row = SplatRow(0.0, 0.0, 0.0, 0.0, 0.0, kCulled_log2, 0.0, 0.0, 0.0);
   const vec3 offset = vec3(k.x_m, k.y_m, k.z_m) - vec3(eye.x_m, eye.y_m, eye.z_m);
   const vec3 axis_x = vec3(eye.xx, eye.xy, eye.xz);
   const vec3 axis_y = vec3(eye.yx, eye.yy, eye.yz);
@@ -100,7 +100,7 @@ bool project(EyeView eye, PosedKernelRow k, Cofactors c, float kernel_log2_opaci
       det *= shrink * shrink;
     }
   }
-  if (eye.min_log2_contribution > kUnseen_log2 &&
+  if (eye.min_log2_contribution > kCulled_log2 &&
       log2_opacity + 0.5 * log2_of(det) + kLog2OfTwoPi < eye.min_log2_contribution) {
     return false;
   }

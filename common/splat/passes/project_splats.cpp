@@ -63,7 +63,7 @@ Row3 offset_from(const PosedKernelRow& k, float x_m, float y_m, float z_m) {
 // The twin of project() in project_splats.comp.glsl, step by step.
 bool project(const EyeView& eye, const PosedKernelRow& k, const Cofactors& c, float kernel_log2_opacity,
              bool antialiased, SplatRow& row) {
-  row = {0, 0, 0, 0, 0, kUnseen_log2, 0, 0, 0};
+  row = {0, 0, 0, 0, 0, kCulled_log2, 0, 0, 0};
   const Row3 offset = offset_from(k, eye.x_m, eye.y_m, eye.z_m);
   const Row3 axis_x{eye.xx, eye.xy, eye.xz}, axis_y{eye.yx, eye.yy, eye.yz}, axis_z{eye.zx, eye.zy, eye.zz};
   const float z = dot(axis_z, offset);
@@ -116,7 +116,7 @@ bool project(const EyeView& eye, const PosedKernelRow& k, const Cofactors& c, fl
       det *= shrink * shrink;
     }
   }
-  if (eye.min_log2_contribution > kUnseen_log2 &&
+  if (eye.min_log2_contribution > kCulled_log2 &&
       log2_opacity + 0.5f * log2_of(det) + kLog2OfTwoPi < eye.min_log2_contribution) {
     return false;
   }
@@ -233,7 +233,7 @@ EyeView eye_view(const Camera& camera, float max_radius_px, float min_contributi
           .width_px = f(p.width),
           .height_px = f(p.height),
           .max_radius_px = max_radius_px,
-          .min_log2_contribution = min_contribution_px > 0 ? std::log2(min_contribution_px) : kUnseen_log2};
+          .min_log2_contribution = min_contribution_px > 0 ? std::log2(min_contribution_px) : kCulled_log2};
 }
 
 }  // namespace livegs

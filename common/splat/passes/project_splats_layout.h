@@ -46,7 +46,7 @@ struct EyeView {
   float width_px;
   float height_px;
   float max_radius_px;  // 0: none
-  float min_log2_contribution;  // of opacity * 2 pi sqrt(det), in px; kUnseen_log2: none
+  float min_log2_contribution;  // of opacity * 2 pi sqrt(det), in px; kCulled_log2: none
 };
 
 // The eyes, and what orders kernels for all of them: depth along `axis` from `origin`, or the distance from it.
@@ -69,7 +69,7 @@ struct SplatRow {
   float across_x;
   float across_y;
   float down_y;
-  float log2_opacity;  // kUnseen_log2 where the eye sees nothing of it; the rest is then 0
+  float log2_opacity;  // kCulled_log2 where the eye sees nothing of it; the rest is then 0
   float red;
   float green;
   float blue;
@@ -87,7 +87,7 @@ struct ProjectSplatsConstants {
 };
 
 const uint kProjectGroup = 128;
-const float kUnseen_log2 = -1000.0;
+const float kCulled_log2 = -1000.0;
 const float kSplatLowPass_px2 = 0.3;
 const float kSplatLog2Of255 = 7.99435344;
 const float kLog2OfTwoPi = 2.65149613;

@@ -12,7 +12,7 @@
 namespace livegs {
 namespace {
 
-constexpr uint32_t kFewestPosedAtOnce = 4096;
+constexpr uint32_t kMinPoseBatch = 4096;
 
 FrameViews frame_views(std::span<const Camera> eyes, const FrameSplats::Options& options) {
   FrameViews views{};
@@ -36,7 +36,7 @@ FrameViews frame_views(std::span<const Camera> eyes, const FrameSplats::Options&
 }
 
 // Of kernels that passes pose: an eighth of the frame takes little memory and still fills a device.
-uint32_t rows_posed_at_once(uint32_t kernels) { return std::min(kernels, std::max(kernels / 8, kFewestPosedAtOnce)); }
+uint32_t rows_posed_at_once(uint32_t kernels) { return std::min(kernels, std::max(kernels / 8, kMinPoseBatch)); }
 
 // How many more than are wanted a buffer may hold: beyond that it is made anew.
 uint32_t most_spare(uint32_t wanted) { return std::max(wanted / 16, 256u); }

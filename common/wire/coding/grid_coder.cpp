@@ -18,7 +18,7 @@ namespace {
 // Four integers that are added at once: what is left of x, y and z before it is predicted from nodes beside, and its magnitude.
 using Lanes = uint32_t __attribute__((vector_size(16)));
 
-constexpr uint32_t kMostMagnitude = 1u << 20;  // counted of an integer
+constexpr uint32_t kMaxMagnitude = 1u << 20;  // counted of an integer
 constexpr uint64_t kPart[4] = {0, 65536, 32768, 21845};  // of a sum over so many neighbours
 constexpr uint64_t kMagnitudeAlone = 255;  // taken for four times the mean where there is no neighbour
 constexpr uint32_t kCoordinateStep = 4;  // expected of three of a node's, before anything is known
@@ -27,7 +27,7 @@ constexpr size_t kFitStride = 5, kCostStride = 8, kFewDrivers = 16;
 uint32_t bits_of(int32_t value) { return static_cast<uint32_t>(value); }
 uint32_t zigzag(uint32_t value) { return (value << 1) ^ (0u - (value >> 31)); }
 uint32_t from_zigzag(uint32_t value) { return (value >> 1) ^ (0u - (value & 1u)); }
-uint32_t magnitude(uint32_t zigzagged) { return std::min((zigzagged >> 1) + (zigzagged & 1u), kMostMagnitude); }
+uint32_t magnitude(uint32_t zigzagged) { return std::min((zigzagged >> 1) + (zigzagged & 1u), kMaxMagnitude); }
 
 // Half octaves of four times the mean magnitude of a neighbour.
 size_t magnitude_class(uint64_t sum, uint32_t count) {
@@ -99,7 +99,7 @@ bool code_nodes(Bits& stream, DriverGrid& grid, Prediction prediction, const Gri
   scratch.predicted.resize(3 * n);
   scratch.beside.resize(4 * n + 8);
   predict(prediction, past, 3 * n, scratch.predicted.data());
-  const int least = prediction == Prediction::Intra ? kLeastIntraBits : 0;
+  const int least = prediction == Prediction::Intra ? kMinIntraBits : 0;
   const int32_t* const p = scratch.predicted.data();
   int32_t* const x = grid.values.data();
   const NodeNeighbours::Before* const before = grid.neighbours->before.data();
@@ -170,7 +170,7 @@ bool code_drivers(Bits& bits, DriverGrid& grid, Prediction prediction, const Gri
   const size_t n = grid.count;
   int32_t* const x = grid.values.data();
   const bool turns = grid.channels() > 3, intra = prediction == Prediction::Intra;
-  const int least = intra ? kLeastIntraBits : 0;
+  const int least = intra ? kMinIntraBits : 0;
   std::array<uint32_t, 2> before{};
   for (size_t i = 0; i < n; ++i) {
     int turned = 0;
@@ -260,8 +260,8 @@ void fit_curve(const DriverGrid& grid, GridPast& past) {
   vt += pull;
   const double determinant = vv * aa - va * va;
   const auto weight = [](double value) {
-    constexpr double kMost = (1 << (kWeightBits - 1)) - 1;
-    return static_cast<int32_t>(std::lround(std::clamp(256.0 * value, -kMost, kMost)));
+    constexpr double kMaxWeight = (1 << (kWeightBits - 1)) - 1;
+    return static_cast<int32_t>(std::lround(std::clamp(256.0 * value, -kMaxWeight, kMaxWeight)));
   };
   past.weight_v = weight((vt * aa - at * va) / determinant);
   past.weight_a = weight((at * vv - vt * va) / determinant);

@@ -32,8 +32,8 @@ struct GridPast {
 // Weights are -2048 ... 2047.
 inline constexpr int kWeightBits = 12;
 // Low bits of a new object's integers, at least: so many that a few bytes cannot claim millions of drivers.
-inline constexpr int kLeastIntraBits = 5;
-inline constexpr uint64_t kLeastIntraDriverBits = 3 * (kLeastIntraBits + 1);
+inline constexpr int kMinIntraBits = 5;
+inline constexpr uint64_t kMinIntraDriverBits = 3 * (kMinIntraBits + 1);
 
 // How large what is left is, by what is left beside it; grows with the frame, over all its objects.
 inline constexpr size_t kMagnitudeClasses = 48;

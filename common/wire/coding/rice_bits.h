@@ -15,8 +15,8 @@
 
 namespace livegs {
 
-inline constexpr int kMostZeros = 24;   // of a code; then 32 bits as they are
-inline constexpr int kMostRiceBits = 24;
+inline constexpr int kMaxZeros = 24;   // of a code; then 32 bits as they are
+inline constexpr int kMaxRiceBits = 24;
 
 inline uint64_t little_endian(uint64_t word) {
   return std::endian::native == std::endian::little ? word : __builtin_bswap64(word);
@@ -34,10 +34,10 @@ class RiceWriter {
   }
   uint32_t code(uint32_t value, int k) {
     const uint32_t zeros = value >> k;
-    if (zeros < kMostZeros) {
+    if (zeros < kMaxZeros) {
       put((uint64_t{value & ((uint32_t{1} << k) - 1)} << 1 | 1) << zeros, static_cast<int>(zeros) + 1 + k);
     } else {
-      put(uint64_t{value} << kMostZeros, kMostZeros + 32);
+      put(uint64_t{value} << kMaxZeros, kMaxZeros + 32);
     }
     return value;
   }
@@ -45,7 +45,7 @@ class RiceWriter {
   void three(const std::array<uint32_t, 3>& values, int k) {
     const std::array<uint32_t, 3> zeros = {values[0] >> k, values[1] >> k, values[2] >> k};
     const uint32_t count = zeros[0] + zeros[1] + zeros[2] + 3 * (static_cast<uint32_t>(k) + 1);
-    if ((zeros[0] | zeros[1] | zeros[2]) >= kMostZeros || count > kMostBits) {
+    if ((zeros[0] | zeros[1] | zeros[2]) >= kMaxZeros || count > kMaxBits) {
       for (const uint32_t value : values) code(value, k);
       return;
     }
@@ -62,7 +62,7 @@ class RiceWriter {
   std::span<const std::byte> written() const { return {begin_, static_cast<size_t>(at_ - begin_) + (count_ > 0 ? 1u : 0u)}; }
 
  private:
-  static constexpr uint32_t kMostBits = 56;
+  static constexpr uint32_t kMaxBits = 56;
 
   void put(uint64_t value, int count) {
     waiting_ |= value << count_;
@@ -70,7 +70,7 @@ class RiceWriter {
     const uint64_t word = little_endian(waiting_);
     std::memcpy(at_, &word, 8);
     at_ += count_ >> 3;
-    waiting_ >>= count_ & ~7;  // 56 at most: 7 bits waited, and none has more than kMostBits
+    waiting_ >>= count_ & ~7;  // 56 at most: 7 bits waited, and none has more than kMaxBits
     count_ &= 7;
   }
 
@@ -93,10 +93,10 @@ class RiceReader {
   }
   uint32_t code(uint32_t, int k) {
     const uint64_t word = peek();
-    const int zeros = std::countr_zero(word | uint64_t{1} << kMostZeros);
-    if (zeros == kMostZeros) {
-      at_ += kMostZeros + 32;
-      return static_cast<uint32_t>(word >> kMostZeros);
+    const int zeros = std::countr_zero(word | uint64_t{1} << kMaxZeros);
+    if (zeros == kMaxZeros) {
+      at_ += kMaxZeros + 32;
+      return static_cast<uint32_t>(word >> kMaxZeros);
     }
     at_ += static_cast<uint64_t>(zeros + 1 + k);
     return static_cast<uint32_t>(zeros) << k | (static_cast<uint32_t>(word >> (zeros + 1)) & ((uint32_t{1} << k) - 1));
@@ -108,8 +108,8 @@ class RiceReader {
     int left = 57;
     size_t i = 0;
     for (; i < 3; ++i) {
-      const int zeros = std::countr_zero(word | uint64_t{1} << kMostZeros), used = zeros + 1 + k;
-      if (zeros == kMostZeros || used > left) break;
+      const int zeros = std::countr_zero(word | uint64_t{1} << kMaxZeros), used = zeros + 1 + k;
+      if (zeros == kMaxZeros || used > left) break;
       values[i] = static_cast<uint32_t>(zeros) << k | (static_cast<uint32_t>(word >> (zeros + 1)) & mask);
       word >>= used;
       left -= used;
@@ -143,20 +143,20 @@ class RiceReader {
 // How large integers are in a class of theirs, as a mean that forgets; both ends keep it alike.
 class RiceScale {
  public:
-  static constexpr int kForget = 5;
+  static constexpr int kMeanShift = 5;
   // `expected`: of the sum of the magnitudes of three integers, which add() is given too.
-  explicit RiceScale(uint32_t expected = 64) : mean_(expected << kForget) { choose(); }
+  explicit RiceScale(uint32_t expected = 64) : mean_(expected << kMeanShift) { choose(); }
   // Low bits that suit a code of such an integer's zigzag.
   int k() const { return k_; }
   void add(uint32_t sum) {
-    mean_ += sum - (mean_ >> kForget);
+    mean_ += sum - (mean_ >> kMeanShift);
     choose();
   }
 
  private:
-  void choose() { k_ = std::min(kMostRiceBits, static_cast<int>(std::bit_width((mean_ - (mean_ > 0)) >> (kForget + 1)))); }
+  void choose() { k_ = std::min(kMaxRiceBits, static_cast<int>(std::bit_width((mean_ - (mean_ > 0)) >> (kMeanShift + 1)))); }
 
-  uint32_t mean_;  // times 2^kForget
+  uint32_t mean_;  // times 2^kMeanShift
   int k_;
 };
 

@@ -37,10 +37,10 @@ TEST(NodeNeighbours, AreTheNodesOneCellBelowOfALowerIndex) {
 }
 
 TEST(NodeNeighbours, OfPlacesOutOfRangeThereAreNone) {
-  for (const int far : {kMostNodeCoordinate + 1, -kMostNodeCoordinate - 1, std::numeric_limits<int>::max(), std::numeric_limits<int>::min()})
+  for (const int far : {kMaxNodeCoordinate + 1, -kMaxNodeCoordinate - 1, std::numeric_limits<int>::max(), std::numeric_limits<int>::min()})
     EXPECT_FALSE(find_node_neighbours({{0, 0, 0}, {0, far, 0}})) << far;
   const NodeNeighboursPtr edge = find_node_neighbours(
-      {{-kMostNodeCoordinate, -kMostNodeCoordinate, -kMostNodeCoordinate}, {kMostNodeCoordinate, kMostNodeCoordinate, kMostNodeCoordinate}});
+      {{-kMaxNodeCoordinate, -kMaxNodeCoordinate, -kMaxNodeCoordinate}, {kMaxNodeCoordinate, kMaxNodeCoordinate, kMaxNodeCoordinate}});
   ASSERT_TRUE(edge);
   EXPECT_EQ(edge->before[0].count + edge->before[1].count, 0u);
   EXPECT_TRUE(find_node_neighbours({}));

@@ -107,11 +107,11 @@ class ProjectSplatsTest : public OnEveryBackend {
       ASSERT_EQ(made->eye[e].size(), expected.eye[e].size());
       for (size_t i = 0; i < expected.eye[e].size(); ++i) {
         const auto a = values(made->eye[e][i]), b = values(expected.eye[e][i]);
-        if ((a[5] == kUnseen_log2) != (b[5] == kUnseen_log2)) {
+        if ((a[5] == kCulled_log2) != (b[5] == kCulled_log2)) {
           ++differ;
           continue;
         }
-        seen += b[5] != kUnseen_log2;
+        seen += b[5] != kCulled_log2;
         const float roots = std::abs(b[2]) + std::abs(b[3]) + std::abs(b[4]);
         const float made_from[9] = {320, 320, roots, roots, roots, 1, 1, 1, 1};
         for (int f = 0; f < 9; ++f) {
@@ -223,7 +223,7 @@ TEST(ProjectSplats, IsTheOracleInFloats) {
       float depth_m;
       const bool visible = project_kernel(projection, object.drawn(), i, 0, {}, p, depth_m);
       const SplatRow& row = made.eye[0][i];
-      if (visible != (row.log2_opacity != kUnseen_log2)) {
+      if (visible != (row.log2_opacity != kCulled_log2)) {
         ++differ;
         continue;
       }

@@ -15,7 +15,7 @@ uint32_t number(std::mt19937& random, int k) {
     case 0:
       return all;
     case 1:
-      return ((kMostZeros - 2 + all % 4) << k) | (all >> 8 & ((1u << k) - 1));
+      return ((kMaxZeros - 2 + all % 4) << k) | (all >> 8 & ((1u << k) - 1));
     default:
       return all >> (31 - std::min(31, k + static_cast<int>(random() % 5)));
   }
@@ -24,7 +24,7 @@ uint32_t number(std::mt19937& random, int k) {
 TEST(RiceBits, ThreeAtOnceAreThreeOneAfterTheOther) {
   std::mt19937 random(1);
   constexpr size_t kTriples = 2000;
-  for (int k = 0; k <= kMostRiceBits; ++k) {
+  for (int k = 0; k <= kMaxRiceBits; ++k) {
     std::vector<std::array<uint32_t, 3>> triples(kTriples);
     std::vector<std::byte> together_buffer, apart_buffer, read_buffer;
     RiceWriter together(together_buffer, 3 * kTriples), apart(apart_buffer, 3 * kTriples);
