@@ -17,7 +17,7 @@ namespace livegs {
 
 // Views of an object that take longer than this, wall time, are told: the machine is slow or busy, and the
 // ten seconds that an object may take are in danger.
-inline constexpr double kSlowViews_s = 2;
+inline constexpr double kViewTimeWarning_s = 2;
 
 struct AnalysisSummary {
   size_t objects = 0, accepted = 0, review = 0, refused = 0, failed = 0, cached = 0;

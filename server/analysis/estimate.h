@@ -43,7 +43,7 @@ inline constexpr double kMaterialNamedConfidence = 0.4;
 // How much of an estimate's confidence a guessed scale leaves.
 inline constexpr double kGuessedScaleTrust = 0.8;
 // A guessed scale may be off by two, a volume by eight.
-inline constexpr double kGuessedVolume = 8.0;
+inline constexpr double kGuessedVolumeRatio = 8.0;
 
 // Always answers. Every value carries low <= best <= high, its source and a reason. Pure; any thread.
 v1::PhysicalParameters estimate_offline(const ObjectFacts& facts);

@@ -17,11 +17,11 @@ struct Field {
 };
 
 // Densities of materials, from aerogel-light foam to osmium.
-constexpr double kLightest_kg_m3 = 0.1, kDensest_kg_m3 = 25000;
+constexpr double kMinDensity_kg_m3 = 0.1, kMaxDensity_kg_m3 = 25000;
 
 // What an author types may be this factor outside the estimated range before it is remarked on: a correction
 // is welcome, a slip of units is not.
-constexpr double kDoubtfulFactor = 10.0;
+constexpr double kImplausibleRatio = 10.0;
 
 std::string remark(const char* field, double value, const char* unit, const std::string& instead, double low,
                    double high) {
@@ -36,8 +36,8 @@ std::string remark(const char* field, double value, const char* unit, const std:
 Result<void> check_scene_physics(const Physics& written) {
   const Field fields[] = {
       {"mass_kg", written.has_mass_kg(), written.mass_kg(), 1e-6, 1e6},
-      {"density_kg_m3", written.has_density_kg_m3(), written.density_kg_m3(), kLightest_kg_m3,
-       kDensest_kg_m3},
+      {"density_kg_m3", written.has_density_kg_m3(), written.density_kg_m3(), kMinDensity_kg_m3,
+       kMaxDensity_kg_m3},
       {"wall_thickness_m", written.has_wall_thickness_m(), written.wall_thickness_m(), 1e-6, 10},
       {"youngs_modulus_pa", written.has_youngs_modulus_pa(), written.youngs_modulus_pa(), 1, 1e12},
       {"poisson_ratio", written.has_poisson_ratio(), written.poisson_ratio(), 0, 0.49},
@@ -88,7 +88,7 @@ std::vector<std::string> implausible_physics(const v1::PhysicalParameters& estim
                                           const v1::PhysicalParameters& merged, const ObjectFacts& facts) {
   std::vector<std::string> doubts;
   const auto far_from = [](double value, double low, double high) {
-    return value < low / kDoubtfulFactor || value > high * kDoubtfulFactor;
+    return value < low / kImplausibleRatio || value > high * kImplausibleRatio;
   };
   const bool telling = estimated.confidence() >= kMaterialNamedConfidence;
   const std::string taken_for = "a " + estimated.label() + " of " + estimated.material() + " has";
@@ -97,8 +97,8 @@ std::vector<std::string> implausible_physics(const v1::PhysicalParameters& estim
   const double low = estimated.structure_coefficient().low() * estimated.youngs_modulus_pa().low();
   const double high = estimated.structure_coefficient().high() * estimated.youngs_modulus_pa().high();
   // A cube of jelly is what shapes are for; a captured cup of jelly is a slip.
-  const bool too_soft = !facts.solid && told < low / kDoubtfulFactor;
-  if (telling && written.has_youngs_modulus_pa() && (too_soft || told > high * kDoubtfulFactor)) {
+  const bool too_soft = !facts.solid && told < low / kImplausibleRatio;
+  if (telling && written.has_youngs_modulus_pa() && (too_soft || told > high * kImplausibleRatio)) {
     doubts.push_back(remark("youngs_modulus_pa", told, "Pa", taken_for, low, high));
   }
   const v1::EstimatedValue& mass = estimated.mass_kg();
@@ -108,9 +108,9 @@ std::vector<std::string> implausible_physics(const v1::PhysicalParameters& estim
   }
   const double volume = facts.mesh.volume_m3;
   if (written.has_mass_kg() && volume > 0 && merged.fill() == Physics::SOLID && doubts.empty() &&
-      (written.mass_kg() < kLightest_kg_m3 * volume || written.mass_kg() > kDensest_kg_m3 * volume)) {
+      (written.mass_kg() < kMinDensity_kg_m3 * volume || written.mass_kg() > kMaxDensity_kg_m3 * volume)) {
     doubts.push_back(remark("mass_kg", written.mass_kg(), "kg", "materials of its volume have",
-                            kLightest_kg_m3 * volume, kDensest_kg_m3 * volume));
+                            kMinDensity_kg_m3 * volume, kMaxDensity_kg_m3 * volume));
   }
   return doubts;
 }

@@ -13,15 +13,15 @@ namespace livegs {
 namespace {
 
 // Ranges in the tables hold nine of ten: 3.29 standard deviations wide.
-constexpr double kNineOfTen = 3.29;
+constexpr double kRange90Deviations = 3.29;
 // Of the logarithm: how well a volume and an area of a captured surface are known. Sheets and threads are
 // drawn as thick as the surface's radius allows, so that their volume says little.
 constexpr double kVolumeSd = 0.15, kThinVolumeSd = 0.6, kAreaSd = 0.15;
-constexpr double kThickened = 0.25;  // ln of by how much, of what is not resolved at all: a judgement
+constexpr double kMaxThickening_ln = 0.25;  // ln of by how much, of what is not resolved at all: a judgement
 // Both looks share the size, and who wrote both tables.
 constexpr double kLooksCorrelation = 0.3;
 // No estimate from looks is better than this, of ln(mass).
-constexpr double kLeastSd = 0.05;
+constexpr double kMinSd = 0.05;
 // A material that its kind usually is not of: how much less its kind says.
 constexpr double kOtherMaterialSd = 0.35;
 // Of the logarithm of a size whose scale is a guess, as in kind_likelihood.
@@ -29,7 +29,7 @@ constexpr double kGuessedSizeSd = 0.7;
 
 const MessageTemplates& reasons() { return MessageTemplates::reasons(); }
 
-double log_sd(const Span3& span) { return std::max(0.01, std::log(span.high / span.low) / kNineOfTen); }
+double log_sd(const Span3& span) { return std::max(0.01, std::log(span.high / span.low) / kRange90Deviations); }
 
 bool walled(const ObjectRow& row) {
   return row.fill == v1::Physics::SHELL || row.fill == v1::Physics::OPEN_SHELL;
@@ -57,7 +57,7 @@ struct Size {
 };
 Size true_size(const ObjectRow& row, const ObjectFacts& facts) {
   if (facts.scale_known) return {};
-  const double usual_sd = std::max(0.12, std::log(row.size_m.high / row.size_m.low) / kNineOfTen);
+  const double usual_sd = std::max(0.12, std::log(row.size_m.high / row.size_m.low) / kRange90Deviations);
   const Eigen::Vector3d box_m = sorted_box_m(facts.mesh).cwiseMax(1e-5);
   const double towards =
       std::log(row.size_m.best * row.middle_m * row.short_m / box_m.prod()) / 3;  // the usual size
@@ -101,7 +101,7 @@ Physics physics_mass(const ObjectClass& kind, const ObjectFacts& facts) {
     const double thin = std::clamp(1.5 - resolved, 0.0, 1.0);
     const double volume_sd = facts.solid ? 0.02 : kVolumeSd + (kThinVolumeSd - kVolumeSd) * thin;
     physics.mass = {
-        std::log(material.density_kg_m3.best * volume_m3) - (facts.solid ? 0.0 : kThickened * thin),
+        std::log(material.density_kg_m3.best * volume_m3) - (facts.solid ? 0.0 : kMaxThickening_ln * thin),
         std::hypot(log_sd(material.density_kg_m3), volume_sd, facts.solid ? 0.0 : own_misfit(row))};
     physics.extent = volume_m3;
   }
@@ -149,7 +149,7 @@ ClassMass kind_mass(const ObjectClass& kind, const ObjectFacts& facts) {
   const Size size = true_size(*kind.row, facts);
   const double exponent = mass_exponent(*kind.row);
   result.mass.mean_ln += exponent * std::log(size.factor);
-  result.mass.sd = std::max(kLeastSd, std::hypot(result.mass.sd, exponent * size.sd));
+  result.mass.sd = std::max(kMinSd, std::hypot(result.mass.sd, exponent * size.sd));
   result.usual_kg = std::exp(usual.mean_ln);
   result.physics_kg = std::exp(physics.mass.mean_ln);
   result.density_kg_m3 = physics.density_kg_m3;

@@ -8,9 +8,9 @@ namespace livegs {
 namespace {
 
 // How much more likely a kind becomes when the name also tells its class of materials ("metal bowl").
-constexpr double kToldMaterial = 30;
+constexpr double kNamedMaterialOdds = 30;
 // How far size and shape may move the probabilities that a name gives.
-constexpr double kMostDoubt = 50;
+constexpr double kMaxLikelihoodRatio = 50;
 
 bool told(const ObjectClasses& found, const ObjectRow& row) {
   return material_row(row.material).material_class == found.material.row->material_class;
@@ -61,7 +61,7 @@ void kinds_by_name(const ObjectFacts& facts, ObjectClasses& found) {
     const bool any = std::any_of(found.kinds.begin(), found.kinds.end(),
                                  [&](const ObjectClass& kind) { return told(found, *kind.row); });
     for (ObjectClass& kind : found.kinds) {
-      if (any && told(found, *kind.row)) kind.probability *= kToldMaterial;
+      if (any && told(found, *kind.row)) kind.probability *= kNamedMaterialOdds;
       // "wooden" beside something that is of wood anyway adds nothing to what its kind says; "oak" does.
       const bool differs =
           found.material.outright ? found.material.row->name != kind.row->material : !told(found, *kind.row);
@@ -81,7 +81,7 @@ void kinds_by_name(const ObjectFacts& facts, ObjectClasses& found) {
     most = std::max(most, fits.back());
   }
   for (size_t i = 0; i < fits.size(); ++i) {
-    found.kinds[i].probability *= most > 0 ? std::max(fits[i] / most, 1 / kMostDoubt) : 1;
+    found.kinds[i].probability *= most > 0 ? std::max(fits[i] / most, 1 / kMaxLikelihoodRatio) : 1;
   }
   normalise(found.kinds);
 }
@@ -103,7 +103,7 @@ double commonness(const ObjectRow& row) {
 void kinds_by_looks(const ObjectFacts& facts, ObjectClasses& found) {
   for (const ObjectRow& row : object_table()) {
     double weight = commonness(row) * kind_likelihood(row, facts);
-    if (found.material.row && told(found, row)) weight *= kToldMaterial;
+    if (found.material.row && told(found, row)) weight *= kNamedMaterialOdds;
     found.kinds.push_back({&row, weight, nullptr});
   }
   normalise(found.kinds);

@@ -49,7 +49,7 @@ struct Answer {
 };
 
 // The object in the text, also among prose or in a fence, checked: UTF-8, size, depth, types, enumerators,
-// finite, low <= best <= high, within kWidestRatio, within the ranges above. The error is one line of
+// finite, low <= best <= high, within kMaxRangeRatio, within the ranges above. The error is one line of
 // prompts/complaints.json that names the field and tells the model how to mend it. Pure; any bytes; any thread.
 Result<Answer> read_answer(std::string_view text, const MessageTemplates& words = MessageTemplates::built_in());
 

@@ -18,12 +18,12 @@ using v1::EstimatedValue;
 using v1::Physics;
 
 // A guessed scale may be off by as much.
-constexpr double kFarFromSize = 2.0;
+constexpr double kMaxSizeRatio = 2.0;
 // A 90 % range reaches 1.645 standard deviations to each side. Models give ranges that are too narrow, so
 // none counts as better than 10 % in mass; a single number as good to a third.
 constexpr double kRangeDeviations = 3.29;
-constexpr double kLeastDeviation = 0.10, kLoneDeviation = 0.33;
-constexpr double kMostConfidence = 0.95;
+constexpr double kMinDeviation = 0.10, kSingleValueDeviation = 0.33;
+constexpr double kMaxConfidence = 0.95;
 // Rubber and wood vary less from piece to piece than numbers for friction and bounce do from source to
 // source.
 constexpr double kLinearSpread = 0.15;
@@ -39,8 +39,8 @@ void set(EstimatedValue& value, const Span3& span, ValueRange hard, std::string 
 }
 
 double deviation(const Span3& span) {
-  if (!(span.low > 0) || span.high <= span.low) return kLoneDeviation;
-  return std::max(kLeastDeviation, std::log(span.high / span.low) / kRangeDeviations);
+  if (!(span.low > 0) || span.high <= span.low) return kSingleValueDeviation;
+  return std::max(kMinDeviation, std::log(span.high / span.low) / kRangeDeviations);
 }
 
 // Two 90 % ranges as one: means weighed by inverse variance, in logarithms.
@@ -103,7 +103,7 @@ v1::PhysicalParameters fused(const Answer& answer, const ObjectFacts& facts,
   const bool same_class = before && before->material_class == material.material_class;
   if (!answer.name.empty()) result.set_label(answer.name);
   result.set_material(material.name);
-  result.set_confidence(std::min(answer.confidence, kMostConfidence));
+  result.set_confidence(std::min(answer.confidence, kMaxConfidence));
   set_parts(answer, result);
   if (answer.fill != Physics::FILL_UNKNOWN) {
     result.set_fill(answer.fill);
@@ -215,7 +215,7 @@ std::vector<std::string> remarks_of(const Answer& answer, const ObjectFacts& fac
   const double stands_m = facts.mesh.size_m.maxCoeff();
   if (answer.longest_side_m && stands_m > 0) {
     std::string size = format_text("it took it to be %.3g m long; it stands %.3g m long", *answer.longest_side_m, stands_m);
-    if (std::abs(std::log(*answer.longest_side_m / stands_m)) > std::log(kFarFromSize)) {
+    if (std::abs(std::log(*answer.longest_side_m / stands_m)) > std::log(kMaxSizeRatio)) {
       size += facts.scale_known ? ", which was measured" : ", which is a guess: if the model is right, give the object a scale";
     }
     remarks.push_back(std::move(size));

@@ -17,16 +17,16 @@ constexpr double kAir_kg_m3 = 1.0, kFilm_kg_m2 = 5e-3;
 // A hull, or a density of the table, is that much too small at most.
 constexpr double kRoomSlack = 4.0, kFoamSlack = 2.0;
 // A surface is a lump's where it is compact and thicker than the reconstruction draws it anyway.
-constexpr double kCompactSolidity = 0.7, kCompactOpenness = 0.15, kResolved = 1.5;
+constexpr double kCompactSolidity = 0.7, kCompactOpenness = 0.15, kMinResolvedRatio = 1.5;
 // People call solid what is of one stuff: a bed, a wheel, a shell of the sea, a candlestick. A surface around its members
 // holds up to that much air, and no member is thinner than sheet metal. What fills its box least in objects.csv and is drawn
 // true, a ladle, holds 32 times its stuff.
-constexpr double kAirSlack = 64.0, kThinnestMember_m = 1e-4;
+constexpr double kAirSlack = 64.0, kMinMemberThickness_m = 1e-4;
 // A wall is told in round millimetres, of its thickest place, and may be pierced; rubber that was blown up, as it was before:
 // five times as long and wide.
 constexpr double kWallSlack = 12.0, kBlownSlack = 25.0;
 // A part of less than this share of the mass names nothing.
-constexpr double kTellingShare = 0.1;
+constexpr double kMinNamedShare = 0.1;
 
 bool of_class(const MaterialRow& material, std::initializer_list<const char*> classes) {
   return std::any_of(classes.begin(), classes.end(), [&](const char* one) { return material.material_class == one; });
@@ -42,7 +42,7 @@ bool comes_thin(const MaterialRow& material) {
   return !of_class(material, {"ceramic", "glass", "stone", "food", "stuffed", "assembly", "other"});
 }
 
-bool drawn_true(const MeshFacts& mesh) { return mesh.mean_wall_m >= kResolved * min_drawn_wall_m(mesh); }
+bool drawn_true(const MeshFacts& mesh) { return mesh.mean_wall_m >= kMinResolvedRatio * min_drawn_wall_m(mesh); }
 
 double box_area_m2(const MeshFacts& mesh) {
   const Eigen::Vector3d box_m = sorted_box_m(mesh);
@@ -54,7 +54,7 @@ double box_area_m2(const MeshFacts& mesh) {
 double least_stuff_m3(const Answer& answer, const ObjectFacts& facts) {
   const MeshFacts& mesh = facts.mesh;
   for (const AnswerPart& part : answer.parts) {
-    if (part.share >= kTellingShare && airy(*part.material)) return 0;
+    if (part.share >= kMinNamedShare && airy(*part.material)) return 0;
   }
   // A hull's area is at most its box's: what is captured inside and out counts once.
   const double seen_m2 = std::min(mesh.area_m2, box_area_m2(mesh));
@@ -62,7 +62,7 @@ double least_stuff_m3(const Answer& answer, const ObjectFacts& facts) {
     const bool compact =
         mesh.solidity >= kCompactSolidity && mesh.openness <= kCompactOpenness && drawn_true(mesh);
     if (!compact) return 0;
-    return std::max(mesh.volume_m3 / kAirSlack, seen_m2 * kThinnestMember_m);
+    return std::max(mesh.volume_m3 / kAirSlack, seen_m2 * kMinMemberThickness_m);
   }
   const std::optional<double> wall_m = answer.parts.front().thickness_m;
   if ((answer.fill != Physics::SHELL && answer.fill != Physics::OPEN_SHELL) || !wall_m) return 0;
@@ -91,7 +91,7 @@ std::string mass_at_odds(const Answer& answer, const ObjectFacts& facts) {
     least_m3 += answer.mass_kg.best * part.share / (slack * part.material->density_kg_m3.high);
     most_m3 += answer.mass_kg.best * part.share / part.material->density_kg_m3.low;
   }
-  const double scale = facts.scale_known ? 1.0 : kGuessedVolume;
+  const double scale = facts.scale_known ? 1.0 : kGuessedVolumeRatio;
   const double holds_m3 = std::max(facts.mesh.volume_m3, facts.mesh.hull_volume_m3);
   // What is filled may hold what it does not name.
   if (answer.fill != Physics::FILLED && holds_m3 > 0 && least_m3 > holds_m3 * kRoomSlack * scale) {

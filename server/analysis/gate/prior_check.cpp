@@ -17,15 +17,15 @@ namespace {
 using v1::EstimatedValue;
 using v1::Physics;
 
-constexpr double kFarFromPrior = 8.0;
+constexpr double kMaxPriorRatio = 8.0;
 // A part of less than this share of the mass holds nothing and names nothing.
-constexpr double kHoldingShare = 0.05, kTellingShare = 0.1;
+constexpr double kMinStructuralShare = 0.05, kMinNamedShare = 0.1;
 
 Span3 product(const Span3& a, const Span3& b) { return {a.low * b.low, a.best * b.best, a.high * b.high}; }
 
 bool far(double value, const Span3& prior) {
   const bool within = value >= prior.low && value <= prior.high;
-  return !within && !(std::abs(std::log(value / prior.best)) <= std::log(kFarFromPrior));
+  return !within && !(std::abs(std::log(value / prior.best)) <= std::log(kMaxPriorRatio));
 }
 
 // One of the things that the name may mean.
@@ -91,7 +91,7 @@ bool material_fits(const Answer& answer, const ObjectClasses& found, const std::
   };
   const auto any = [&](bool agreed) {
     for (const AnswerPart& part : answer.parts) {
-      if (&part != &answer.parts.front() && part.share < kTellingShare) break;
+      if (&part != &answer.parts.front() && part.share < kMinNamedShare) break;
       if (fits(part.material->material_class, agreed)) return true;
     }
     return false;
@@ -113,7 +113,7 @@ std::string rigid_at_odds(const Answer& answer, const v1::PhysicalParameters& pr
     young = answer.youngs_modulus_pa->best;
   } else {
     for (const AnswerPart& part : answer.parts) {
-      if (&part == &answer.parts.front() || part.share >= kHoldingShare)
+      if (&part == &answer.parts.front() || part.share >= kMinStructuralShare)
         young = std::max(young, part.material->youngs_modulus_pa.best);
     }
   }
@@ -153,7 +153,7 @@ std::string stiffness_far(const Answer& answer, const v1::PhysicalParameters& pr
   for (const double one : {told, fused}) {
     if (fits(one)) continue;
     return format_text("%s: s E = %.3g MPa is more than %g times away from the %.3g MPa that its kind suggests",
-                       answer.youngs_modulus_pa ? "young_mpa.best" : "structure_s", one * 1e-6, kFarFromPrior,
+                       answer.youngs_modulus_pa ? "young_mpa.best" : "structure_s", one * 1e-6, kMaxPriorRatio,
                        known.front().stiffness_pa.best * 1e-6);
   }
   return "";
@@ -168,7 +168,7 @@ std::string check_prior(const Answer& answer, const ObjectFacts& facts, const v1
     if (mass.best() > 0 && far(answer.mass_kg.best, span_of(mass))) {
       return format_text(
           "mass_g.best: %.4g g is more than %g times away from the %.4g g that size and kind suggest",
-          answer.mass_kg.best * 1e3, kFarFromPrior, mass.best() * 1e3);
+          answer.mass_kg.best * 1e3, kMaxPriorRatio, mass.best() * 1e3);
     }
     if (auto why = mass_at_odds(answer, facts); !why.empty()) return why;
   }

@@ -101,8 +101,8 @@ class Reader {
       return fail("out_of_order", {{"field", field}, {"in_unit", unit.empty() ? "" : words_.say("in_unit", {{"unit", unit}})}}),
              std::nullopt;
     }
-    if (numbers[2] > kWidestRatio * numbers[0]) {
-      return fail("too_wide", {{"field", field}, {"most", number_text(kWidestRatio)}}), std::nullopt;
+    if (numbers[2] > kMaxRangeRatio * numbers[0]) {
+      return fail("too_wide", {{"field", field}, {"most", number_text(kMaxRangeRatio)}}), std::nullopt;
     }
     return Span3{numbers[0], numbers[1], numbers[2]};
   }

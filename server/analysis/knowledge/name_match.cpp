@@ -49,10 +49,10 @@ std::string joined(std::string words) {
 
 // Where an alias stands when its words are written together, or apart: "hotdog" for "hot dog", "bird house" for
 // "birdhouse". Short ones are left alone: chance writes them too.
-constexpr size_t kShortestJoined = 6;
+constexpr size_t kMinJoinedLength = 6;
 Place find_joined(const std::string& text, const std::string& alias) {
   const std::string together = joined(alias);
-  if (together.size() < kShortestJoined) return {};
+  if (together.size() < kMinJoinedLength) return {};
   if (together != alias) return find_words(text, together);
   size_t begin = 0;
   const std::vector<std::string> words = words_of(text);

@@ -16,8 +16,8 @@ constexpr double kTermSaturation = 1.2, kLengthWeight = 0.75;
 // How much a perfect trigram overlap and a table's own alias count, in units of BM25's score, which is 2 to 6
 // for one rare word. An alias decides; trigrams only where no word fits.
 constexpr double kTrigramWeight = 3.0, kAliasWeight = 8.0, kMaterialOfObject = 0.6;
-constexpr double kLeastTrigrams = 0.3, kLeastScore = 0.6;
-constexpr std::size_t kLongestQuery = 200;
+constexpr double kMinTrigramShare = 0.3, kMinScore = 0.6;
+constexpr std::size_t kMaxQueryLength = 200;
 
 std::vector<std::string> words_of(std::string_view text) {
   std::vector<std::string> words;
@@ -112,7 +112,7 @@ double bm25(const Index& index, const Document& document, const std::vector<std:
 }  // namespace
 
 std::vector<KnowledgeHit> search_knowledge(std::string_view query, std::size_t count) {
-  query = query.substr(0, kLongestQuery);
+  query = query.substr(0, kMaxQueryLength);
   const Index& index = index_of_tables();
   const std::vector<std::string> words = words_of(query);
   const std::set<std::string> grams = trigrams_of(query);
@@ -125,14 +125,14 @@ std::vector<KnowledgeHit> search_knowledge(std::string_view query, std::size_t c
     double likeness = 0;
     for (const std::set<std::string>& name : document.names)
       likeness = std::max(likeness, overlap(grams, name));
-    if (likeness >= kLeastTrigrams) hit.score += kTrigramWeight * likeness;
+    if (likeness >= kMinTrigramShare) hit.score += kTrigramWeight * likeness;
     if (hit.object && hit.object == object.row) hit.score += kAliasWeight;
     if (hit.material && hit.material == material.row)
       hit.score += kAliasWeight * (material.outright ? 1.0 : 0.8);
     if (hit.material && object.row && object.row->material == hit.material->name) {
       hit.score += kAliasWeight * kMaterialOfObject;
     }
-    if (hit.score >= kLeastScore) hits.push_back(std::move(hit));
+    if (hit.score >= kMinScore) hits.push_back(std::move(hit));
   }
   std::stable_sort(hits.begin(), hits.end(),
                    [](const KnowledgeHit& a, const KnowledgeHit& b) { return a.score > b.score; });

@@ -16,6 +16,6 @@ inline constexpr ValueRange kFrictionRange{0, 2};
 inline constexpr ValueRange kWallRange_m{1e-5, 1};
 inline constexpr ValueRange kSizeRange_m{1e-4, 1000};
 // A range wider than this says nothing.
-inline constexpr double kWidestRatio = 20.0;
+inline constexpr double kMaxRangeRatio = 20.0;
 
 }  // namespace livegs

@@ -58,7 +58,7 @@ std::optional<std::string> AnswerCache::failure(const std::string& key) const {
   }
   // A clock that was set back does not make ten minutes longer.
   const int64_t left_ns = found->second.first - clock_ns_();
-  if (left_ns > 0 && left_ns <= kFailure_ns) return found->second.second;
+  if (left_ns > 0 && left_ns <= kFailureLifetime_ns) return found->second.second;
   failures_.erase(found);
   std::error_code ignored;
   if (!folder_.empty()) std::filesystem::remove(failure_path(folder_, key), ignored);
@@ -89,7 +89,7 @@ void AnswerCache::keep(const std::string& key, const RawAnswer& answer) {
 
 void AnswerCache::keep_failure(const std::string& key, const std::string& message) {
   std::lock_guard lock(mutex_);
-  const int64_t until_ns = clock_ns_() + kFailure_ns;
+  const int64_t until_ns = clock_ns_() + kFailureLifetime_ns;
   failures_[key] = {until_ns, message};
   if (folder_.empty()) return;
   std::error_code ignored;

@@ -19,7 +19,7 @@ namespace livegs {
 // Any thread.
 class AnswerCache {
  public:
-  static constexpr int64_t kFailure_ns = 600'000'000'000;
+  static constexpr int64_t kFailureLifetime_ns = 600'000'000'000;
 
   // `clock_ns`: since 1970, as files outlive a boot; empty: the system's.
   explicit AnswerCache(std::filesystem::path folder = {}, std::function<int64_t()> clock_ns = {});

@@ -13,7 +13,7 @@
 namespace livegs {
 namespace {
 
-constexpr double kLongestDeadline_s = 3600;
+constexpr double kMaxDeadline_s = 3600;
 
 Result<void> read_price(const std::string& text, EndpointSettings& settings) {
   std::istringstream cells(text);
@@ -37,7 +37,7 @@ Result<double> read_deadline(double told_s) {
   if (told_s == 0 && (!text || !*text)) return 0.0;
   char* end = nullptr;
   const double seconds = told_s != 0 ? told_s : std::strtod(text, &end);
-  if ((end && *end != '\0') || !(seconds >= 1 && seconds <= kLongestDeadline_s)) {
+  if ((end && *end != '\0') || !(seconds >= 1 && seconds <= kMaxDeadline_s)) {
     return invalid_argument(std::string(name) + ": has to be seconds, 1 to 3600");
   }
   return seconds;

@@ -13,8 +13,8 @@
 namespace livegs {
 namespace {
 
-constexpr size_t kNearestMaterials = 3;
-constexpr size_t kLongestMaterial = 60, kLongestReason = 600;
+constexpr size_t kSimilarMaterialCount = 3;
+constexpr size_t kMaxMaterialLength = 60, kMaxReasonLength = 600;
 
 using Words = const MessageTemplates&;
 
@@ -65,14 +65,14 @@ std::string looks_text(const AppearanceFacts& look, Words words) {
 
 std::string neighbours_text(std::span<const SceneObjectFacts> neighbours, Words words) {
   std::string lines;
-  const size_t told = std::min(neighbours.size(), kToldNeighbours);
+  const size_t told = std::min(neighbours.size(), kMaxNeighbourSlots);
   for (size_t i = 0; i < told; ++i) {
     const SceneObjectFacts& other = neighbours[neighbours.size() - 1 - i];  // newest first
     std::string known;
     if (other.mass_kg > 0) known += words.say("neighbour_mass", {{"mass", format_text("%.4g", 1e3 * other.mass_kg)}});
     // A sidecar may say anything.
     for (const std::string& word : {other.material, other.behavior}) {
-      if (!word.empty()) known += words.say("neighbour_word", {{"word", line_text(word, kLongestMaterial)}});
+      if (!word.empty()) known += words.say("neighbour_word", {{"word", line_text(word, kMaxMaterialLength)}});
     }
     lines += (lines.empty() ? "" : "\n") +
              words.say("neighbour", {{"name", quoted_text(other.name)},
@@ -101,14 +101,14 @@ std::string material_line(const MaterialRow& row, Words words) {
 std::string materials_text(const ObjectClasses& kinds, Words words) {
   std::vector<const MaterialRow*> nearest;
   const auto add = [&](const MaterialRow* material) {
-    if (nearest.size() < kNearestMaterials && std::find(nearest.begin(), nearest.end(), material) == nearest.end())
+    if (nearest.size() < kSimilarMaterialCount && std::find(nearest.begin(), nearest.end(), material) == nearest.end())
       nearest.push_back(material);
   };
   for (const ObjectClass& kind : kinds.kinds) add(kind.material ? kind.material : &material_row(kind.row->material));
   for (const ObjectClass& kind : kinds.kinds) {
     for (const ObjectPart& part : kind.row->parts) add(find_material_row(part.material));
   }
-  for (const MaterialRow* material : similar_materials(*nearest.front(), kNearestMaterials)) add(material);
+  for (const MaterialRow* material : similar_materials(*nearest.front(), kSimilarMaterialCount)) add(material);
   std::string lines;
   for (const MaterialRow* row : nearest) {
     if (!lines.empty()) lines += '\n';
@@ -119,14 +119,14 @@ std::string materials_text(const ObjectClasses& kinds, Words words) {
 
 std::string offline_text(const v1::PhysicalParameters& offline, Words words) {
   const v1::EstimatedValue& mass = offline.mass_kg();
-  return words.say("offline", {{"label", line_text(offline.label(), kLongestMaterial)},
-                               {"material", line_text(offline.material(), kLongestMaterial)},
+  return words.say("offline", {{"label", line_text(offline.label(), kMaxMaterialLength)},
+                               {"material", line_text(offline.material(), kMaxMaterialLength)},
                                {"mass", format_text("%.4g", 1e3 * mass.best())},
                                {"mass_low", format_text("%.4g", 1e3 * mass.low())},
                                {"mass_high", format_text("%.4g", 1e3 * mass.high())},
                                {"behaviour", v1::Physics::Behavior_Name(offline.behavior())},
                                {"confidence", format_text("%.2f", offline.confidence())},
-                               {"reason", line_text(mass.reason(), kLongestReason)}});
+                               {"reason", line_text(mass.reason(), kMaxReasonLength)}});
 }
 
 }  // namespace

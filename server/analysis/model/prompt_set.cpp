@@ -30,7 +30,7 @@ namespace livegs {
 namespace {
 
 constexpr std::uint64_t kMaxPromptBytes = 1 << 20;
-constexpr std::size_t kLongestProblem = 600;  // characters of a validator's message
+constexpr std::size_t kMaxProblemLength = 600;  // characters of a validator's message
 constexpr std::size_t kVersionDigits = 12;
 
 struct BuiltIn {
@@ -224,7 +224,7 @@ std::string PromptSet::answer_turn(bool schema_in_words) const {
 }
 
 std::string PromptSet::repair(std::string_view problem) const {
-  return fill_slots(text("repair.md"), {{"problem", quoted_line(problem, kLongestProblem)}});
+  return fill_slots(text("repair.md"), {{"problem", quoted_line(problem, kMaxProblemLength)}});
 }
 
 std::string PromptSet::caption(const std::string& name) const {

@@ -14,9 +14,9 @@
 namespace livegs {
 namespace {
 
-constexpr std::size_t kLongestArguments = 16 << 10, kLongestResult = 4 << 10;
-constexpr std::size_t kMostParts = 32, kMostHits = 8, kMostSceneObjects = 12;
-constexpr double kLongest_m = 100, kHeaviest_kg_m3 = 23000;
+constexpr std::size_t kMaxArgumentLength = 16 << 10, kMaxResultLength = 4 << 10;
+constexpr std::size_t kMaxParts = 32, kMaxHits = 8, kMaxSceneObjects = 12;
+constexpr double kMaxLength_m = 100, kMaxPartDensity_kg_m3 = 23000;
 
 using Answer = OrderedJson;
 
@@ -126,7 +126,7 @@ class Arguments {
 
 Answer material_search(const ToolBox&, Arguments& in) {
   const std::string query = in.text("query");
-  const double count = in.optional_number("k", 1, kMostHits).value_or(3);
+  const double count = in.optional_number("k", 1, kMaxHits).value_or(3);
   Answer hits = Answer::array();
   for (const KnowledgeHit& hit : search_knowledge(query, static_cast<std::size_t>(count))) {
     hits.push_back(describe(hit));
@@ -146,9 +146,9 @@ Answer kb_get(const ToolBox&, Arguments& in) {
 Answer category_prior(const ToolBox& box, Arguments& in) {
   ObjectFacts facts = box.object();
   facts.name = in.text("name");
-  const std::optional<double> sizes[3] = {in.optional_number("length_m", 1e-4, kLongest_m),
-                                          in.optional_number("width_m", 1e-4, kLongest_m),
-                                          in.optional_number("height_m", 1e-4, kLongest_m)};
+  const std::optional<double> sizes[3] = {in.optional_number("length_m", 1e-4, kMaxLength_m),
+                                          in.optional_number("width_m", 1e-4, kMaxLength_m),
+                                          in.optional_number("height_m", 1e-4, kMaxLength_m)};
   const SizePrior usual = size_prior(facts.name);
   const bool measured = facts.mesh.volume_m3 > 0 && facts.mesh.area_m2 > 0;
   if (sizes[0] && sizes[1] && sizes[2]) {
@@ -193,8 +193,8 @@ Answer category_prior(const ToolBox& box, Arguments& in) {
 Answer mass_from_parts(const ToolBox& box, Arguments& in) {
   const Json* parts = in.array("parts");
   if (!parts) return {};
-  if (parts->empty() || parts->size() > kMostParts) {
-    in.wrong("part_count", {{"most", std::to_string(kMostParts)}});
+  if (parts->empty() || parts->size() > kMaxParts) {
+    in.wrong("part_count", {{"most", std::to_string(kMaxParts)}});
     return {};
   }
   Answer list = Answer::array();
@@ -224,7 +224,7 @@ Answer mass_from_parts(const ToolBox& box, Arguments& in) {
 Answer shell_mass(const ToolBox&, Arguments& in) {
   const double area_m2 = in.number("area_m2", 0, 1e4);
   const double thickness_mm = in.number("thickness_mm", 0, 1e4);
-  const double density_kg_m3 = in.number("density_kg_m3", 1, kHeaviest_kg_m3);
+  const double density_kg_m3 = in.number("density_kg_m3", 1, kMaxPartDensity_kg_m3);
   return {{"mass_g", rounded(area_m2 * thickness_mm * 1e-3 * density_kg_m3 * 1e3)}};
 }
 
@@ -271,7 +271,7 @@ Answer list_scene_objects(const ToolBox& box, Arguments&) {
   Answer list = Answer::array();
   const auto& scene = box.scene();
   // The newest are the last.
-  for (std::size_t i = scene.size() - std::min(scene.size(), kMostSceneObjects); i < scene.size(); ++i) {
+  for (std::size_t i = scene.size() - std::min(scene.size(), kMaxSceneObjects); i < scene.size(); ++i) {
     const SceneObjectFacts& object = scene[i];
     Answer line = {{"name", quoted_text(object.name)}};
     if (!object.material.empty()) line["material"] = plain_text(object.material, 60);
@@ -377,7 +377,7 @@ std::string ToolBox::call(std::string_view name, std::string_view arguments) con
     for (const Tool& one : tools()) known += (known.empty() ? "" : ", ") + std::string(one.name);
     return error_text(words_->say("no_tool", {{"tools", known}}));
   }
-  if (arguments.size() > kLongestArguments) return error_text(words_->say("arguments_too_long"));
+  if (arguments.size() > kMaxArgumentLength) return error_text(words_->say("arguments_too_long"));
   Result<Json> parsed = arguments.empty() ? Result<Json>(Json::object()) : parse_json(arguments);
   if (parsed && parsed->is_null()) parsed = Json::object();
   // Some servers wrap the object in one more text.
@@ -387,7 +387,7 @@ std::string ToolBox::call(std::string_view name, std::string_view arguments) con
   const Answer answer = tool->function(*this, in);
   if (!in.error().empty()) return error_text(in.error());
   std::string result = dump_json(answer);
-  if (result.size() > kLongestResult) return error_text(words_->say("result_too_long"));
+  if (result.size() > kMaxResultLength) return error_text(words_->say("result_too_long"));
   return result;
 }
 

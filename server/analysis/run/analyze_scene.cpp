@@ -178,10 +178,10 @@ AnalysisSummary analyze_scene(std::span<const AnalysisTarget> targets, ModelEndp
     std::vector<std::jthread> workers;
     for (size_t i = 0; i < std::min({limit, kContextLag, targets.size()}); ++i) workers.emplace_back(work);
   }
-  if (summary.slowest_views_s > kSlowViews_s) {
+  if (summary.slowest_views_s > kViewTimeWarning_s) {
     log_warn(
         "analysis: the views of an object took up to %.1f s (%.0f s are usual): this machine is slow or busy",
-        summary.slowest_views_s, kSlowViews_s);
+        summary.slowest_views_s, kViewTimeWarning_s);
   }
   // What was not asked keeps its estimate.
   for (size_t i = 0; i < targets.size(); ++i) {

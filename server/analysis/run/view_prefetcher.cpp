@@ -15,10 +15,10 @@ namespace {
 
 // One core each at most; `behind`, a small part of it while others want it. Not the idle class, which beside busy
 // programs gets nothing at all for minutes.
-constexpr int kNiceBehind = 15;
+constexpr int kBackgroundNice = 15;
 void become_drawer(bool behind) {
   pthread_setname_np(pthread_self(), "views");
-  if (behind) (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNiceBehind);
+  if (behind) (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kBackgroundNice);
   set_serial_here(true);
 }
 

@@ -25,7 +25,7 @@ using v1::PhysicsLogRecord;
 
 constexpr size_t kMaxLogBytes = 64 << 20;
 // Sizes that differ by more than this are not the same thing any more.
-constexpr double kSameSize = 1.05;
+constexpr double kMaxSizeChange = 1.05;
 
 // What counts where the file of one object is not there: mug.physics.json for mug.physics.left.json; empty for others.
 fs::path default_path(const fs::path& sidecar) {
@@ -180,9 +180,9 @@ std::string object_file_name(std::string_view object) {
     }
   }
   // A file's name has 255 bytes at most, and a Chinese letter takes nine here.
-  constexpr size_t kMost = 150, kKept = 100, kHashDigits = 16;
-  if (name.size() <= kMost) return name;
-  size_t kept = kKept;
+  constexpr size_t kMaxNameBytes = 150, kKeptNameBytes = 100, kHashDigits = 16;
+  if (name.size() <= kMaxNameBytes) return name;
+  size_t kept = kKeptNameBytes;
   while (name[kept - 1] == '%' || name[kept - 2] == '%') --kept;
   return name.substr(0, kept) + "-" + content_hash(std::as_bytes(std::span(object))).substr(0, kHashDigits);
 }
@@ -262,7 +262,7 @@ Result<v1::PhysicalParameters> with_physics_file(const v1::PhysicalParameters& o
       if (is_locked((physics.*value.get)())) *(physics.*value.mutable_value)() = (offline.*value.get)();
     }
     const double analysed_m = file.physics().longest_side_m().best(), now_m = facts.mesh.size_m.maxCoeff();
-    if (analysed_m > 0 && now_m > 0 && std::abs(std::log(now_m / analysed_m)) > std::log(kSameSize)) {
+    if (analysed_m > 0 && now_m > 0 && std::abs(std::log(now_m / analysed_m)) > std::log(kMaxSizeChange)) {
       *physics.mutable_mass_kg() = offline.mass_kg();
       *physics.mutable_wall_thickness_m() = offline.wall_thickness_m();
       *physics.mutable_break_impulse_n_s() = offline.break_impulse_n_s();

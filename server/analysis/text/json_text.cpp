@@ -6,8 +6,8 @@
 namespace livegs {
 namespace {
 
-constexpr std::size_t kMostAttempts = 200;  // opening braces that are tried in one text
-constexpr std::size_t kLongestProse = std::size_t{256} << 10;
+constexpr std::size_t kMaxAttempts = 200;  // opening braces that are tried in one text
+constexpr std::size_t kMaxProseLength = std::size_t{256} << 10;
 
 bool too_deep(std::string_view text) {
   for (std::size_t at = 0; at != std::string_view::npos;) {
@@ -103,7 +103,7 @@ std::optional<double> number_member(const Json& object, const char* key) {
 }
 
 std::optional<Json> find_json_object(std::string_view text, std::span<const std::string> wanted) {
-  text = text.substr(0, kLongestProse);
+  text = text.substr(0, kMaxProseLength);
   std::optional<Json> best;
   std::size_t best_count = 0, attempts = 0;
   const auto consider = [&](const Json& object) {
@@ -113,7 +113,7 @@ std::optional<Json> find_json_object(std::string_view text, std::span<const std:
       best_count = count;
     }
   };
-  for (std::size_t at = text.find('{'); at != std::string_view::npos && attempts < kMostAttempts;
+  for (std::size_t at = text.find('{'); at != std::string_view::npos && attempts < kMaxAttempts;
        ++attempts) {
     const std::size_t end = json_extent(text, at, kMaxJsonDepth).end;
     Json value = end == std::string_view::npos ? Json(Json::value_t::discarded)

@@ -10,7 +10,7 @@
 namespace livegs {
 namespace {
 
-constexpr std::size_t kLongestShown = 40;
+constexpr std::size_t kMaxShownLength = 40;
 
 // Levenshtein's, with two neighbours that changed places as one step.
 std::size_t steps_between(std::string_view a, std::string_view b) {
@@ -68,7 +68,7 @@ Result<void> check_slots(std::string_view text, const SlotNames& known) {
       const std::string_view slot = rest.substr(0, std::min(close, rest.find('}')));
       open += 2;
       if (known.empty() && !(lower_case(slot) && close == slot.size())) continue;
-      const std::string shown = line_text(slot, kLongestShown);
+      const std::string shown = line_text(slot, kMaxShownLength);
       if (close != slot.size()) return invalid_data(at + "{{" + shown + " has no end: write it as {{slot}}, on one line");
       if (slot.empty()) return invalid_data(at + "{{}} names no slot: " + remedy(slot, known));
       if (!known.contains(slot)) return invalid_data(at + braced(shown) + " is filled by nothing: " + remedy(slot, known));

@@ -16,14 +16,14 @@ namespace livegs {
 namespace {
 
 constexpr double kVerticalFov_rad = 0.7;
-constexpr double kFilled =
+constexpr double kFillShare =
     0.7;  // of the picture's height, by the ball around the target: what stands around it shows too
 constexpr int kThumbnail_px = 160;  // long side of the pictures by which cameras are judged
 constexpr double kUprightElevation_rad = 0.35, kSteepElevation_rad = 0.8;
 constexpr double kSteepBonus = 0.85;  // people see and photograph most things from a little above
-constexpr double kCloseRing = 0.5;    // of the distance: inside what stands close around the target
-constexpr double kHidden = 0.3;       // visible share of the best camera under which the close ring is tried
-constexpr double kApart_rad = 0.9;    // between views of one object
+constexpr double kCloseRingDistance = 0.5;    // of the distance: inside what stands close around the target
+constexpr double kMinVisibleShare = 0.3;       // visible share of the best camera under which the close ring is tried
+constexpr double kMinViewSeparation_rad = 0.9;    // between views of one object
 // Kernels that the thumbnails are drawn with: of the target, of everything else.
 constexpr size_t kTargetKernels = 30'000, kOtherKernels = 120'000;
 
@@ -119,7 +119,7 @@ std::vector<Candidate> choose(std::vector<Candidate> candidates, size_t count) {
       return direction_of(c.judged.azimuth_rad, c.judged.elevation_rad);
     };
     const bool near = std::any_of(chosen.begin(), chosen.end(), [&](const Candidate& other) {
-      return direction(candidate).dot(direction(other)) > std::cos(kApart_rad);
+      return direction(candidate).dot(direction(other)) > std::cos(kMinViewSeparation_rad);
     });
     (near ? passed_over : chosen).push_back(candidate);
   }
@@ -207,7 +207,7 @@ Result<std::vector<ObjectView>> object_views(std::span<const DrawnObject> scene,
         std::max(8, static_cast<int>(std::lround(long_side * (options.aspect < 1 ? 1.0 : high)))));
   };
   const double radius_m = std::max(0.5 * bounds.sizes().norm(), 1e-3);
-  const Ring ring{bounds.center(), radius_m / (kFilled * std::tan(0.5 * kVerticalFov_rad)) /
+  const Ring ring{bounds.center(), radius_m / (kFillShare * std::tan(0.5 * kVerticalFov_rad)) /
                                        std::max(1.0, std::min(1.0, options.aspect))};
 
   Rasteriser rasteriser;
@@ -215,12 +215,12 @@ Result<std::vector<ObjectView>> object_views(std::span<const DrawnObject> scene,
   const CoverageMaskScene thin(scene, object_id, kTargetKernels, kOtherKernels);
   std::vector<Candidate> tried = judge_ring(thin, ring, thumb_width, thumb_height, rasteriser, options.stop);
   const bool hidden = std::none_of(tried.begin(), tried.end(),
-                                   [](const Candidate& c) { return c.judged.visible_share > kHidden; });
+                                   [](const Candidate& c) { return c.judged.visible_share > kMinVisibleShare; });
   if (hidden) {
-    const Ring close{ring.target_m, kCloseRing * ring.distance_m};
+    const Ring close{ring.target_m, kCloseRingDistance * ring.distance_m};
     for (Candidate& candidate :
          judge_ring(thin, close, thumb_width, thumb_height, rasteriser, options.stop)) {
-      candidate.judged.score *= kCloseRing * kCloseRing;  // the area it would have on the wide ring
+      candidate.judged.score *= kCloseRingDistance * kCloseRingDistance;  // the area it would have on the wide ring
       tried.push_back(candidate);
     }
   }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kRemoteDeadline_s = 60, kLocalDeadline_s = 300;
 constexpr int kRemoteInFlight = 4, kLocalInFlight = 1;
-constexpr std::size_t kLongestUrl = 2000, kLongestKey = 4096;
+constexpr std::size_t kMaxUrlLength = 2000, kMaxKeyLength = 4096;
 
 std::string environment(const char* name) {
   const char* value = std::getenv(name);
@@ -36,7 +36,7 @@ Result<void> check_url(const std::string& url) {
   if (!url.starts_with("http://") && !url.starts_with("https://")) {
     return invalid_argument("OPENAI_BASE_URL: has to begin with http:// or https://");
   }
-  if (has_control(url) || url.size() > kLongestUrl)
+  if (has_control(url) || url.size() > kMaxUrlLength)
     return invalid_argument("OPENAI_BASE_URL: not an address");
   const std::size_t host = url.find("://") + 3;
   const std::string authority = url.substr(host, url.find_first_of("/?#", host) - host);
@@ -70,7 +70,7 @@ std::optional<EndpointSettings> endpoint_settings_from_environment() {
 Result<std::unique_ptr<ModelEndpoint>> open_model_endpoint(EndpointSettings settings) {
   if (auto checked = check_url(settings.base_url); !checked) return checked.error();
   while (settings.base_url.ends_with('/')) settings.base_url.pop_back();
-  if (has_control(settings.api_key.reveal()) || settings.api_key.reveal().size() > kLongestKey) {
+  if (has_control(settings.api_key.reveal()) || settings.api_key.reveal().size() > kMaxKeyLength) {
     return invalid_argument("OPENAI_API_KEY: holds a space or a control character");
   }
   if (has_control(settings.model))

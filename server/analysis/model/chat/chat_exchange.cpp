@@ -13,11 +13,11 @@ namespace {
 
 using Kind = ServerAnswer::Kind;
 
-constexpr int kMostToolRounds = 4;
-constexpr std::size_t kMostToolCalls = 8;
-constexpr int kRoomForThoughts = 4;  // max_completion_tokens counts what a model thinks and does not show
-constexpr int kMostRefusals = 8;     // parts of a request that are given up in one exchange
-constexpr std::size_t kLongestSearch = 1500;
+constexpr int kMaxToolRounds = 4;
+constexpr std::size_t kMaxToolCalls = 8;
+constexpr int kReasoningTokenFactor = 4;  // max_completion_tokens counts what a model thinks and does not show
+constexpr int kMaxRefusals = 8;     // parts of a request that are given up in one exchange
+constexpr std::size_t kMaxSearchLength = 1500;
 constexpr std::int64_t kContexts[] = {2048, 4096, 8192};  // Ollama's defaults, where a longer prompt is cut
 
 Error cancelled() { return {ErrorCode::Unavailable, "cancelled"}; }
@@ -104,7 +104,7 @@ ServerAnswer ChatConversation::send(Phase phase, std::stop_token stop) {
   ChatRequest request;
   request.model = endpoint_.model();
   request.max_tokens =
-      max_tokens_ * (quirks_.limit_key == LimitKey::MaxCompletionTokens ? kRoomForThoughts : 1);
+      max_tokens_ * (quirks_.limit_key == LimitKey::MaxCompletionTokens ? kReasoningTokenFactor : 1);
   request.stream = endpoint_.settings().stream;
   if (phase == Phase::Search) request.web_search = true;
   if (phase == Phase::Tools) request.tools = &endpoint_.prompts().tools();
@@ -115,7 +115,7 @@ ServerAnswer ChatConversation::send(Phase phase, std::stop_token stop) {
                                               : "answer",
                       chat_request_body(request, turns_, quirks_, true));
   const auto drop_request_part = [&](const ServerError& refusal, bool named_only) {
-    if (++refusals_ > kMostRefusals) return false;
+    if (++refusals_ > kMaxRefusals) return false;
     const bool tool_turns =
         phase == Phase::Answer && repair_turn_.empty() && turns_.size() > opening_turns_ + 1;
     std::string taken;
@@ -180,15 +180,15 @@ void ChatConversation::warn(const std::string& warning) {
 void ChatConversation::search(std::map<std::string, std::string>& slots, std::stop_token stop) {
   turns_ = {{"user", endpoint_.prompts().search(slots), {}, {}, ""}};
   const ServerAnswer found = send(Phase::Search, stop);
-  if (found.kind == Kind::Answered) slots["search"] = quoted_text(found.reply.content, kLongestSearch);
+  if (found.kind == Kind::Answered) slots["search"] = quoted_text(found.reply.content, kMaxSearchLength);
   if (found.kind == Kind::Refused) endpoint_.keep(quirks_);
   if (found.kind == Kind::Failed) warn("--web-search: " + transcript_.redact(found.error.message));
 }
 
 Result<Json> ChatConversation::run_tools(std::stop_token stop) {
-  std::size_t calls_left = kMostToolCalls;
+  std::size_t calls_left = kMaxToolCalls;
   turns_.back().text = opening_ + "\n" + endpoint_.prompts().tools_turn();
-  for (int round = 0; round < kMostToolRounds && calls_left > 0;) {
+  for (int round = 0; round < kMaxToolRounds && calls_left > 0;) {
     ServerAnswer said = send(Phase::Tools, stop);
     if (said.kind == Kind::Refused) {
       if (quirks_.tools) continue;

@@ -12,9 +12,9 @@
 namespace livegs {
 namespace {
 
-constexpr std::int64_t kForget_s = 30 * 24 * 3600;
+constexpr std::int64_t kQuirkLifetime_s = 30 * 24 * 3600;
 constexpr int kExamplesOfShortContext = 2;  // with two pictures, what 4096 tokens hold
-constexpr std::size_t kMostEntries = 200;
+constexpr std::size_t kMaxEntries = 200;
 constexpr std::uint64_t kMaxFileBytesOfQuirks = 1 << 20;
 
 constexpr std::array kDialectNames = {"unknown", "openai", "vllm", "llama.cpp", "ollama", "plain"};
@@ -207,7 +207,7 @@ QuirkMemory::QuirkMemory(std::filesystem::path file) : file_(std::move(file)) {
   const std::int64_t now = std::time(nullptr);
   for (const auto& [key, value] : list->items()) {
     const auto learned = static_cast<std::int64_t>(number_member(value, "learned_unix_s").value_or(0));
-    if (now - learned > kForget_s || learned > now + kForget_s || entries_.size() >= kMostEntries) continue;
+    if (now - learned > kQuirkLifetime_s || learned > now + kQuirkLifetime_s || entries_.size() >= kMaxEntries) continue;
     entries_[key] = {from_json(value), learned};
   }
 }

@@ -16,7 +16,7 @@
 namespace livegs {
 namespace {
 
-constexpr int kLongestPoll_ms = 1000;
+constexpr int kMaxPoll_ms = 1000;
 
 std::int64_t ns_from_seconds(double seconds) { return static_cast<std::int64_t>(seconds * 1e9); }
 long ms_from_seconds(double seconds) { return std::max(1L, static_cast<long>(seconds * 1e3)); }
@@ -207,7 +207,7 @@ void HttpClient::Worker::finish(Transfer& transfer) {
 int HttpClient::Worker::check_limits() {
   using End = HttpReply::End;
   const std::int64_t now = now_ns();
-  std::int64_t next = now + std::int64_t{kLongestPoll_ms} * 1000000;
+  std::int64_t next = now + std::int64_t{kMaxPoll_ms} * 1000000;
   const auto passed = [&](std::int64_t moment) {
     next = std::min(next, moment);
     return now >= moment;
@@ -227,7 +227,7 @@ int HttpClient::Worker::check_limits() {
       finish(*transfer);
     }
   }
-  return static_cast<int>(std::clamp<std::int64_t>((next - now) / 1000000 + 1, 1, kLongestPoll_ms));
+  return static_cast<int>(std::clamp<std::int64_t>((next - now) / 1000000 + 1, 1, kMaxPoll_ms));
 }
 
 void HttpClient::Worker::run() {

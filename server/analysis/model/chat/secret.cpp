@@ -14,7 +14,7 @@
 namespace livegs {
 namespace {
 
-constexpr std::size_t kStretch = 8;  // characters of a key that may stand in a text by chance
+constexpr std::size_t kMaxChanceMatch = 8;  // characters of a key that may stand in a text by chance
 
 }  // namespace
 
@@ -60,17 +60,17 @@ void Secret::clear() {
 }
 
 std::string Secret::redact(std::string_view text) const {
-  if (size_ < kStretch) return std::string(text);
+  if (size_ < kMaxChanceMatch) return std::string(text);
   const std::string_view key = reveal();
   std::set<std::string_view> stretches;
-  for (std::size_t i = 0; i + kStretch <= key.size(); ++i) stretches.insert(key.substr(i, kStretch));
+  for (std::size_t i = 0; i + kMaxChanceMatch <= key.size(); ++i) stretches.insert(key.substr(i, kMaxChanceMatch));
   std::string clean;
   clean.reserve(text.size());
   std::size_t hidden_to = 0;  // the text up to here belongs to the key
   for (std::size_t i = 0; i < text.size(); ++i) {
-    if (i + kStretch <= text.size() && stretches.contains(text.substr(i, kStretch))) {
+    if (i + kMaxChanceMatch <= text.size() && stretches.contains(text.substr(i, kMaxChanceMatch))) {
       if (hidden_to <= i) clean += "[key]";
-      hidden_to = i + kStretch;
+      hidden_to = i + kMaxChanceMatch;
     }
     if (i >= hidden_to) clean += text[i];
   }

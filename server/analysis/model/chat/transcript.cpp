@@ -4,12 +4,12 @@
 namespace livegs {
 namespace {
 
-constexpr std::size_t kLongestText = std::size_t{64}
+constexpr std::size_t kMaxTextLength = std::size_t{64}
                                      << 10;  // of what a server sends; the rest is said to be cut
 
 std::string cut(std::string_view text) {
-  if (text.size() <= kLongestText) return std::string(text);
-  return std::string(text.substr(0, kLongestText)) + " [" + std::to_string(text.size() - kLongestText) +
+  if (text.size() <= kMaxTextLength) return std::string(text);
+  return std::string(text.substr(0, kMaxTextLength)) + " [" + std::to_string(text.size() - kMaxTextLength) +
          " bytes cut]";
 }
 

@@ -362,11 +362,11 @@ TEST(AnalyzeScene, FailuresAreRememberedForTenMinutes) {
   });
   run(targets, &endpoint, options);
   EXPECT_EQ(endpoint.asked().size(), 2u);
-  now = AnswerCache::kFailure_ns - 1;
+  now = AnswerCache::kFailureLifetime_ns - 1;
   const Seen soon = run(targets, &endpoint, options);
   EXPECT_EQ(endpoint.asked().size(), 2u);
   EXPECT_NE(soon.last(0).judgement.message.find("would not do"), std::string::npos);
-  now = AnswerCache::kFailure_ns;
+  now = AnswerCache::kFailureLifetime_ns;
   run(targets, &endpoint, options);
   EXPECT_EQ(endpoint.asked().size(), 4u);
 }
@@ -374,18 +374,18 @@ TEST(AnalyzeScene, FailuresAreRememberedForTenMinutes) {
 // A program that is run again does not pay for the same refusal again.
 TEST(AnalyzeScene, FailuresOutliveTheProcess) {
   const ScratchFolder folder;
-  int64_t now = AnswerCache::kFailure_ns;
+  int64_t now = AnswerCache::kFailureLifetime_ns;
   const auto clock = [&] { return now; };
   AnswerCache(folder / "answers", clock).keep_failure("key", "the answer would not do: \"\xff");
   const auto kept = [&] { return AnswerCache(folder / "answers", clock).failure("key"); };
   ASSERT_TRUE(kept());
   EXPECT_TRUE(kept()->starts_with("the answer would not do"));
-  now += AnswerCache::kFailure_ns - 1;
+  now += AnswerCache::kFailureLifetime_ns - 1;
   EXPECT_TRUE(kept());
-  now -= AnswerCache::kFailure_ns;  // the clock was set back
+  now -= AnswerCache::kFailureLifetime_ns;  // the clock was set back
   EXPECT_FALSE(kept());
   AnswerCache(folder / "answers", clock).keep_failure("key", "no");
-  now += AnswerCache::kFailure_ns;
+  now += AnswerCache::kFailureLifetime_ns;
   EXPECT_FALSE(kept());
   EXPECT_TRUE(std::filesystem::is_empty(folder / "answers"));
   AnswerCache(folder / "answers", clock).keep_failure("key", "no");
