@@ -181,13 +181,13 @@ Result<ElasticBodyDescription> elastic_description(const v1::Object& object, For
 // the shape, and particles of a list that are given more than the room between them weigh more than the body.
 std::string doubtful_spacing(const v1::Object& object, const ParticleSet& particles, const TriangleMesh& mesh,
                              double longest_side_m) {
-  constexpr double kMinCellsAlong = 4.0, kMostOfItsVolume = 2.0;
+  constexpr double kMinCellsAlong = 4.0, kMaxVolumeRatio = 2.0;
   if (!object.has_spacing_m()) return "";
   char text[200] = "";
   if (object.form_case() == v1::Object::kPoints) {
     const double fitting_m = filling_spacing_m(particles.positions_m, mesh);
     const double ratio = std::pow(object.spacing_m() / fitting_m, 3);
-    if (fitting_m > 0.0 && ratio > kMostOfItsVolume) {
+    if (fitting_m > 0.0 && ratio > kMaxVolumeRatio) {
       std::snprintf(text, sizeof text,
                     "spacing_m: %.4g m lets its points fill %.3g times the volume they lie in; leave it out, or give "
                     "about %.4g",

@@ -8,8 +8,8 @@ namespace livegs {
 namespace {
 
 // Of the strain by its own weight. A cube of 0.5 stands.
-constexpr double kMostSag = 0.7;
-constexpr double kTold = 1.02;  // so much stiffer across than along
+constexpr double kMaxSag = 0.7;
+constexpr double kMinReportedAnisotropy = 1.02;  // so much stiffer across than along
 
 v1::ElasticAccuracy::Band band_message(ElasticBand band) {
   switch (band) {
@@ -30,7 +30,7 @@ std::string material_text(const MaterialAccuracy& material) {
   if (material.clipped) text += format_text(" to %.3g Pa", material.reached_youngs_modulus_pa);
   if (material.modulus_ratio_high > 0) {
     text += format_text(" (%.3g to %.3g of it", material.modulus_ratio_low, material.modulus_ratio_high);
-    if (material.modulus_ratio_across > kTold * material.modulus_ratio_high) {
+    if (material.modulus_ratio_across > kMinReportedAnisotropy * material.modulus_ratio_high) {
       text += format_text("; across its shortest side up to %.3g", material.modulus_ratio_across);
     }
     text += ')';
@@ -101,7 +101,7 @@ std::vector<std::string> accuracy_warnings(const ElasticAccuracy& accuracy) {
                                    1e3 * accuracy.cell_width_m, accuracy.substeps, 1e3 * accuracy.unbudgeted_cell_width_m,
                                    accuracy.unbudgeted_reached_pa));
   }
-  if (accuracy.sag > kMostSag) {
+  if (accuracy.sag > kMaxSag) {
     warnings.push_back(format_text("too soft to carry itself: its own weight strains it by %.2g, and what is inside may hang through "
                                    "what it lies on; %.2g Pa would strain it by a tenth",
                                    accuracy.sag, 10.0 * accuracy.sag * accuracy.youngs_modulus_pa));

@@ -14,8 +14,8 @@ namespace livegs {
 namespace {
 
 // Assets between these, longest side, may be metric captures of things in a room.
-constexpr double kSmallestThing_m = 0.02;
-constexpr double kLargestThing_m = 3.0;
+constexpr double kMinObjectSize_m = 0.02;
+constexpr double kMaxObjectSize_m = 3.0;
 
 double longest_side(const std::vector<Eigen::Vector3d>& points) {
   Eigen::AlignedBox3d bounds;
@@ -41,13 +41,13 @@ Guess guess_scale(double longest_units, std::string_view name) {
                   prior.best_m);
     return {prior.best_m / longest_units, reason};
   }
-  if (longest_units >= kSmallestThing_m && longest_units <= kLargestThing_m) {
+  if (longest_units >= kMinObjectSize_m && longest_units <= kMaxObjectSize_m) {
     std::snprintf(reason, sizeof reason, "guessed: %.3g units are taken as metres", longest_units);
     return {1.0, reason};
   }
   std::snprintf(reason, sizeof reason, "guessed: nothing is known, the longest side is set to %.3g m",
-                kUnknownSize_m);
-  return {kUnknownSize_m / longest_units, reason};
+                kDefaultSize_m);
+  return {kDefaultSize_m / longest_units, reason};
 }
 
 }  // namespace

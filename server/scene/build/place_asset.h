@@ -25,9 +25,9 @@ struct PlacedAsset {
 
 // Reads `path`, turns `up` ("-y" when empty) to +Y and scales to metres. Without `scale`: an .spz is metric;
 // an asset whose size fits what its name usually measures is taken as metric; otherwise the name's usual size
-// is used, and for a name that says nothing a longest side of kUnknownSize_m when the asset's own is not that
+// is used, and for a name that says nothing a longest side of kDefaultSize_m when the asset's own is not that
 // of a thing in a room.
-inline constexpr double kUnknownSize_m = 0.4;
+inline constexpr double kDefaultSize_m = 0.4;
 Result<PlacedAsset> place_asset(const std::filesystem::path& path, std::string_view name,
                                 std::optional<double> scale, std::string_view up, std::string_view field);
 

@@ -14,7 +14,7 @@ std::optional<std::string> too_stiff_for_lattice(const ElasticBodyDescription& b
   if (body.particles.positions_m.empty() || !(volume_m3 > 0.0)) return std::nullopt;
   const ResolutionRequest request = resolution_request(body, rate_hz, substeps);
   const double reached_pa = choose_resolution(request).youngs_modulus_pa;
-  if (!(request.youngs_modulus_pa > kStiffestOverReached * reached_pa)) return std::nullopt;
+  if (!(request.youngs_modulus_pa > kMaxStiffnessRatio * reached_pa)) return std::nullopt;
   char reason[160];
   std::snprintf(reason, sizeof reason,
                 "E* = %.3g Pa is %.0f times what its cells can reach at %g Hz (%.3g Pa): rigid",

@@ -10,7 +10,7 @@ namespace livegs {
 
 // A body that is this many times stiffer than any lattice in reach would be simulated as something far softer
 // than it is: better not to bend it at all.
-inline constexpr double kStiffestOverReached = 10.0;
+inline constexpr double kMaxStiffnessRatio = 10.0;
 
 // Why the body would better be rigid, by the cells and substeps that would be chosen for it; nothing when it
 // may well deform.

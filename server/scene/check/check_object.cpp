@@ -16,12 +16,12 @@ Error missing(const std::string& field, const std::string& remedy) {
 }
 
 // Bounds the work of a hostile file; a body is cut at every region.
-constexpr int kMostRegions = 256;
+constexpr int kMaxRegions = 256;
 
 // Names come from the file: one line of an error stays one line.
 std::string quoted(std::string name) {
-  constexpr size_t kLongest = 64;
-  if (name.size() > kLongest) name = name.substr(0, kLongest - 3) + "...";
+  constexpr size_t kMaxNameLength = 64;
+  if (name.size() > kMaxNameLength) name = name.substr(0, kMaxNameLength - 3) + "...";
   for (char& letter : name) {
     if (static_cast<unsigned char>(letter) < 32 || letter == 127) letter = '?';
   }
@@ -33,15 +33,15 @@ std::string quoted(std::string name) {
 
 Result<void> check_shape(const v1::Shape& shape, const std::string& field) {
   const auto check_round = [&](const v1::CylinderShape& round, const std::string& name) -> Result<void> {
-    LIVEGS_CHECK(number_value(round.radius_m(), 1e-4, kLargestSize_m, name + ".radius_m"));
-    LIVEGS_CHECK(number_value(round.height_m(), 1e-4, kLargestSize_m, name + ".height_m"));
+    LIVEGS_CHECK(number_value(round.radius_m(), 1e-4, kMaxSize_m, name + ".radius_m"));
+    LIVEGS_CHECK(number_value(round.height_m(), 1e-4, kMaxSize_m, name + ".height_m"));
     return {};
   };
   switch (shape.kind_case()) {
     case v1::Shape::kBox:
       return check_box_shape(shape.box(), field + ".box");
     case v1::Shape::kSphere:
-      LIVEGS_CHECK(number_value(shape.sphere().radius_m(), 1e-4, kLargestSize_m, field + ".sphere.radius_m"));
+      LIVEGS_CHECK(number_value(shape.sphere().radius_m(), 1e-4, kMaxSize_m, field + ".sphere.radius_m"));
       return {};
     case v1::Shape::kCylinder:
       return check_round(shape.cylinder(), field + ".cylinder");
@@ -65,9 +65,9 @@ Result<void> check_deformable(const v1::Object& object, const std::string& field
 }
 
 Result<void> check_regions(const v1::Object& object, const std::string& field) {
-  if (object.regions_size() > kMostRegions) {
+  if (object.regions_size() > kMaxRegions) {
     return missing(field + ".regions", "are " + std::to_string(object.regions_size()) + "; the most is " +
-                                           std::to_string(kMostRegions));
+                                           std::to_string(kMaxRegions));
   }
   std::set<std::string> names;
   for (int i = 0; i < object.regions_size(); ++i) {
@@ -96,7 +96,7 @@ Result<void> check_regions(const v1::Object& object, const std::string& field) {
 Result<void> check_box_shape(const v1::BoxShape& box, const std::string& field) {
   if (box.size_m().empty()) return missing(field + ".size_m", "is missing; give [x, y, z] in metres");
   LIVEGS_CHECK(vector_value(box.size_m(), Eigen::Vector3d::Zero(), field + ".size_m"));
-  for (double edge : box.size_m()) LIVEGS_CHECK(number_value(edge, 1e-4, kLargestSize_m, field + ".size_m"));
+  for (double edge : box.size_m()) LIVEGS_CHECK(number_value(edge, 1e-4, kMaxSize_m, field + ".size_m"));
   return {};
 }
 

@@ -13,7 +13,7 @@ namespace livegs {
 Result<void> check_object(const v1::Object& object, const std::string& field);
 
 Result<void> check_box_shape(const v1::BoxShape& box, const std::string& field);
-inline constexpr double kLargestSize_m = 1000.0;
+inline constexpr double kMaxSize_m = 1000.0;
 
 // The name an object goes by: its own, or the stem of its asset's or points' file.
 std::string object_name(const v1::Object& object, int index);

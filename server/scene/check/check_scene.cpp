@@ -37,7 +37,7 @@ Result<void> check_collider(const v1::Collider& collider, const std::string& fie
       break;
     case v1::Collider::kSphere:
       LIVEGS_CHECK(
-          number_value(collider.sphere().radius_m(), 1e-4, kLargestSize_m, field + ".sphere.radius_m"));
+          number_value(collider.sphere().radius_m(), 1e-4, kMaxSize_m, field + ".sphere.radius_m"));
       break;
     case v1::Collider::kMesh:
       break;

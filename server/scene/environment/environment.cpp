@@ -23,10 +23,10 @@ namespace {
 const Eigen::Vector3f kEnvironmentRgb(0.62f, 0.6f, 0.57f);
 constexpr double kFloorMargin_m = 0.8;  // how far a drawn floor reaches beyond the objects
 // An object is in a thing if this part of its points is: one on a rough floor has some below.
-constexpr double kMostlyInside = 0.75;
-constexpr size_t kAskedPoints = 400;
+constexpr double kInsideShare = 0.75;
+constexpr size_t kSampledPoints = 400;
 // A mesh of less volume than this part of its length cubed is a surface, as one that has each face both ways round.
-constexpr double kNoVolume = 1e-6;
+constexpr double kMinSolidVolume = 1e-6;
 
 struct Standing {
   SceneObject* drawn;
@@ -41,7 +41,7 @@ struct Standing {
     const auto inside = std::count_if(points_m.begin(), points_m.end(), [&](const Eigen::Vector3d& point) {
       return sample_surface(collider, point).distance_m < 0.0;
     });
-    return static_cast<double>(inside) >= kMostlyInside * static_cast<double>(points_m.size());
+    return static_cast<double>(inside) >= kInsideShare * static_cast<double>(points_m.size());
   }
 };
 
@@ -54,7 +54,7 @@ std::vector<Standing> standing_objects(std::span<std::optional<Result<BuiltObjec
   for (auto& object : built) {
     BuiltObject& one = **object;
     Standing standing{&one.drawn, {}};
-    const size_t step = one.body_points_m.size() / kAskedPoints + 1;
+    const size_t step = one.body_points_m.size() / kSampledPoints + 1;
     for (size_t i = 0; i < one.body_points_m.size(); i += step) {
       standing.points_m.push_back(pose_of(one) * one.body_points_m[i]);
     }
@@ -93,7 +93,7 @@ Result<void> shape_mesh(const TriangleMesh& file, std::span<const Standing> stan
     collider.shape = wall_collider(mesh);
     return {};
   }
-  if (std::abs(signed_volume_m3(mesh)) < kNoVolume * longest_m * longest_m * longest_m) {
+  if (std::abs(signed_volume_m3(mesh)) < kMinSolidVolume * longest_m * longest_m * longest_m) {
     log_info("%s: encloses nothing: %s", field.c_str(), wall.c_str());
     collider.shape = wall_collider(mesh);
     return {};

@@ -15,8 +15,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr size_t kMostCuts = 4;
-constexpr int kMostMarches = 256;
+constexpr size_t kMaxCuts = 4;
+constexpr int kMaxMarches = 256;
 constexpr double kHeightStep = 0.5;  // of heights that are tried, in radii of the ball
 
 void append(TriangleMesh& all, const TriangleMesh& part) {
@@ -61,7 +61,7 @@ Result<TriangleMesh> cut_surface(std::span<const Vector3d> points_m, const Vecto
 double cut_height(std::span<const Vector3d> points_m, const Vector3d& up, double radius_m, const FieldShape& filled,
                   const Vector3d& place_m) {
   double ceiling = 0.0;
-  for (int march = 0; march < kMostMarches; ++march) {
+  for (int march = 0; march < kMaxMarches; ++march) {
     const double inside = -filled.field->sample(place_m + ceiling * up).distance_m;
     if (inside <= 0.0) break;
     ceiling += std::max(inside, 0.1 * radius_m);
@@ -88,7 +88,7 @@ Result<FieldShape> interior_collider(std::span<const Vector3d> points_m, const V
   if (!(radius_m > 0.0)) return shape;  // a hull or a box in its place
   std::vector<double> cuts_m;
   std::vector<Vector3d> places = stuck(shape);
-  for (size_t next = 0, tried = 0; next < places.size() && tried < kMostCuts; ++tried) {
+  for (size_t next = 0, tried = 0; next < places.size() && tried < kMaxCuts; ++tried) {
     std::vector<double> more_m = cuts_m;
     more_m.push_back(cut_height(points_m, up, radius_m, shape, places[next]));
     std::sort(more_m.begin(), more_m.end());

@@ -36,7 +36,7 @@ constexpr uint64_t kEventForceBit = uint64_t{1} << 63;
 constexpr uint64_t kPersonForceBit = uint64_t{1} << 62;  // of apply_force
 
 constexpr int kMaxRecoveryWarnings = 3;  // of one object
-constexpr double kMostForce_n = 1e5, kLongestForce_s = 60;
+constexpr double kMaxForce_n = 1e5, kMaxForceDuration_s = 60;
 
 // Of three numbers that were checked.
 Eigen::Vector3d vector_of(const Numbers& numbers) {
@@ -371,11 +371,11 @@ Result<void> check_force(const v1::Event::Force& force) {
     if (numbers->size() != 3) return invalid_argument(std::string(field) + ": give three numbers");
     auto value = vector_value(*numbers, Eigen::Vector3d::Zero(), field);
     if (!value) return value.error();
-    if (!(value->norm() <= kMostForce_n)) {
+    if (!(value->norm() <= kMaxForce_n)) {
       return invalid_argument(std::string(field) + ": is too large; at most 1e5, in newtons or metres");
     }
   }
-  if (!(force.duration_s() > 0 && force.duration_s() <= kLongestForce_s)) {
+  if (!(force.duration_s() > 0 && force.duration_s() <= kMaxForceDuration_s)) {
     return invalid_argument("force.duration_s: must be over 0 and at most 60");
   }
   return {};

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDeepest = 3;      // folders below the one that was named
+constexpr int kMaxFolderDepth = 3;      // folders below the one that was named
 constexpr double kGap_m = 0.25;  // between neighbours
 
 // Things fall a little, so that something happens at once; but what is slender is set down gently, because a
@@ -52,7 +52,7 @@ std::map<std::string, fs::path> find_assets(const fs::path& folder) {
   std::error_code error;
   auto walk = fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied, error);
   for (; !error && walk != fs::recursive_directory_iterator(); walk.increment(error)) {
-    if (walk.depth() >= kDeepest) walk.disable_recursion_pending();
+    if (walk.depth() >= kMaxFolderDepth) walk.disable_recursion_pending();
     if (!walk->is_regular_file(error)) continue;
     const auto stem = asset_stem(walk->path());
     if (!stem) continue;

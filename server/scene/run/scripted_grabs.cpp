@@ -11,19 +11,19 @@
 namespace livegs {
 namespace {
 
-constexpr double kGripWeights = 20.0;    // times its weight, at most
-constexpr double kLeastGrip_n = 5.0;
+constexpr double kMaxGripWeights = 20.0;    // times its weight, at most
+constexpr double kMinGripForce_n = 5.0;
 constexpr double kGripLever_m = 0.2;     // torque of the grip: its force at this lever
-constexpr double kFarFromObject_m = 0.1;  // as far as a live hand reaches
+constexpr double kMaxGrabDistance_m = 0.1;  // as far as a live hand reaches
 constexpr size_t kMaxPathRows = 100'000;
 constexpr uint64_t kMaxPathBytes = 64 << 20;
-constexpr double kLargestPathPlace_m = 1000.0;
+constexpr double kMaxPathCoordinate_m = 1000.0;
 
 }  // namespace
 
 World::Grip hand_grip(double mass_kg) {
   World::Grip grip;
-  grip.max_force_n = std::max(kLeastGrip_n, kGripWeights * 9.81 * mass_kg);
+  grip.max_force_n = std::max(kMinGripForce_n, kMaxGripWeights * 9.81 * mass_kg);
   grip.max_torque_n_m = kGripLever_m * grip.max_force_n;
   return grip;
 }
@@ -32,7 +32,7 @@ World::Spring ray_spring(double mass_kg) {
   const double angular_frequency = 2.0 * M_PI * kSpringFrequency_hz;
   World::Spring spring;
   spring.stiffness_n_m = mass_kg * angular_frequency * angular_frequency;
-  spring.max_force_n = std::max(kLeastSpringForce_n, kSpringWeights * 9.81 * mass_kg);
+  spring.max_force_n = std::max(kMinSpringForce_n, kMaxSpringWeights * 9.81 * mass_kg);
   return spring;
 }
 
@@ -66,7 +66,7 @@ Result<GrabPath> read_grab_path(const std::filesystem::path& path) {
     }
     Pose pose{{numbers[1], numbers[2], numbers[3]}, Eigen::Quaterniond::Identity()};
     if (numbers.size() == 8) pose.orientation = Eigen::Quaterniond(numbers[4], numbers[5], numbers[6], numbers[7]);
-    if (pose.position_m.cwiseAbs().maxCoeff() > kLargestPathPlace_m) {
+    if (pose.position_m.cwiseAbs().maxCoeff() > kMaxPathCoordinate_m) {
       return invalid_data(where + "a place farther than 1000 m");
     }
     if (std::abs(pose.orientation.norm() - 1.0) > 0.01) return invalid_data(where + "qw,qx,qy,qz is no unit quaternion");
@@ -85,7 +85,7 @@ Result<void> ScriptedGrabs::begin(World& world, uint64_t grab_id, uint32_t objec
                                   const Eigen::Vector3d& rest_point_m, const GrabPath& path, double now_s) {
   const Pose hand{world.world_point(object_id, rest_point_m), path.poses.front().orientation};
   const auto met = world.nearest_of(object_id, hand.position_m);
-  if (met && met->distance_m > kFarFromObject_m) {
+  if (met && met->distance_m > kMaxGrabDistance_m) {
     log_warn("object %u: the grab's point_m (%.3g, %.3g, %.3g) is %.3g m from it; it is in the object's own rest coordinates, "
              "in metres, and nearest to it there is (%.3g, %.3g, %.3g)",
              object_id, rest_point_m.x(), rest_point_m.y(), rest_point_m.z(), met->distance_m, met->rest_point_m.x(),

@@ -21,9 +21,9 @@ World::Grip hand_grip(double mass_kg);
 // trails the hand by 28 mm under its own weight, (2 pi f)^2 = 355 / s^2 against 9.81 m/s^2.
 inline constexpr double kSpringFrequency_hz = 3.0;
 // The spring lifts an object and swings it, but pulls with no more than this many times its weight, and at
-// least with kLeastSpringForce_n, which is what a finger presses a doorbell with.
-inline constexpr double kSpringWeights = 6.0;
-inline constexpr double kLeastSpringForce_n = 2.0;
+// least with kMinSpringForce_n, which is what a finger presses a doorbell with.
+inline constexpr double kMaxSpringWeights = 6.0;
+inline constexpr double kMinSpringForce_n = 2.0;
 // Of a ray that draws an object of this mass: a stiffness that stays as it is while it pulls.
 World::Spring ray_spring(double mass_kg);
 

@@ -12,12 +12,12 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kLeast = 0.9, kMost = 1.8;    // of the median nearest distance
-constexpr double kFirstReach = 12.0;           // of that about the middle: so many steps are looked at first,
-constexpr Eigen::Index kFirstPoints = 64;      // and so many points
-constexpr size_t kMostPoints = 20000;          // of those that the step is refined on
-constexpr double kThin = 2.5;                  // times the nearest distance: along a shorter side there is no grid to see
-constexpr double kSeen = 0.12, kNoise = 8.0;    // least structure factor, and over that of as many points anywhere
+constexpr double kMinStep = 0.9, kMaxStep = 1.8;    // of the median nearest distance
+constexpr double kFirstReachSteps = 12.0;           // of that about the middle: so many steps are looked at first,
+constexpr Eigen::Index kFirstPointCount = 64;      // and so many points
+constexpr size_t kMaxRefinedPoints = 20000;          // of those that the step is refined on
+constexpr double kMinSideRatio = 2.5;                  // times the nearest distance: along a shorter side there is no grid to see
+constexpr double kMinStructureFactor = 0.12, kMinNoiseRatio = 8.0;    // least structure factor, and over that of as many points anywhere
 
 // The mean over the axes of |mean exp(2 pi i x / step)|², x a column.
 double structure_factor(const Eigen::MatrixX3d& columns, const std::vector<int>& axes, double step_m) {
@@ -52,17 +52,17 @@ Found look_along(const Eigen::MatrixX3d& along, const Eigen::VectorXd& distances
   const auto within = [&](double reach_m) {
     return std::upper_bound(distances_m.begin(), distances_m.end(), reach_m) - distances_m.begin();
   };
-  double low = kLeast * nearest_m, high = kMost * nearest_m;
+  double low = kMinStep * nearest_m, high = kMaxStep * nearest_m;
   Found best;
-  const double first_m = distances_m[std::min(kFirstPoints, distances_m.size() - 1)];
-  for (double reach = std::max(first_m, kFirstReach * nearest_m);; reach *= 2.0) {
-    const Eigen::Index count = std::min<Eigen::Index>(within(reach), kMostPoints);
+  const double first_m = distances_m[std::min(kFirstPointCount, distances_m.size() - 1)];
+  for (double reach = std::max(first_m, kFirstReachSteps * nearest_m);; reach *= 2.0) {
+    const Eigen::Index count = std::min<Eigen::Index>(within(reach), kMaxRefinedPoints);
     const Eigen::MatrixX3d part = along.topRows(count);
     std::vector<int> axes;
     double longest = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
       const double size = part.col(axis).maxCoeff() - part.col(axis).minCoeff();
-      if (size > kThin * nearest_m) axes.push_back(axis);
+      if (size > kMinSideRatio * nearest_m) axes.push_back(axis);
       longest = std::max(longest, size);
     }
     if (axes.empty()) return {};
@@ -73,14 +73,14 @@ Found look_along(const Eigen::MatrixX3d& along, const Eigen::VectorXd& distances
       if (factor > best.factor) best = {step, factor};
     }
     if (best.step_m == 0.0) return {};
-    const double least = std::max(kSeen, kNoise / static_cast<double>(count));
+    const double least = std::max(kMinStructureFactor, kMinNoiseRatio / static_cast<double>(count));
     if (best.factor < least) return {};
     // To a tenth of what was looked at, by the top of a parabola.
     const double d = 0.1 * best.step_m * best.step_m / longest;
     const double before = structure_factor(part, axes, best.step_m - d), after = structure_factor(part, axes, best.step_m + d);
     const double bend = before - 2.0 * best.factor + after;
     if (bend < 0.0) best.step_m += std::clamp(0.5 * d * (before - after) / bend, -d, d);
-    if (count == along.rows() || count == static_cast<Eigen::Index>(kMostPoints)) {
+    if (count == along.rows() || count == static_cast<Eigen::Index>(kMaxRefinedPoints)) {
       return {fitted_step(part, axes, best.step_m), best.factor};
     }
     low = best.step_m - 2.0 * d;

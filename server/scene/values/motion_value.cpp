@@ -8,10 +8,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kFurthest_m = 1000.0;
-constexpr double kFastest_m_s = 1000.0;
+constexpr double kMaxOffset_m = 1000.0;
+constexpr double kMaxSpeed_m_s = 1000.0;
 // A pulse shorter than this is over between two substeps.
-constexpr double kShortestPulse_s = 1e-6;
+constexpr double kMinPulse_s = 1e-6;
 
 Result<Vector3d> needed_vector(const Numbers& numbers, double largest, const char* unit,
                                const std::string& field) {
@@ -21,8 +21,8 @@ Result<Vector3d> needed_vector(const Numbers& numbers, double largest, const cha
 
 Result<void> check_order(double start_s, double end_s, const std::string& field, const char* start,
                          const char* end) {
-  if (auto number = number_value(start_s, 0, kLatest_s, field + "." + start); !number) return number.error();
-  if (auto number = number_value(end_s, 0, kLatest_s, field + "." + end); !number) return number.error();
+  if (auto number = number_value(start_s, 0, kMaxTime_s, field + "." + start); !number) return number.error();
+  if (auto number = number_value(end_s, 0, kMaxTime_s, field + "." + end); !number) return number.error();
   if (end_s >= start_s) return {};
   char message[96];
   std::snprintf(message, sizeof message, ": is %g, before %s, which is %g; swap or move them", end_s, start,
@@ -31,7 +31,7 @@ Result<void> check_order(double start_s, double end_s, const std::string& field,
 }
 
 Result<RegionMotion> read(const v1::Motion::DisplacementRamp& ramp, const std::string& field) {
-  auto displacement = needed_vector(ramp.displacement_m(), kFurthest_m, "metres", field + ".displacement_m");
+  auto displacement = needed_vector(ramp.displacement_m(), kMaxOffset_m, "metres", field + ".displacement_m");
   if (!displacement) return displacement.error();
   if (auto order = check_order(ramp.start_s(), ramp.end_s(), field, "start_s", "end_s"); !order) {
     return order.error();
@@ -61,11 +61,11 @@ Result<RegionMotion> read(const v1::Motion::AffineRamp& ramp, const std::string&
 }
 
 Result<RegionMotion> read(const v1::Motion::HalfSinePulse& pulse, const std::string& field) {
-  auto displacement = needed_vector(pulse.displacement_m(), kFurthest_m, "metres", field + ".displacement_m");
+  auto displacement = needed_vector(pulse.displacement_m(), kMaxOffset_m, "metres", field + ".displacement_m");
   if (!displacement) return displacement.error();
-  if (auto start = number_value(pulse.start_s(), 0, kLatest_s, field + ".start_s"); !start)
+  if (auto start = number_value(pulse.start_s(), 0, kMaxTime_s, field + ".start_s"); !start)
     return start.error();
-  if (auto width = number_value(pulse.width_s(), kShortestPulse_s, kLatest_s, field + ".width_s"); !width) {
+  if (auto width = number_value(pulse.width_s(), kMinPulse_s, kMaxTime_s, field + ".width_s"); !width) {
     return width.error();
   }
   return RegionMotion(HalfSinePulse{*displacement, pulse.start_s(), pulse.width_s()});
@@ -73,9 +73,9 @@ Result<RegionMotion> read(const v1::Motion::HalfSinePulse& pulse, const std::str
 
 Result<RegionMotion> read(const v1::Motion::ConstantVelocity& steady, const std::string& field) {
   auto velocity =
-      needed_vector(steady.velocity_m_s(), kFastest_m_s, "metres a second", field + ".velocity_m_s");
+      needed_vector(steady.velocity_m_s(), kMaxSpeed_m_s, "metres a second", field + ".velocity_m_s");
   if (!velocity) return velocity.error();
-  const double end_s = steady.has_end_s() ? steady.end_s() : kLatest_s;
+  const double end_s = steady.has_end_s() ? steady.end_s() : kMaxTime_s;
   if (auto order = check_order(steady.start_s(), end_s, field, "start_s", "end_s"); !order)
     return order.error();
   return RegionMotion(ConstantVelocity{*velocity, steady.start_s(), end_s});

@@ -9,7 +9,7 @@ namespace livegs {
 namespace {
 
 // Steel yields far below.
-constexpr double kLargestTraction_pa = 1e9;
+constexpr double kMaxTraction_pa = 1e9;
 
 Error refusal(const std::string& field, const std::string& why) {
   return invalid_argument(field + ": " + why);
@@ -25,7 +25,7 @@ Result<void> read_box(const v1::Region& region, const std::string& field, BodyRe
   if (!body.boundary && !region.has_box()) {
     return refusal(field + ".box", "is missing; give min_m and max_m, or {} for the whole object");
   }
-  const Eigen::Vector3d open = Eigen::Vector3d::Constant(kLargestCoordinate);
+  const Eigen::Vector3d open = Eigen::Vector3d::Constant(kMaxCoordinate);
   auto low = vector_value(region.box().min_m(), -open, field + ".box.min_m");
   if (!low) return low.error();
   auto high = vector_value(region.box().max_m(), open, field + ".box.max_m");
@@ -91,7 +91,7 @@ Result<BodyRegion> region_value(const v1::Region& region, const std::string& fie
     body.material = *material;
   }
   auto traction = vector_value(region.traction_pa(), Eigen::Vector3d::Zero(), field + ".traction_pa",
-                               kLargestTraction_pa);
+                               kMaxTraction_pa);
   if (!traction) return traction.error();
   body.traction_pa = *traction;
   if (body.boundary && (body.material || !body.traction_pa.isZero(0.0))) {

@@ -10,7 +10,7 @@
 namespace livegs {
 
 // A region of a scene file as the physics room takes it. Sides of the box that are left out lie at
-// ±kLargestCoordinate. Every number is bounded; what contradicts itself or would do nothing is refused.
+// ±kMaxCoordinate. Every number is bounded; what contradicts itself or would do nothing is refused.
 // `field` is what an error calls the region: "objects[0].regions[2]".
 Result<BodyRegion> region_value(const v1::Region& region, const std::string& field);
 

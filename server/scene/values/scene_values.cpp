@@ -40,7 +40,7 @@ Result<Eigen::Vector3d> vector_value(const Numbers& numbers, const Eigen::Vector
 
 Result<Eigen::Quaterniond> quaternion_value(const Numbers& numbers, std::string_view field) {
   if (numbers.empty()) return Eigen::Quaterniond::Identity();
-  if (auto checked = check_list(numbers, 4, field, kLargestCoordinate); !checked) return checked.error();
+  if (auto checked = check_list(numbers, 4, field, kMaxCoordinate); !checked) return checked.error();
   Eigen::Quaterniond quaternion(numbers[0], numbers[1], numbers[2], numbers[3]);
   if (quaternion.norm() < 1e-6)
     return invalid_argument(std::string(field) + ": is zero; give [w, x, y, z] of unit length");
@@ -49,7 +49,7 @@ Result<Eigen::Quaterniond> quaternion_value(const Numbers& numbers, std::string_
 
 Result<Eigen::Matrix3d> matrix_value(const Numbers& numbers, std::string_view field) {
   if (numbers.empty()) return Eigen::Matrix3d::Identity().eval();
-  if (auto checked = check_list(numbers, 9, field, kLargestDeformation); !checked) return checked.error();
+  if (auto checked = check_list(numbers, 9, field, kMaxDeformation); !checked) return checked.error();
   return Eigen::Matrix3d(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers.data()));
 }
 

@@ -19,14 +19,14 @@ namespace livegs {
 using Numbers = google::protobuf::RepeatedField<double>;
 
 // Three finite numbers no larger than `largest`; `fallback` when the list is empty.
-inline constexpr double kLargestCoordinate = 1e6;
+inline constexpr double kMaxCoordinate = 1e6;
 Result<Eigen::Vector3d> vector_value(const Numbers& numbers, const Eigen::Vector3d& fallback,
-                                     std::string_view field, double largest = kLargestCoordinate);
+                                     std::string_view field, double largest = kMaxCoordinate);
 Result<Eigen::Quaterniond> quaternion_value(const Numbers& numbers, std::string_view field);
 Result<Pose> pose_value(const v1::PlacedAt& pose, std::string_view field);
 
-// Nine numbers row by row, each from -kLargestDeformation to it; the identity when the list is empty.
-inline constexpr double kLargestDeformation = 100.0;
+// Nine numbers row by row, each from -kMaxDeformation to it; the identity when the list is empty.
+inline constexpr double kMaxDeformation = 100.0;
 Result<Eigen::Matrix3d> matrix_value(const Numbers& numbers, std::string_view field);
 
 // Finite and within [low, high].

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kUnknownSize_m = 0.4;  // place_asset's, for a name that says nothing
+constexpr double kDefaultSize_m = 0.4;  // place_asset's, for a name that says nothing
 
 struct Words {
   std::string label, noun;
@@ -106,7 +106,7 @@ std::vector<MassAnswer> estimate_known(const std::vector<KnownObject>& objects, 
     if (name == NameGiven::FileName) facts.name = object.id;
     if (!metric) {
       const SizePrior prior = size_prior(facts.name);
-      const double longest_m = prior.best_m > 0 ? prior.best_m : kUnknownSize_m;
+      const double longest_m = prior.best_m > 0 ? prior.best_m : kDefaultSize_m;
       scale(facts.mesh, longest_m / facts.mesh.size_m.maxCoeff());
       facts.scale_known = false;
     }
