@@ -149,7 +149,7 @@ void add_fracture(CLI::App& app, int& exit_code) {
   command->add_option("ASSET", options->asset, "A splat asset")->required();
   command->add_option("--output", options->output, "Folder for pictures of the pieces, together and apart");
   command->add_option("--pieces", options->pieces, "Pieces wanted")
-      ->check(CLI::Range(size_t{1}, kMostSeeds))
+      ->check(CLI::Range(size_t{1}, kMaxSeeds))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "Another seed, other pieces")->capture_default_str();
   command->add_option("--impact", options->impact_m, "Where the blow falls: x y z in metres, +Y up")->expected(3);

@@ -20,7 +20,7 @@ namespace livegs {
 namespace {
 
 // In cells. A sheet without thickness is not one that anything can be inside of.
-constexpr double kThinnest = 0.01;
+constexpr double kMinThickness = 0.01;
 
 class NearestTriangles {
  public:
@@ -122,7 +122,7 @@ DistanceField::DistanceField(const TriangleMesh& mesh, double cell_m, double mar
   if (cells.is_thin.empty()) return;
   is_thin_ = std::move(cells.is_thin);
   triangles_ = std::make_unique<const TriangleTree>(mesh);
-  thinnest_m_ = std::clamp(cells.thinnest_m, kThinnest * cell_m_, thinnest_m_);
+  thinnest_m_ = std::clamp(cells.thinnest_m, kMinThickness * cell_m_, thinnest_m_);
 }
 
 DistanceField::Sample DistanceField::sample(const Eigen::Vector3d& point_m) const {

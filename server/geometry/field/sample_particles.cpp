@@ -26,17 +26,17 @@ constexpr int kSamplesPerVoxel = 3;
 // lies at that distance exactly, is taken whatever the rounding.
 constexpr double kSlack = 1e-9;
 // A spacing that makes more voxels than this is widened: ten times what is simulated at any speed.
-constexpr double kMostVoxels = 1 << 20;
+constexpr double kMaxVoxels = 1 << 20;
 // Each particle has at least this part of a voxel before volumes are scaled to the body's: no particle is
 // massless.
-constexpr double kLeastVolume = 0.01;
+constexpr double kMinVolume = 0.01;
 
 // What carries a body hangs together when the voxels about two particles nearly touch, or, where particles stand for less
 // than a voxel each, the cubes of their volume: cells are at least one and a half of those wide.
 constexpr double kJointVoxels = 1.5, kJointCubes = 2.0;
 // Points on triangles are this far apart at first, in voxels, and this much closer at each further try.
-constexpr double kCoverVoxels = 0.75, kCloser = 0.7;
-constexpr size_t kMostCovering = 20000;
+constexpr double kCoverVoxels = 0.75, kCoverRefinement = 0.7;
+constexpr size_t kMaxCoverPoints = 20000;
 
 RegularGrid cell_centres(const Eigen::AlignedBox3d& bounds, double cell_m) {
   RegularGrid grid;
@@ -81,7 +81,7 @@ std::vector<double> share_volume(const TriangleMesh& mesh, const Eigen::AlignedB
     for (size_t i = 0; i < volumes_m3.size(); ++i) volumes_m3[i] += missed_m3 * areas_m2[i] / area_m2;
   }
   const double least_m3 =
-      kLeastVolume * std::min(spacing_m * spacing_m * spacing_m, volume_m3 / particles.size());
+      kMinVolume * std::min(spacing_m * spacing_m * spacing_m, volume_m3 / particles.size());
   double sum_m3 = 0.0;
   for (double& share_m3 : volumes_m3) {
     share_m3 = std::max(share_m3, least_m3);
@@ -92,9 +92,9 @@ std::vector<double> share_volume(const TriangleMesh& mesh, const Eigen::AlignedB
 }
 
 // Few points on a rod lie more on one side than on the other. Volumes change as little as it takes to have their centre where
-// the mesh's is, by a factor linear in the place; where that would take more than kMostShift of one, by so much less.
+// the mesh's is, by a factor linear in the place; where that would take more than kMaxShift of one, by so much less.
 void centre_volumes(const TriangleMesh& mesh, ParticleSet& particles) {
-  constexpr double kMostShift = 0.7;
+  constexpr double kMaxShift = 0.7;
   const Eigen::Vector3d wanted_m = solid_mass_properties(mesh).centre_of_mass_m;
   double volume_m3 = 0.0;
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
@@ -112,7 +112,7 @@ void centre_volumes(const TriangleMesh& mesh, ParticleSet& particles) {
   double most = 0.0;
   for (const Eigen::Vector3d& point : particles.positions_m) most = std::max(most, std::abs(slope.dot(point - centre_m)));
   if (!std::isfinite(most)) return;
-  const double part = most > kMostShift ? kMostShift / most : 1.0;
+  const double part = most > kMaxShift ? kMaxShift / most : 1.0;
   for (size_t i = 0; i < particles.positions_m.size(); ++i) {
     particles.volumes_m3[i] *= 1.0 + part * slope.dot(particles.positions_m[i] - centre_m);
   }
@@ -166,7 +166,7 @@ ParticleSet sample_particles(const TriangleMesh& mesh, int density, double spaci
   LIVEGS_ASSERT(!mesh.triangles.empty() && density > 0);
   const Eigen::AlignedBox3d bounds = mesh_bounds_m(mesh);
   if (!(spacing_m > 0.0)) spacing_m = bounds.sizes().maxCoeff() / density;
-  spacing_m = affordable_cell_m(spacing_m, bounds.sizes(), kMostVoxels);
+  spacing_m = affordable_cell_m(spacing_m, bounds.sizes(), kMaxVoxels);
 
   ParticleSet particles;
   particles.spacing_m = spacing_m;
@@ -205,8 +205,8 @@ ParticleSet sample_particles(const TriangleMesh& mesh, int density, double spaci
     return joint_m <= 0.0 || piece_count(particles.positions_m, joint_m) <= particles.piece_count;
   };
   const ParticleSet bare = particles;
-  for (double apart_m = kCoverVoxels * spacing_m; !hang_together() && particles.positions_m.size() < kMostCovering;
-       apart_m *= kCloser) {
+  for (double apart_m = kCoverVoxels * spacing_m; !hang_together() && particles.positions_m.size() < kMaxCoverPoints;
+       apart_m *= kCoverRefinement) {
     particles = bare;
     particles.surface_carries = true;
     taken = none;
@@ -215,7 +215,7 @@ ParticleSet sample_particles(const TriangleMesh& mesh, int density, double spaci
     for_each_triangle_piece(mesh, 0.5 * apart_m, [&](const Eigen::Vector3d& point_m, double) { places.push_back(point_m); });
     shuffle(places);
     for (const Eigen::Vector3d& point_m : places) {
-      if (particles.positions_m.size() < kMostCovering && !taken.has_neighbour_within(point_m, apart_m)) take(point_m, true);
+      if (particles.positions_m.size() < kMaxCoverPoints && !taken.has_neighbour_within(point_m, apart_m)) take(point_m, true);
     }
   }
   particles.volumes_m3 = share_volume(mesh, bounds, spacing_m, volume_m3, taken);

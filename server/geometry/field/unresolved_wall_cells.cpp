@@ -12,10 +12,10 @@ namespace livegs {
 namespace {
 
 // From a cell's middle to a face, in cells: half a cell beyond its corners.
-constexpr double kNear = 0.5 * std::numbers::sqrt3 + 0.5;
-constexpr double kAway = -0.5;      // cosine of normals that look away from each other; a wedge of 60 degrees
-constexpr double kParallel = -0.9;  // of the faces of a wall
-constexpr double kOneWay = 0.75;    // cosine of a normal with the mean of all: none within it look away from each other
+constexpr double kFaceReach_cells = 0.5 * std::numbers::sqrt3 + 0.5;
+constexpr double kOpposedCosine = -0.5;      // cosine of normals that look away from each other; a wedge of 60 degrees
+constexpr double kParallelCosine = -0.9;  // of the faces of a wall
+constexpr double kAlignedCosine = 0.75;    // cosine of a normal with the mean of all: none within it look away from each other
 
 struct NearFace {
   uint32_t cell;
@@ -42,13 +42,13 @@ Eigen::Vector3d middle_m(const RegularGrid& grid, uint32_t cell) {
 }
 
 std::vector<NearFace> near_faces(const TriangleMesh& mesh, const RegularGrid& grid) {
-  const double reach2 = kNear * kNear * grid.cell_m * grid.cell_m;
+  const double reach2 = kFaceReach_cells * kFaceReach_cells * grid.cell_m * grid.cell_m;
   std::vector<NearFace> near;
   for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     Eigen::AlignedBox3d box;
     for (const uint32_t vertex : mesh.triangles[t]) box.extend(mesh.vertices_m[vertex]);
-    const Eigen::Array3d low = (box.min() - grid.origin_m).array() / grid.cell_m - 0.5 - kNear;
-    const Eigen::Array3d high = (box.max() - grid.origin_m).array() / grid.cell_m - 0.5 + kNear;
+    const Eigen::Array3d low = (box.min() - grid.origin_m).array() / grid.cell_m - 0.5 - kFaceReach_cells;
+    const Eigen::Array3d high = (box.max() - grid.origin_m).array() / grid.cell_m - 0.5 + kFaceReach_cells;
     const Eigen::Array3i begin = low.ceil().cast<int>().max(0);
     const Eigen::Array3i end = (high.floor().cast<int>() + 1).min(grid.counts.array() - 1);
     for (int k = begin.z(); k < end.z(); ++k) {
@@ -82,11 +82,11 @@ class Walls {
       const Eigen::Vector3d& normal = normals_[faces[i].triangle];
       for (size_t k = 0; k < i; ++k) {
         const double cosine = normal.dot(normals_[faces[k].triangle]);
-        if (cosine > kAway) continue;
+        if (cosine > kOpposedCosine) continue;
         const double through_m = normal.dot(feet_[i] - feet_[k]);
         if (through_m < 0.0) continue;  // a gap, not a wall
         thin = true;
-        if (cosine < kParallel) thinnest_m_ = std::min(thinnest_m_, through_m);
+        if (cosine < kParallelCosine) thinnest_m_ = std::min(thinnest_m_, through_m);
       }
     }
     return thin;
@@ -100,7 +100,7 @@ class Walls {
     for (const NearFace& face : faces) mean += normals_[face.triangle];
     const double length = mean.norm();
     return std::all_of(faces.begin(), faces.end(), [&](const NearFace& face) {
-      return normals_[face.triangle].dot(mean) > kOneWay * length;
+      return normals_[face.triangle].dot(mean) > kAlignedCosine * length;
     });
   }
 

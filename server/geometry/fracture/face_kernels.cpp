@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 // All in parts of the spacing. Deviation of a kernel of the grid: its neighbours a spacing away overlap to an opacity
 // of 0.97 where three meet.
 constexpr double kGridDeviation = 0.6;
-constexpr double kLeastRimDistance = 0.3;  // of a kernel of the grid
+constexpr double kMinRimDistance = 0.3;  // of a kernel of the grid
 // Rows along the rim: the one nearest to it follows the walls of thin things closer in, the other is for wider faces.
 constexpr double kRimStep = 0.6, kRimAlong = 0.45, kRimInsets[] = {0.2, 0.55};
 constexpr double kThickness = 0.02;
@@ -158,7 +158,7 @@ void add_grid(const Face& face, double spacing, double overhang, std::vector<Fla
   for (const auto& [j, i] : places) {
     const Vector2d p(i * spacing + (j & 1 ? 0.5 * spacing : 0.0), j * row);
     const double rim = rim_distance(face, p);
-    if (rim < kLeastRimDistance * spacing) continue;
+    if (rim < kMinRimDistance * spacing) continue;
     const double deviation = std::min(kGridDeviation * spacing, widest(rim, overhang));
     FlatKernel kernel{p, Vector2d::UnitX(), deviation, deviation};
     fit(face, overhang, kernel);

@@ -16,7 +16,7 @@ namespace {
 // Nodes of the grid that says what is inside, about; the candidates are jittered nodes. A wall of a 60th of the size
 // still shows at 64 nodes a side.
 constexpr double kGridNodes = 64.0 * 64.0 * 64.0;
-constexpr size_t kFewestInside = 4000;
+constexpr size_t kMinInsidePoints = 4000;
 // Candidates a seed: more spread them more evenly, fewer more at random.
 constexpr size_t kCandidates = 12;
 
@@ -44,7 +44,7 @@ std::vector<Eigen::Vector3d> inside_points(const TriangleMesh& mesh, const Eigen
   const Eigen::Vector3d size = bounds.sizes().cwiseMax(1e-3 * bounds.sizes().maxCoeff());
   std::vector<Eigen::Vector3d> points;
   cell_m = std::cbrt(size.prod() / kGridNodes);
-  for (int attempt = 0; attempt < 4 && points.size() < kFewestInside; ++attempt, cell_m *= 0.6) {
+  for (int attempt = 0; attempt < 4 && points.size() < kMinInsidePoints; ++attempt, cell_m *= 0.6) {
     points.clear();
     RegularGrid grid;
     grid.cell_m = affordable_cell_m(cell_m, bounds.sizes());
@@ -65,9 +65,9 @@ std::vector<Eigen::Vector3d> inside_points(const TriangleMesh& mesh, const Eigen
 }  // namespace
 
 Result<std::vector<Eigen::Vector3d>> fracture_seeds(const TriangleMesh& mesh, const SeedOptions& options) {
-  if (options.count < 1 || options.count > kMostSeeds) {
+  if (options.count < 1 || options.count > kMaxSeeds) {
     return invalid_argument("fracture: " + std::to_string(options.count) + " pieces asked for; give 1 to " +
-                            std::to_string(kMostSeeds));
+                            std::to_string(kMaxSeeds));
   }
   if (!(options.impact_density >= 1.0 && options.impact_density <= 1e3) ||
       !(options.impact_reach > 0.0 && options.impact_reach <= 1e3)) {

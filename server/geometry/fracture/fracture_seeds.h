@@ -12,7 +12,7 @@
 namespace livegs {
 
 struct SeedOptions {
-  size_t count = 16;  // pieces wanted, 1 to kMostSeeds
+  size_t count = 16;  // pieces wanted, 1 to kMaxSeeds
   uint64_t seed = 1;
   // Where blows fall, in the mesh's frame. Seeds are denser near them.
   std::span<const Eigen::Vector3d> impacts_m;
@@ -21,7 +21,7 @@ struct SeedOptions {
   double impact_density = 8.0;
   double impact_reach = 0.15;
 };
-inline constexpr size_t kMostSeeds = 64;
+inline constexpr size_t kMaxSeeds = 64;
 
 // Points inside a closed mesh, spread by volume: of many random points in the body, each next seed is the one farthest
 // from those chosen, in units of the spacing wanted there (best-candidate sampling, Mitchell 1991, with a weighted

@@ -19,16 +19,16 @@ namespace {
 constexpr size_t kBlock = 1024;
 constexpr float kShDc = 0.28209479f;  // Y_00
 constexpr double kDefaultOverhang = 1.0 / 200.0;  // of the diagonal
-constexpr double kMostOpacity = 0.998;
-constexpr double kLeastOpacity = 1.0 / 255.0;
+constexpr double kMaxOpacity = 0.998;
+constexpr double kMinOpacity = 1.0 / 255.0;
 constexpr double kInteriorOpacity = 0.98;
 // A kernel says what colour the surface has from this opacity on.
 constexpr double kOpaque = 0.3;
 // Of the colour of a kernel on a cut face: the part that the surface nearest to it gives; the rest is the mean
 // of its face, which keeps a speckled glaze from running through the clay.
-constexpr float kNearestShare = 0.25f;
+constexpr float kMinDistanceShare = 0.25f;
 // Of the largest standard deviation: a part is never flatter, so that a renderer's inverse has its digits.
-constexpr double kLeastFlatness = 1e-3;
+constexpr double kMinFlatness = 1e-3;
 
 struct Kernel {
   Eigen::Vector3d mean_m;
@@ -59,10 +59,10 @@ void store(GaussianAsset& asset, size_t k, const GaussianPart& part, double sour
   Eigen::Matrix3d axes = eigen.eigenvectors();
   if (axes.determinant() < 0.0) axes.col(0) = -axes.col(0);
   const double most_m2 = std::max(eigen.eigenvalues()[2], 1e-36);
-  const Eigen::Array3d variances_m2 = eigen.eigenvalues().array().max(kLeastFlatness * kLeastFlatness * most_m2);
+  const Eigen::Array3d variances_m2 = eigen.eigenvalues().array().max(kMinFlatness * kMinFlatness * most_m2);
   asset.log_scales[k] = (0.5 * variances_m2.log() - std::log(object_from_asset.scale)).matrix().cast<float>();
   asset.rotations[k] = (asset_from_object * Eigen::Quaterniond(axes)).normalized().cast<float>();
-  const double opacity = std::min(part.opacity * source_opacity, std::max(kMostOpacity, source_opacity));
+  const double opacity = std::min(part.opacity * source_opacity, std::max(kMaxOpacity, source_opacity));
   asset.opacity_logits[k] = static_cast<float>(
       std::clamp(std::log(opacity / (1.0 - opacity)), -static_cast<double>(kMaxOpacityLogit),
                  static_cast<double>(kMaxOpacityLogit)));
@@ -137,7 +137,7 @@ void add_face_kernels(const GaussianAsset& asset, const Similarity& object_from_
     }
     for (size_t f = 0; f < faces.size(); ++f) {
       const Eigen::Vector3f mean = (sums[faces[f].bond] / counts[faces[f].bond]).cast<float>();
-      colours[f] = kNearestShare * colours[f] + (1.0f - kNearestShare) * mean;
+      colours[f] = kMinDistanceShare * colours[f] + (1.0f - kMinDistanceShare) * mean;
     }
   }
 
@@ -179,7 +179,7 @@ Result<PieceKernels> make_piece_kernels(const GaussianAsset& asset, const Simila
     for (size_t k = begin; k < end; ++k) {
       const Kernel kernel = at_rest(asset, k, object_from_asset);
       const double opacity = opacity_of_logit(asset.opacity_logits[k]);
-      const SplitLimits limits{overhang_m, kLeastOpacity / std::max(opacity, 1e-6)};
+      const SplitLimits limits{overhang_m, kMinOpacity / std::max(opacity, 1e-6)};
       std::vector<GaussianPart> parts =
           split_gaussian(kernel.mean_m, kernel.covariance_m2, pieces, limits);
       out.source[k] = static_cast<uint32_t>(k);

@@ -15,10 +15,10 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 // A Gaussian much larger than the body would become thousands of parts; at this many they are held back instead.
-constexpr size_t kMostParts = 96;
+constexpr size_t kMaxParts = 96;
 // Narrower Gaussians that stand for one are this many of their deviations apart: their sum ripples by 2 exp(-pi²/2) or
 // 1.4 %. They reach as far as this many of the one's, and are at least so wide in parts of it.
-constexpr double kNarrowSpacing = 2.0, kNarrowReach = 3.2, kNarrowest = 0.2;
+constexpr double kNarrowSpacing = 2.0, kNarrowReach = 3.2, kMinNarrowing = 0.2;
 
 // The nearest plane that the part's ellipsoid crosses.
 struct Crossing {
@@ -95,7 +95,7 @@ double overhang_m(const Crossing& crossing) {
                                          kSplitDeviations * std::sqrt(high.variance) + high.mean + crossing.end);
 }
 
-// Rounding, other planes' cuts and kMostParts may leave a part reaching too far: it is pressed flat until it does not,
+// Rounding, other planes' cuts and kMaxParts may leave a part reaching too far: it is pressed flat until it does not,
 // and grows more opaque for it.
 void hold_back(GaussianPart& part, const VoronoiPieces& pieces, double max_overhang_m) {
   for (uint32_t neighbour : pieces.cell_neighbours[part.cell]) {
@@ -121,7 +121,7 @@ std::vector<GaussianPart> split_gaussian(const Vector3d& mean_m, const Matrix3d&
     GaussianPart part = std::move(open.back());
     open.pop_back();
     const Crossing crossing = nearest_crossing(part, pieces);
-    if (crossing.neighbour == ~0u || done.size() + open.size() >= kMostParts) {
+    if (crossing.neighbour == ~0u || done.size() + open.size() >= kMaxParts) {
       done.push_back(std::move(part));
       continue;
     }
@@ -142,7 +142,7 @@ std::vector<GaussianPart> split_gaussian(const Vector3d& mean_m, const Matrix3d&
     const double overhang = overhang_m(crossing);
     if (overhang > limits.max_overhang_m &&
         std::find(part.narrowed.begin(), part.narrowed.end(), planes) == part.narrowed.end()) {
-      const double width = std::clamp(0.9 * limits.max_overhang_m / crossing.deviation_m, kNarrowest, 0.8);
+      const double width = std::clamp(0.9 * limits.max_overhang_m / crossing.deviation_m, kMinNarrowing, 0.8);
       add_narrower(part, crossing, width, limits.min_opacity, open);
       continue;
     }

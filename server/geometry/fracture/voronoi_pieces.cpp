@@ -23,9 +23,9 @@
 namespace livegs {
 namespace {
 
-constexpr size_t kMostCells = 4096;
-constexpr double kLeastShare = 1e-9;         // smaller ones have no volume beyond rounding
-constexpr double kLeastSeedDistance = 1e-9;  // of the diagonal
+constexpr size_t kMaxCells = 4096;
+constexpr double kMinShare = 1e-9;         // smaller ones have no volume beyond rounding
+constexpr double kMinSeedDistance = 1e-9;  // of the diagonal
 
 // A cut face seen from its lower part, and its area: what bonds are made of.
 struct Contact {
@@ -159,7 +159,7 @@ DisjointSets join_slivers(const PartList& list, const std::vector<Contact>& cont
   std::vector<double> volumes(count);
   double whole = 0.0;
   for (uint32_t p = 0; p < count; ++p) whole += volumes[p] = part_volume(list, list.parts[p]);
-  const double least = std::max(options.smallest_share, kLeastShare);
+  const double least = std::max(options.smallest_share, kMinShare);
   size_t left = count;
   while (left > 1) {
     uint32_t smallest = ~0u;
@@ -335,11 +335,11 @@ Result<void> check(const TriangleMesh& mesh, std::span<const Eigen::Vector3d> se
   for (const auto& vertex : mesh.vertices_m) {
     if (!vertex.allFinite()) return invalid_data("fracture: a vertex of the mesh is not finite");
   }
-  if (seeds_m.empty() || seeds_m.size() > kMostCells) {
+  if (seeds_m.empty() || seeds_m.size() > kMaxCells) {
     return invalid_argument("fracture: " + std::to_string(seeds_m.size()) + " seeds; give 1 to " +
-                            std::to_string(kMostCells));
+                            std::to_string(kMaxCells));
   }
-  const double least_m = kLeastSeedDistance * mesh_bounds_m(mesh).diagonal().norm();
+  const double least_m = kMinSeedDistance * mesh_bounds_m(mesh).diagonal().norm();
   for (size_t a = 0; a < seeds_m.size(); ++a) {
     if (!seeds_m[a].allFinite()) {
       return invalid_argument("fracture: seed " + std::to_string(a) + " is not finite");

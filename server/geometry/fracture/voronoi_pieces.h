@@ -23,7 +23,7 @@ namespace livegs {
 
 // No bond; of a triangle: it lies on the surface of the whole body.
 inline constexpr uint32_t kNoBond = ~0u;
-inline constexpr size_t kMostPieces = 256;
+inline constexpr size_t kMaxPieces = 256;
 
 // What holds two pieces together: all of the cut faces between them.
 struct VoronoiBond {
@@ -42,7 +42,7 @@ struct VoronoiPiece {
 struct CutOptions {
   // A piece smaller than this part of the whole joins the neighbour it shares the largest area with.
   double smallest_share = 1e-3;
-  size_t most_pieces = kMostPieces;  // beyond it the smallest pieces join their neighbours
+  size_t most_pieces = kMaxPieces;  // beyond it the smallest pieces join their neighbours
   std::stop_token stop;                   // looked at once a cell
   std::atomic<float>* progress = nullptr;  // 0 … 1, may be read by any thread
 };

@@ -14,8 +14,8 @@ namespace livegs {
 namespace {
 
 // Directions tried, largest faces first. Twice as many shrink the boxes of captured things by less than 1 %.
-constexpr size_t kMostDirections = 48;
-constexpr double kSameDirection = 0.999;  // cosine of 2.6 degrees
+constexpr size_t kMaxDirections = 48;
+constexpr double kParallelCosineLimit = 0.999;  // cosine of 2.6 degrees
 
 std::vector<Eigen::Vector3d> directions_of(const TriangleMesh& hull) {
   struct Direction {
@@ -30,7 +30,7 @@ std::vector<Eigen::Vector3d> directions_of(const TriangleMesh& hull) {
     const double area_m2 = area.norm();
     if (!(area_m2 > 0)) continue;
     auto same = std::find_if(faces.begin(), faces.end(), [&](const Direction& face) {
-      return std::abs(face.way.dot(area)) > kSameDirection * area_m2;
+      return std::abs(face.way.dot(area)) > kParallelCosineLimit * area_m2;
     });
     if (same == faces.end()) {
       faces.push_back({area / area_m2, area_m2});
@@ -42,7 +42,7 @@ std::vector<Eigen::Vector3d> directions_of(const TriangleMesh& hull) {
                    [](const Direction& a, const Direction& b) { return a.area_m2 > b.area_m2; });
   std::vector<Eigen::Vector3d> directions = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(),
                                              Eigen::Vector3d::UnitZ()};
-  for (size_t i = 0; i < std::min(faces.size(), kMostDirections); ++i) {
+  for (size_t i = 0; i < std::min(faces.size(), kMaxDirections); ++i) {
     directions.push_back(faces[i].way);
   }
   return directions;

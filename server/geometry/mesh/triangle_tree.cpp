@@ -12,7 +12,7 @@ namespace {
 
 constexpr uint32_t kLeafTriangles = 4;
 // Feet nearer to each other than this part of the distance to them are one.
-constexpr double kSameFoot = 1e-9;
+constexpr double kFootTolerance = 1e-9;
 
 double squared_distance(const Eigen::Vector3d& point, const Eigen::Vector3d& min, const Eigen::Vector3d& max) {
   return (point - point.cwiseMax(min).cwiseMin(max)).squaredNorm();
@@ -64,7 +64,7 @@ TriangleTree::Nearest TriangleTree::nearest(const Eigen::Vector3d& point_m) cons
   while (count > 0) {
     const uint32_t index = waiting[--count];
     const Box& box = boxes_[index];
-    if (squared_distance(point_m, box.min_m, box.max_m) > least2 * (1.0 + 4.0 * kSameFoot)) continue;
+    if (squared_distance(point_m, box.min_m, box.max_m) > least2 * (1.0 + 4.0 * kFootTolerance)) continue;
     if (box.second != 0) {
       const Box &first = boxes_[index + 1], &second = boxes_[box.second];
       const bool swap = squared_distance(point_m, second.min_m, second.max_m) <
@@ -79,9 +79,9 @@ TriangleTree::Nearest TriangleTree::nearest(const Eigen::Vector3d& point_m) cons
           closest_point_on_triangle(point_m, triangle.corner_m[0], triangle.corner_m[1], triangle.corner_m[2]);
       const Eigen::Vector3d away = point_m - foot;
       const double squared = away.squaredNorm();
-      if (squared > least2 * (1.0 + 2.0 * kSameFoot)) continue;
+      if (squared > least2 * (1.0 + 2.0 * kFootTolerance)) continue;
       const double square = std::abs(triangle.normal.dot(away));
-      const bool same = squared >= least2 * (1.0 - 2.0 * kSameFoot);
+      const bool same = squared >= least2 * (1.0 - 2.0 * kFootTolerance);
       if (!same || square > squarest) {
         best.foot_m = foot;
         best.normal = triangle.normal;

@@ -13,18 +13,18 @@ namespace {
 
 // Kernels of a lower opacity are haze. At 0.2 the thin leaves of a captured palm fall into 41 pieces instead
 // of 27; at 0.05 the mist round its pot stays.
-constexpr float kLeastOpacity = 0.1f;
+constexpr float kMinOpacity = 0.1f;
 // Far from the rest: kernels are sorted into cells of this part of the bounding-box diagonal; a group of
 // touching cells with less than this part of all kernels is left out. The box shrinks to what is left, and
 // again, until nothing goes. A leaf is a chain of cells that hangs on its plant, however thin and long.
 constexpr double kLinkCell = 0.02;
-constexpr double kLeastShare = 1e-3;
-constexpr int kMostRounds = 12;
+constexpr double kMinShare = 1e-3;
+constexpr int kMaxRounds = 12;
 // A kernel longer or wider than this part of the diagonal stands for more than its centre: further points
 // this far apart out to one standard deviation (0.6 of its opacity), so that few large kernels close a leaf
 // or a wall as many small ones do. At most four to a side along each axis, then farther apart.
 constexpr double kSpread = 0.01;
-constexpr int kMostSpread = 4;
+constexpr int kMaxSpreadPoints = 4;
 
 Eigen::AlignedBox3d bounds_of(const std::vector<Eigen::Vector3d>& points) {
   Eigen::AlignedBox3d bounds;
@@ -93,14 +93,14 @@ Groups linked_groups(const std::vector<Eigen::Vector3d>& points, const Eigen::Al
 
 // Drops from `kernels` (and their `points`) what is far from the rest.
 void drop_far(std::vector<uint32_t>& kernels, std::vector<Eigen::Vector3d>& points) {
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     const Eigen::AlignedBox3d bounds = bounds_of(points);
     if (points.empty() || !(bounds.diagonal().norm() > 0.0)) return;
     const Groups groups = linked_groups(points, bounds);
     size_t kept = 0;
     for (size_t i = 0; i < points.size(); ++i) {
       if (static_cast<double>(groups.sizes[groups.of_point[i]]) <
-          kLeastShare * static_cast<double>(points.size()))
+          kMinShare * static_cast<double>(points.size()))
         continue;
       kernels[kept] = kernels[i];
       points[kept++] = points[i];
@@ -117,7 +117,7 @@ std::vector<Eigen::Vector3d> body_points(const GaussianAsset& asset, const Simil
   std::vector<uint32_t> kernels;
   std::vector<Eigen::Vector3d> points;
   for (uint32_t kernel = 0; kernel < asset.size(); ++kernel) {
-    if (opacity_of_logit(asset.opacity_logits[kernel]) < kLeastOpacity) continue;
+    if (opacity_of_logit(asset.opacity_logits[kernel]) < kMinOpacity) continue;
     kernels.push_back(kernel);
     points.push_back(asset.positions[kernel].cast<double>());
   }
@@ -129,7 +129,7 @@ std::vector<Eigen::Vector3d> body_points(const GaussianAsset& asset, const Simil
     const Eigen::Vector3d deviations = asset.log_scales[kernels[i]].cast<double>().array().exp();
     if (deviations.maxCoeff() < spread) continue;
     const Eigen::Matrix3d axes = asset.rotations[kernels[i]].cast<double>().toRotationMatrix();
-    const Eigen::Array3d step = (deviations.array() / kMostSpread).max(spread);
+    const Eigen::Array3d step = (deviations.array() / kMaxSpreadPoints).max(spread);
     const Eigen::Array3i steps = (deviations.array() / step + 1e-9).floor().cast<int>();
     for (int a = -steps.x(); a <= steps.x(); ++a) {
       for (int b = -steps.y(); b <= steps.y(); ++b) {

@@ -18,14 +18,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kFewestCells = 32.0, kMostCells = 96.0;
+constexpr double kMinCells = 32.0, kMaxCells = 96.0;
 constexpr double kCellsOfWall = 1.5;  // wanted across it
 // Vertices stay this part of an edge away from its ends, so that no two are in one place.
-constexpr double kClear = 0.02;
+constexpr double kVertexClearance = 0.02;
 // Parts of the hollow with less of its volume than this are left out.
-constexpr double kSpeck = 0.01;
+constexpr double kMinComponentShare = 0.01;
 // A body with less air than this part of what its outer surface encloses is no shell, but has bubbles.
-constexpr double kHollowPart = 0.1;
+constexpr double kMinHollowShare = 0.1;
 
 // Cubes in six tetrahedra about the diagonal (Kuhn 1960): neighbours agree on the diagonals of their faces. Corners by
 // their bits: 1 along x, 2 along y, 4 along z.
@@ -54,7 +54,7 @@ Grid depth_grid(const TriangleMesh& mesh, double wall_m) {
   const Eigen::AlignedBox3d bounds = mesh_bounds_m(mesh);
   const double longest = bounds.sizes().maxCoeff();
   Grid grid;
-  grid.cell_m = longest / std::clamp(kCellsOfWall * longest / wall_m, kFewestCells, kMostCells);
+  grid.cell_m = longest / std::clamp(kCellsOfWall * longest / wall_m, kMinCells, kMaxCells);
   grid.origin_m = bounds.min() - Vector3d::Constant(0.5 * grid.cell_m);
   grid.counts = (bounds.sizes() / grid.cell_m).array().ceil().cast<int>() + 2;
   const DistanceField field(mesh, grid.cell_m, grid.cell_m);
@@ -73,7 +73,7 @@ TriangleMesh level_set(const Grid& grid) {
     if (a > b) std::swap(a, b);
     const auto [at, fresh] = vertices.try_emplace({a, b}, static_cast<uint32_t>(mesh.vertices_m.size()));
     if (fresh) {
-      const double share = std::clamp(grid.values[a] / (grid.values[a] - grid.values[b]), kClear, 1.0 - kClear);
+      const double share = std::clamp(grid.values[a] / (grid.values[a] - grid.values[b]), kVertexClearance, 1.0 - kVertexClearance);
       mesh.vertices_m.push_back((1.0 - share) * grid.node(a) + share * grid.node(b));
     }
     return at->second;
@@ -134,7 +134,7 @@ Result<TriangleMesh> hollow_mesh(const TriangleMesh& mesh, double wall_m) {
     std::snprintf(text, sizeof text, "wall_thickness_m %g of a shell %g m long %s", wall_m, longest, why);
     return invalid_argument(text);
   };
-  if (!(wall_m >= kThinnestWall * longest)) return refuse("is too thin to be cut; it needs a 64th of the length");
+  if (!(wall_m >= kMinWallShare * longest)) return refuse("is too thin to be cut; it needs a 64th of the length");
   const TriangleMesh inner = level_set(depth_grid(mesh, wall_m));
   if (inner.triangles.empty()) return refuse("leaves nothing hollow; call it SOLID");
   const std::vector<int> part_of = mesh_pieces(inner);
@@ -146,7 +146,7 @@ Result<TriangleMesh> hollow_mesh(const TriangleMesh& mesh, double wall_m) {
   const auto first = static_cast<uint32_t>(both.vertices_m.size());
   both.vertices_m.insert(both.vertices_m.end(), inner.vertices_m.begin(), inner.vertices_m.end());
   for (size_t t = 0; t < inner.triangles.size(); ++t) {
-    if (std::abs(volumes[static_cast<size_t>(part_of[t])]) < kSpeck * hollow) continue;
+    if (std::abs(volumes[static_cast<size_t>(part_of[t])]) < kMinComponentShare * hollow) continue;
     const auto& [a, b, c] = inner.triangles[t];
     both.triangles.push_back({first + a, first + b, first + c});
   }
@@ -157,7 +157,7 @@ bool has_hollow(const TriangleMesh& mesh) {
   const std::vector<double> volumes = part_volumes(mesh, mesh_pieces(mesh));
   double outer = 0.0, hollow = 0.0;
   for (const double volume : volumes) (volume < 0.0 ? hollow : outer) += std::abs(volume);
-  return hollow > kHollowPart * outer;
+  return hollow > kMinHollowShare * outer;
 }
 
 }  // namespace livegs

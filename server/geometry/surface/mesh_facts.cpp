@@ -26,8 +26,8 @@ constexpr int kOpennessRays = 48;
 // A place in a hollow sees the body along at least this part of its rays. In the mouth of a cup it is a half,
 // at half its depth 0.9; half-way down into a hemispherical bowl 0.72; before a plate or in the bend of a
 // banana below a half.
-constexpr double kHollow = 0.65;
-constexpr int kMostSteps = 64;
+constexpr double kMaxHollowFill = 0.65;
+constexpr int kMaxSteps = 64;
 
 // 0 at `low`, 1 at `high`, linear in the logarithm.
 double score(double value, double low, double high) {
@@ -51,7 +51,7 @@ std::vector<Eigen::Vector3d> ray_directions() {
 // thinner than a cell shows in the field as a trough no deeper than half a cell.
 bool meets_body(const DistanceField& field, const Eigen::AlignedBox3d& box, Eigen::Vector3d place,
                 const Eigen::Vector3d& way) {
-  for (int step = 0; step < kMostSteps && box.contains(place); ++step) {
+  for (int step = 0; step < kMaxSteps && box.contains(place); ++step) {
     const double distance_m = field.sample(place).distance_m;
     if (distance_m < 0.55 * field.cell_m()) return true;
     place += std::max(0.9 * distance_m, 0.5 * field.cell_m()) * way;
@@ -81,7 +81,7 @@ double hollow_volume_m3(const TriangleMesh& mesh, const TriangleMesh& hull) {
       if (field.sample(place).distance_m < 0.55 * cell_m) continue;
       int met = 0;
       for (const auto& way : directions) met += meets_body(field, bounds, place, way);
-      hollow[node] = met >= kHollow * kOpennessRays;
+      hollow[node] = met >= kMaxHollowFill * kOpennessRays;
     }
   });
   return static_cast<double>(std::count(hollow.begin(), hollow.end(), 1)) * cell_m * cell_m * cell_m;

@@ -32,16 +32,16 @@ constexpr double kSheetThickness = 0.1;
 constexpr double kRadiusGrowth = 1.5;
 constexpr int kRadiusTries = 7;
 // A body must hold this part of the points.
-constexpr double kLeastCovered = 0.8;
+constexpr double kMinCoveredShare = 0.8;
 // A larger radius that joins all pieces is taken if it swells the body no more than this.
-constexpr double kMostSwelling = 1.25;
+constexpr double kMaxSwelling = 1.25;
 // A rigid body stands on its lowest points, so a few strays under a captured base would make it rock and
 // fall: a voxel of the coarse surface with less than this part of the usual number of kernels is left out.
-constexpr double kLeastVoxelShare = 0.15;
+constexpr double kMinVoxelShare = 0.15;
 // A hull thinner than a ball of this radius, over a diagonal of 1, is taken for flat.
-constexpr double kLeastVolume = 1e-7;
+constexpr double kMinVolume = 1e-7;
 // The least edge of a box put in place of a flat or straight cloud, in parts of its longest edge.
-constexpr double kLeastBoxEdge = 0.02;
+constexpr double kMinBoxEdge = 0.02;
 // Edge of the box put in place of a single place in space, for want of any other length.
 constexpr double kPointBox_m = 0.01;
 
@@ -59,7 +59,7 @@ TriangleMesh principal_box(std::span<const Eigen::Vector3d> points) {
   Eigen::AlignedBox3d bounds;
   for (const auto& point : points) bounds.extend(axes.transpose() * (point - mean));
   const double longest = bounds.sizes().maxCoeff();
-  TriangleMesh mesh = box_mesh(bounds.sizes().cwiseMax(kLeastBoxEdge * longest));
+  TriangleMesh mesh = box_mesh(bounds.sizes().cwiseMax(kMinBoxEdge * longest));
   for (auto& vertex : mesh.vertices_m) vertex = mean + axes * (vertex + bounds.center());
   return mesh;
 }
@@ -76,13 +76,13 @@ struct Candidate {
 std::optional<Candidate> try_radius(AlphaComplex& complex, double radius) {
   complex.thicken_sheets(radius, kSheetThickness * radius);
   AlphaComplex::Body body = complex.body(radius);
-  if (body.covered < kLeastCovered) return std::nullopt;
+  if (body.covered < kMinCoveredShare) return std::nullopt;
   Candidate candidate;
   candidate.dropped = remove_small_components(body.mesh);
   candidate.mesh = std::move(body.mesh);
   candidate.radius = radius;
   candidate.volume = signed_volume_m3(candidate.mesh);
-  if (candidate.volume < kLeastVolume) return std::nullopt;
+  if (candidate.volume < kMinVolume) return std::nullopt;
   candidate.pieces = mesh_topology(candidate.mesh).piece_count;
   return candidate;
 }
@@ -94,7 +94,7 @@ std::optional<Candidate> alpha_body(AlphaComplex& complex, double first_radius) 
   for (int attempt = 0; attempt < kRadiusTries; ++attempt, radius *= kRadiusGrowth) {
     std::optional<Candidate> next = try_radius(complex, radius);
     if (!next) continue;
-    if (best && next->volume > kMostSwelling * best->volume) break;
+    if (best && next->volume > kMaxSwelling * best->volume) break;
     if (!best || next->pieces == 1) best = std::move(next);
     if (best->pieces == 1) break;
   }
@@ -139,7 +139,7 @@ Result<Surface> reconstruct_surface(std::span<const Eigen::Vector3d> points_m,
   for (const auto& point_m : points_m) cloud.push_back((point_m - bounds.center()) / diagonal_m);
   const double voxel =
       options.downsample > 0.0 ? std::max(options.downsample, 1e-5) : kThinning * options.alpha_radius;
-  cloud = thin_by_voxels(cloud, voxel, options.downsample > 0.0 ? kLeastVoxelShare : 0.0);
+  cloud = thin_by_voxels(cloud, voxel, options.downsample > 0.0 ? kMinVoxelShare : 0.0);
   AlphaComplex complex(cloud);
   std::optional<Candidate> body;
   double radius = options.alpha_radius;
@@ -175,7 +175,7 @@ Result<Surface> reconstruct_surface(std::span<const Eigen::Vector3d> points_m,
   } else {
     surface.note.clear();
     surface.mesh = convex_hull(cloud);
-    if (signed_volume_m3(surface.mesh) >= kLeastVolume) {
+    if (signed_volume_m3(surface.mesh) >= kMinVolume) {
       surface.source = SurfaceSource::ConvexHull;
       surface.note =
           format_text("no alpha shape up to %.3g m holds the points: their convex hull", radius * diagonal_m);

@@ -9,8 +9,8 @@
 namespace livegs {
 namespace {
 
-constexpr double kSmallVolume = 1e-3;  // of the whole
-constexpr double kShortLength = 0.05;  // of the whole's diagonal
+constexpr double kMinComponentVolume = 1e-3;  // of the whole
+constexpr double kMinComponentLength = 0.05;  // of the whole's diagonal
 
 }  // namespace
 
@@ -41,8 +41,8 @@ SmallComponents remove_small_components(TriangleMesh& mesh) {
   SmallComponents dropped;
   std::vector<bool> keep(pieces.size(), true);
   for (size_t i = 0; i < pieces.size(); ++i) {
-    if (i == largest || pieces[i].volume >= kSmallVolume * volume) continue;
-    if (pieces[i].bounds.diagonal().norm() >= kShortLength * whole.diagonal().norm()) continue;
+    if (i == largest || pieces[i].volume >= kMinComponentVolume * volume) continue;
+    if (pieces[i].bounds.diagonal().norm() >= kMinComponentLength * whole.diagonal().norm()) continue;
     keep[i] = false;
     ++dropped.count;
     dropped.volume_share += pieces[i].volume / volume;
