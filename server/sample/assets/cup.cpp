@@ -17,7 +17,7 @@ using namespace sample;
 using Eigen::Vector3d;
 
 constexpr int kBody = 0, kHandle = 1;
-constexpr double kInsideStarts = 0.56;  // share of the profile at which it passes the lip
+constexpr double kInsideStartShare = 0.56;  // share of the profile at which it passes the lip
 
 Profile cup_profile() {
   return Profile({{0.0, 0.0045},    {0.0190, 0.0045}, {0.0215, 0.0035}, {0.0228, 0.0008}, {0.0250, 0.0},
@@ -34,7 +34,7 @@ class CupGlaze {
 
   Appearance operator()(const SurfaceSample& s) const {
     const Vector3d p = s.position_m;
-    const bool inside = s.part == kBody && s.v > kInsideStarts;
+    const bool inside = s.part == kBody && s.v > kInsideStartShare;
     Appearance a;
     a.gloss = 0.40;
     a.gloss_width = 0.10;
@@ -122,7 +122,7 @@ GaussianAsset make_cup(uint64_t seed) {
   // Finer where the brush lines and the lip are.
   body.refinement = [profile](double, double v) {
     const double y = profile.at(v).y();
-    if (v > kInsideStarts) return 1.0;
+    if (v > kInsideStartShare) return 1.0;
     const double edge_m =
         std::min({std::abs(y - 0.0762), std::abs(y - 0.0838), std::abs(y - 0.0722), std::abs(y - 0.0315)});
     return 0.66 + 0.34 * smooth_step(0.0012, 0.0026, edge_m);
@@ -145,7 +145,7 @@ GaussianAsset make_cup(uint64_t seed) {
       },
       0.00095, kHandle);
   handle.keep = [profile](const Vector3d& p) {
-    return std::hypot(p.x(), p.z()) > profile.radius_at(p.y(), 0.1, kInsideStarts) - 0.0003;
+    return std::hypot(p.x(), p.z()) > profile.radius_at(p.y(), 0.1, kInsideStartShare) - 0.0003;
   };
   sample_surface(handle, random, samples);
 
@@ -153,7 +153,7 @@ GaussianAsset make_cup(uint64_t seed) {
   line_up_along_edge(
       [&glaze](const SurfaceSample& s) {
         const bool painted =
-            s.part == kBody && s.v < kInsideStarts && s.position_m.y() > 0.025 && s.position_m.y() < 0.09;
+            s.part == kBody && s.v < kInsideStartShare && s.position_m.y() > 0.025 && s.position_m.y() < 0.09;
         return painted ? glaze.ring_distance_m(s.position_m) : 1.0;
       },
       0.00035, samples);

@@ -69,8 +69,8 @@ class Illumination {
     Light light{Vector3d::Zero(), 0.0, 0.0};
     double weights = 0.0;
     // Never all dark: these objects are turned over, and a black underside would look like a hole.
-    constexpr double kLeastFloorLight = 0.45;
-    const double contact = kLeastFloorLight + (1 - kLeastFloorLight) *
+    constexpr double kMinFloorLight = 0.45;
+    const double contact = kMinFloorLight + (1 - kMinFloorLight) *
                            (1 - std::exp(-std::max(0.0, point_m.y()) / options_.contact_height_m));
     for (const Vector3d& d : directions.sky) {
       const double cosine = normal.dot(d);

@@ -14,9 +14,9 @@ namespace {
 // ones only fill holes.
 constexpr double kSaturation = 0.70;
 constexpr double kDartsPerDisc = 6.5;
-constexpr double kFillFrom = 0.55;  // share of the darts after which holes are filled
+constexpr double kFillStartShare = 0.55;  // share of the darts after which holes are filled
 constexpr double kGolden = 0.6180339887498949;
-constexpr double kLargestTurnRad = 0.35;  // of the normal within one spacing
+constexpr double kMaxTurn_rad = 0.35;  // of the normal within one spacing
 
 struct Cell {
   double u, v, spacing_m, cumulative;
@@ -81,8 +81,8 @@ void sample_surface(const ParametricSurface& surface, Random& random, SurfaceSam
       double spacing_m = surface.spacing_m;
       const double u = surface.u_min + (i + 0.5) * du, v = surface.v_min + (j + 0.5) * dv;
       if (surface.refinement) spacing_m *= surface.refinement(u, v);
-      if (curvature * spacing_m > kLargestTurnRad)
-        spacing_m = std::max(spacing_m / 3.0, kLargestTurnRad / curvature);
+      if (curvature * spacing_m > kMaxTurn_rad)
+        spacing_m = std::max(spacing_m / 3.0, kMaxTurn_rad / curvature);
       total += areas[j * nu + i] * kSaturation * kDartsPerDisc / (spacing_m * spacing_m * surface.stretch);
       largest_m = std::max(largest_m, spacing_m);
       cells.push_back({u - 0.5 * du, v - 0.5 * dv, spacing_m, total});
@@ -103,7 +103,7 @@ void sample_surface(const ParametricSurface& surface, Random& random, SurfaceSam
     if (surface.keep && !surface.keep(position_m)) continue;
     const Eigen::Vector3d metric = surface.metric ? surface.metric(u, v, position_m) : position_m;
     const Eigen::Vector3d& side = normals[static_cast<size_t>(cell - cells.begin())];
-    const bool filling = static_cast<double>(dart) > kFillFrom * static_cast<double>(dart_count);
+    const bool filling = static_cast<double>(dart) > kFillStartShare * static_cast<double>(dart_count);
     if (!(filling ? board.fill(metric, side, cell->spacing_m) : board.take(metric, side, cell->spacing_m)))
       continue;
     const Frame frame = frame_at(surface, u, v);
@@ -161,7 +161,7 @@ void sample_implicit(const ImplicitSurface& surface, Random& random, SurfaceSamp
     if (std::abs(distance_m) > 0.05 * surface.spacing_m) continue;
     const double spacing_m = surface.spacing_m * (surface.refinement ? surface.refinement(point) : 1.0);
     const Eigen::Vector3d side = downhill.normalized();
-    const bool filling = static_cast<double>(dart) > kFillFrom * static_cast<double>(dart_count);
+    const bool filling = static_cast<double>(dart) > kFillStartShare * static_cast<double>(dart_count);
     if (!(filling ? board.fill(point, side, spacing_m) : board.take(point, side, spacing_m))) continue;
     const Eigen::Vector3d normal = gradient(point).normalized();
     samples.push_back({point, normal, normal.unitOrthogonal(), 0.0, 0.0, spacing_m, 1.0, 0});
