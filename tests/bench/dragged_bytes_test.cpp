@@ -13,12 +13,12 @@
 namespace livegs::bench {
 namespace {
 
-constexpr double kMostBytesP95 = 12'000, kMostMbit_s = 8, kMostOff_mm = 0.05;
+constexpr double kMaxBytesP95 = 12'000, kMaxMbit_s = 8, kMaxOffset_mm = 0.05;
 // Turn of a kernel. All but a thousandth keep it; the rest are in crushed cells, where a step of the grid is a large turn (known gap).
-constexpr double kMostTurn_deg = 0.1;
+constexpr double kMaxTurn_deg = 0.1;
 // Of poses: half a step of 2^-18 m along each axis. Of turns: components are off by half of sqrt2 / 2^18, the one left out, at least 1/2, makes
 // of that twice as much at most, and an angle is twice a quaternion's: 2 * 2 * sqrt3 * 2.7e-6 rad = 0.00107 degrees.
-constexpr double kMostPoseOff_m = 0.5 * 0x1p-18 * 1.7320508 + 1e-9, kMostPoseTurn_deg = 0.0011;
+constexpr double kMaxPoseOffset_m = 0.5 * 0x1p-18 * 1.7320508 + 1e-9, kMaxPoseTurn_deg = 0.0011;
 constexpr size_t kKernelsABlock = 5000, kLookedAtEvery = 45;
 
 // A frame's head: magic, version, flags, tick (2 bytes up to 16 383), time, what has passed; with the hash of every 32nd frame, and a body
@@ -122,23 +122,23 @@ Motion drag_and_leave(World world, bool leave) {
 
 void hold(const Motion& motion, const char* what) {
   std::printf("%s: p95 %.0f bytes (bar %.0f), %.2f Mbit/s (bar %.0f), nodes at most %.4f mm off (bar %.2f), %zu poses %.4f mm and %.4f degrees\n", what,
-              motion.p95, kMostBytesP95, motion.mbit_s, kMostMbit_s, 1e3 * static_cast<double>(motion.node_off_m), kMostOff_mm, motion.poses,
+              motion.p95, kMaxBytesP95, motion.mbit_s, kMaxMbit_s, 1e3 * static_cast<double>(motion.node_off_m), kMaxOffset_mm, motion.poses,
               1e3 * motion.pose_off_m, motion.pose_off_deg);
   const Percentiles &mm = motion.kernels.position_mm, &deg = motion.kernels.rotation_deg;
   std::printf("kernels at most %.4f mm off (bar %.2f); turned by p99 %.4f, p99.9 %.4f, at most %.2f degrees (bar %.1f for all), %.3f %% by more than that\n",
-              mm.largest, kMostOff_mm, deg.percentile(0.99), deg.percentile(0.999), deg.largest, kMostTurn_deg,
-              100 * deg.share_above(kMostTurn_deg));
+              mm.largest, kMaxOffset_mm, deg.percentile(0.99), deg.percentile(0.999), deg.largest, kMaxTurn_deg,
+              100 * deg.share_above(kMaxTurn_deg));
   std::printf("of %zu objects in frames that were at rest in that before, %zu were sent\n", motion.slept, motion.slept_in_bytes);
   EXPECT_GT(mm.percentile(0.5), 0.0);  // they were looked at
-  EXPECT_LE(mm.largest, kMostOff_mm);
-  EXPECT_LE(deg.percentile(0.999), kMostTurn_deg) << "degrees";
+  EXPECT_LE(mm.largest, kMaxOffset_mm);
+  EXPECT_LE(deg.percentile(0.999), kMaxTurn_deg) << "degrees";
   report_gap("dragged.kernel_turn_deg", deg.largest);
-  report_gap("dragged.kernels_turned_percent", 100 * deg.share_above(kMostTurn_deg));
-  EXPECT_LE(motion.p95, kMostBytesP95);
-  EXPECT_LE(motion.mbit_s, kMostMbit_s);
-  EXPECT_LE(1e3 * static_cast<double>(motion.node_off_m), kMostOff_mm);
-  EXPECT_LE(motion.pose_off_m, kMostPoseOff_m);
-  EXPECT_LE(motion.pose_off_deg, kMostPoseTurn_deg);
+  report_gap("dragged.kernels_turned_percent", 100 * deg.share_above(kMaxTurn_deg));
+  EXPECT_LE(motion.p95, kMaxBytesP95);
+  EXPECT_LE(motion.mbit_s, kMaxMbit_s);
+  EXPECT_LE(1e3 * static_cast<double>(motion.node_off_m), kMaxOffset_mm);
+  EXPECT_LE(motion.pose_off_m, kMaxPoseOffset_m);
+  EXPECT_LE(motion.pose_off_deg, kMaxPoseTurn_deg);
   EXPECT_EQ(motion.slept_in_bytes, 0u);
 }
 

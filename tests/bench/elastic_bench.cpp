@@ -50,7 +50,7 @@ enum class By { Cells, Bullet };
 // What was asked for: a node's substep at 3000 nodes with contact, a frame of a paper-size object, the memory of a node.
 constexpr double kGoal_ns = 20.0, kGoal_bytes = 300.0;
 constexpr const char* kGoal_ms = "0.25";
-constexpr int kLargestSettled = 36;  // cells along an edge; the largest has 1.1 times its modulus of weight on it
+constexpr int kMaxSettledCells = 36;  // cells along an edge; the largest has 1.1 times its modulus of weight on it
 
 // Returns the cost of a frame, ms. With a table there is that in place of the floor.
 double report(const char* name, const ElasticBodyDescription& description, bool floor, By by = By::Cells,
@@ -128,7 +128,7 @@ int main(int argc, char** argv) {
     const std::string size = "block " + std::to_string(cells) + "^3";
     report((size + " free").c_str(), block(cells, 0.02, 1e4), false);
     report((size + " on floor").c_str(), block(cells, 0.02, 1e4), true);
-    if (cells <= kLargestSettled) report((size + " settled").c_str(), block(cells, 0.02, 1e4), true, By::Cells, nullptr, 300);
+    if (cells <= kMaxSettledCells) report((size + " settled").c_str(), block(cells, 0.02, 1e4), true, By::Cells, nullptr, 300);
   }
   // The bar of the studies, 16 x 4 x 4 cells, swinging freely; Bullet's deformable body on the same nodes beside it
   // (bullet_body.h: five tetrahedra a cell, implicit, its solver as it comes).

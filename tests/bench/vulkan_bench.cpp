@@ -29,8 +29,8 @@
 namespace livegs {
 namespace {
 
-constexpr int kMostFrames = 7, kFewestFrames = 3, kWarmUpFrames = 2;
-constexpr double kMost_s = 60;         // for a row's frames, if the fewest allow it
+constexpr int kMaxFrames = 7, kMinFrames = 3, kWarmUpFrames = 2;
+constexpr double kMaxTime_s = 60;         // for a row's frames, if the fewest allow it
 constexpr int kWidth = 640, kHeight = 480;  // of an eye
 constexpr uint32_t kBodies = 1000;
 constexpr double kBarBytes = 256;  // of a kernel with three bands, for two eyes
@@ -102,7 +102,7 @@ Samples skin_times(const std::shared_ptr<VulkanDevice>& device, const Ridden& ri
   take(skin.move(ridden.rest, ridden.bindings, ridden.drivers));
   take(backend->submit());
   Samples samples;
-  for (int frame = -kWarmUpFrames; frame < kMostFrames; ++frame) {
+  for (int frame = -kWarmUpFrames; frame < kMaxFrames; ++frame) {
     const int64_t begun_ns = now_ns();
     for (uint32_t first = 0, count = 0; first < skin.size(); first += count) {
       count = std::min({at_once, skin.size() - first, DeviceSkin::kMaxPartKernels - first % DeviceSkin::kMaxPartKernels});
@@ -150,7 +150,7 @@ bool measure(const std::shared_ptr<VulkanDevice>& device, const synthetic::Objec
       take(create_vulkan_renderer(device, {.precision = precision, .separate_times = true}));
   Samples upload, project, sort, draw, device_skin, device_project, device_sort, device_draw, device_resolve;
   std::vector<Image> images;
-  int frames = kMostFrames;
+  int frames = kMaxFrames;
   for (int frame = -kWarmUpFrames; frame < frames; ++frame) {
     const int64_t begun_ns = now_ns();
     // A new place each frame, as of what moves; the asset is uploaded once.
@@ -163,9 +163,9 @@ bool measure(const std::shared_ptr<VulkanDevice>& device, const synthetic::Objec
     options.order = DepthOrder::Distance;
     take(renderer->draw({&rendered, 1}, eyes, options, images));
     if (frame == -kWarmUpFrames) {
-      const double held = kMost_s / seconds_from_ns(now_ns() - begun_ns);
-      frames = static_cast<int>(std::clamp(held, 1.0 * kFewestFrames, 1.0 * kMostFrames));
-      if (frames < kMostFrames) frame = -1;  // that one has warmed it up
+      const double held = kMaxTime_s / seconds_from_ns(now_ns() - begun_ns);
+      frames = static_cast<int>(std::clamp(held, 1.0 * kMinFrames, 1.0 * kMaxFrames));
+      if (frames < kMaxFrames) frame = -1;  // that one has warmed it up
     }
     if (frame < 0) continue;
     const RenderTimes& times = renderer->last_times();

@@ -11,7 +11,7 @@
 namespace livegs::fuzz::chat_reply_fuzz {
 namespace {
 
-constexpr size_t kMostCalls = 32;
+constexpr size_t kMaxCalls = 32;
 
 std::string_view text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -49,7 +49,7 @@ void look_at(std::span<const std::byte> bytes) {
   const bool stream = (kind & 1) != 0;
   const auto reply = decode_chat_reply(body, stream);
   if (reply) {
-    check(reply->tool_calls.size() <= kMostCalls, "tool calls are bounded");
+    check(reply->tool_calls.size() <= kMaxCalls, "tool calls are bounded");
     check(reply->prompt_tokens >= 0 && reply->completion_tokens >= 0 && reply->cost_usd >= 0, "counts are counts");
     check(reply->content.size() <= body.size() * 2 + 64, "text is not made up");
   } else {

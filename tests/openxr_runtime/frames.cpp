@@ -10,7 +10,7 @@ namespace livegs::simulated {
 namespace {
 
 // A second xrWaitFrame has to wait until the first one's frame was begun, on another thread; with one thread it would for ever.
-constexpr auto kMostOfAnotherThread = std::chrono::milliseconds(500);
+constexpr auto kMaxThreadWait = std::chrono::milliseconds(500);
 // Pictures are wanted so long before they are seen, beyond a period.
 constexpr XrTime kMargin_ns = 3'000'000;
 
@@ -134,7 +134,7 @@ XrResult xrWaitFrame(XrSession session, const XrFrameWaitInfo* info, XrFrameStat
     if (!state || state->type != XR_TYPE_FRAME_STATE) return misuse(XR_ERROR_VALIDATION_FAILURE, "xrWaitFrame: not an XrFrameState");
     if (!found->running) return misuse(XR_ERROR_SESSION_NOT_RUNNING, "xrWaitFrame: the session is not running");
     if (found->waited) {
-      runtime().frame_begun.wait_for(lock, kMostOfAnotherThread, [&] { return !find(session) || !find(session)->waited; });
+      runtime().frame_begun.wait_for(lock, kMaxThreadWait, [&] { return !find(session) || !find(session)->waited; });
       found = find(session);
       if (const auto refused = refuse(found, "xrWaitFrame")) return *refused;
       if (found->waited) return misuse(XR_ERROR_CALL_ORDER_INVALID, "xrWaitFrame: twice without xrBeginFrame");

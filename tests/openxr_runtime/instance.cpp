@@ -26,7 +26,7 @@ XrTime now() {
 double timeline_s(XrTime time) {
   const Runtime& all = runtime();
   if (all.anchor_ns == 0) return 0;
-  return all.anchor_s + std::min(1e-9 * static_cast<double>(time - all.anchor_ns), kMostOfAFrame_s);
+  return all.anchor_s + std::min(1e-9 * static_cast<double>(time - all.anchor_ns), kMaxFrameWait_s);
 }
 
 XrResult misuse(XrResult code, const std::string& what) {

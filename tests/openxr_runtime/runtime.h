@@ -126,8 +126,8 @@ constexpr XrSystemId kSystem = 7;
 // Time: a clock of its own, so that none who takes it for the system's goes unnoticed.
 constexpr XrTime kClockAhead_ns = 1'234'567'890'123;
 XrTime now();
-// It passes with the clock, but by no more than kMostOfAFrame_s a frame: what a slow application does not see does not happen.
-constexpr double kMostOfAFrame_s = 0.1;
+// It passes with the clock, but by no more than kMaxFrameWait_s a frame: what a slow application does not see does not happen.
+constexpr double kMaxFrameWait_s = 0.1;
 double timeline_s(XrTime time);
 
 template <class Handle>

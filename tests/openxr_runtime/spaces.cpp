@@ -12,7 +12,7 @@ constexpr double kEyeDistance_m = 0.064;
 // Of the left eye; the right one's is its mirror image. Radians: left, right, up, down.
 constexpr XrFovf kLeftFov{-0.90f, 0.75f, 0.80f, -0.85f};
 // Moments from which the timeline can tell where things are.
-constexpr XrTime kMostAhead_ns = 1'000'000'000;
+constexpr XrTime kMaxLookahead_ns = 1'000'000'000;
 
 }  // namespace
 
@@ -136,7 +136,7 @@ XrResult xrLocateSpace(XrSpace space, XrSpace base, XrTime time, XrSpaceLocation
   if (const auto refused = refuse(session, "xrLocateSpace")) return *refused;
   if (session_of(base) != session) return misuse(XR_ERROR_HANDLE_INVALID, "xrLocateSpace: the base is no space of the session");
   if (!location || location->type != XR_TYPE_SPACE_LOCATION) return misuse(XR_ERROR_VALIDATION_FAILURE, "xrLocateSpace: not an XrSpaceLocation");
-  if (time <= 0 || time > now() + kMostAhead_ns) return misuse(XR_ERROR_TIME_INVALID, "xrLocateSpace: no moment that can be known");
+  if (time <= 0 || time > now() + kMaxLookahead_ns) return misuse(XR_ERROR_TIME_INVALID, "xrLocateSpace: no moment that can be known");
   location->locationFlags = 0;
   location->pose = to_xr({});
   Pose stage_from_space, stage_from_base;

@@ -19,16 +19,16 @@ struct Percentiles {
   double largest = 0;
   // Bins of 0.5 % each, of errors from 1e-6 on.
   static constexpr size_t kBins = 6000;
-  static constexpr double kLeast = 1e-6, kRatio = 1.005;
+  static constexpr double kMinValue = 1e-6, kRatio = 1.005;
 
   void add(double error) {
     largest = std::max(largest, error);
-    const double bin = error > kLeast ? std::log(error / kLeast) / std::log(kRatio) : 0.0;
+    const double bin = error > kMinValue ? std::log(error / kMinValue) / std::log(kRatio) : 0.0;
     counts[std::min(kBins - 1, static_cast<size_t>(bin))] += 1;
   }
   double share_above(double error) const {
     double all = 0, above = 0;
-    const auto from = static_cast<size_t>(std::log(error / kLeast) / std::log(kRatio)) + 1;
+    const auto from = static_cast<size_t>(std::log(error / kMinValue) / std::log(kRatio)) + 1;
     for (size_t i = 0; i < kBins; ++i) {
       all += counts[i];
       if (i >= from) above += counts[i];
@@ -40,7 +40,7 @@ struct Percentiles {
     for (const double count : counts) all += count;
     if (all == 0) return 0;
     for (size_t i = 0; i < kBins; ++i) {
-      if ((below += counts[i]) >= share * all) return kLeast * std::pow(kRatio, static_cast<double>(i + 1));
+      if ((below += counts[i]) >= share * all) return kMinValue * std::pow(kRatio, static_cast<double>(i + 1));
     }
     return largest;
   }

@@ -19,13 +19,13 @@ constexpr double kPart_s = 28.5;  // from one loss to the next
 // Of what is resident, the pictures that this test keeps are not counted: 332 kB each, two of 96 x 108 in floats, for the oracle.
 // Found between the third and the last: 7.4 - 6.0 = 1.4 MB at a load of 9, -0.2 at one of 12. All images of all sessions would be
 // 5 MB more.
-constexpr double kMostGrown_mb = 2;
+constexpr double kMaxGrowth_mb = 2;
 // So long the simulated compositor keeps each picture waiting in a scripted stall. A gap of kGap_s may be the machine's as well:
 // half of all were, at a load of 12.
 constexpr double kStall_s = 0.1, kGap_s = 0.09;
 
 // Five a second, of both eyes by a device in software under both validation layers: 9391 found beside others at a load of 13.
-constexpr uint64_t kLeastPictures = 3000;
+constexpr uint64_t kMinPictures = 3000;
 
 double resident_mb() {
   long pages = 0, resident = 0;
@@ -122,7 +122,7 @@ TEST_F(HeadsetSession, LastsTenMinutesAndTwentyLosses) {
   EXPECT_EQ(done->counts.losses, static_cast<uint64_t>(kLosses));
   EXPECT_EQ(done->counts.recentres, kLosses / 2 + 1u);
   EXPECT_EQ(done->counts.refresh_changes, kLosses + 1u);  // one a part, each to another rate than before
-  EXPECT_GE(done->counts.pictures, kLeastPictures);
+  EXPECT_GE(done->counts.pictures, kMinPictures);
   const size_t unfocused = focus_losses(states());
   EXPECT_GE(unfocused, kLosses + 1u);  // taken once a part; being hidden goes through the same state
   // In each part's scripted second, once it has begun for sure, no picture came in time.
@@ -173,7 +173,7 @@ TEST_F(HeadsetSession, LastsTenMinutesAndTwentyLosses) {
                 parallax_pictures, *least, mean, *most, memory_mb[2], grown_mb);
   add_result("LIVEGS_HEADSET_CSV", "renderer,seconds,sessions,losses,recentres,refresh_changes,focus_losses,stalls,gaps_90ms,pictures,kept,"
              "least_db,parallax_pictures,parallax_least,parallax_mean,parallax_most,resident_mb,grown_mb", row);
-  EXPECT_LT(grown_mb, kMostGrown_mb);
+  EXPECT_LT(grown_mb, kMaxGrowth_mb);
 }
 
 }  // namespace

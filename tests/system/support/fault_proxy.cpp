@@ -20,7 +20,7 @@ namespace livegs {
 namespace {
 
 // What a router on the way would hold.
-constexpr size_t kMostWaitingBytes = 128u << 10;
+constexpr size_t kMaxQueuedBytes = 128u << 10;
 constexpr size_t kReadBytes = 4096;  // about what travels in one go
 
 sockaddr_in loopback(int port) {
@@ -219,7 +219,7 @@ void FaultProxy::run() {
           const Way& from = of_client ? connection.up : connection.down;
           const Way& to = of_client ? connection.down : connection.up;
           short events = 0;
-          if (!from.ended && from.waiting_bytes < kMostWaitingBytes) events |= POLLIN;
+          if (!from.ended && from.waiting_bytes < kMaxQueuedBytes) events |= POLLIN;
           if (!to.pieces.empty()) {
             const int64_t due_ns = std::max(to.pieces.front().due_ns, stalled_until_ns_);
             if (due_ns <= now)

@@ -15,7 +15,7 @@ namespace livegs {
 class Lateness {
  public:
   // What one wait is allowed at most, so that no machine is late enough for a program that queues or pauses: two ticks of 90 Hz.
-  static constexpr double kMostAllowed_ms = 2e3 / 90;
+  static constexpr double kMaxAllowed_ms = 2e3 / 90;
 
   Lateness() : thread_([this] {
     while (!stopping_) {
@@ -30,7 +30,7 @@ class Lateness {
     return percentile(late_ms_, 0.99);
   }
   // What so many waits in a row may take beside other work.
-  double allowance_ms(int waits) { return waits * std::min(p99_ms(), kMostAllowed_ms); }
+  double allowance_ms(int waits) { return waits * std::min(p99_ms(), kMaxAllowed_ms); }
   ~Lateness() { (void)p99_ms(); }
 
  private:

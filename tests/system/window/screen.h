@@ -23,7 +23,7 @@ class Screen {
   static bool there_is_one() { return std::filesystem::exists("/usr/bin/Xvfb"); }
 
   Screen() {
-    for (int number = kFirst; number < kFirst + kMost && display.empty(); ++number) {
+    for (int number = kFirstDisplay; number < kFirstDisplay + kDisplayCount && display.empty(); ++number) {
       const auto file = std::filesystem::temp_directory_path() / ("livegs_display_" + std::to_string(number));
       lock_ = ::open(file.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0600);
       if (lock_ >= 0 && ::flock(lock_, LOCK_EX | LOCK_NB) == 0) start(number);
@@ -44,7 +44,7 @@ class Screen {
   std::string display;
 
  private:
-  static constexpr int kFirst = 90, kMost = 64;
+  static constexpr int kFirstDisplay = 90, kDisplayCount = 64;
 
   // Somebody else's display may have this number; then the server ends and says so.
   void start(int number) {
