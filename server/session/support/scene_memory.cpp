@@ -35,7 +35,7 @@ constexpr uint64_t kServerBytes = 48u << 20;
 // The usual size of a kernel in a file, bytes. The smallest usual one, so that kernels are rather over- than undercounted.
 constexpr uint64_t kSplatBytes = 32, kSpzBytes = 16, kSogBytes = 10;
 // A header of a .ply has about twenty lines a band of colour.
-constexpr size_t kMostHeaderBytes = 16u << 10;
+constexpr size_t kMaxHeaderBytes = 16u << 10;
 
 std::optional<uint64_t> number_after(std::string_view text, std::string_view key) {
   const size_t at = text.find(key);
@@ -72,12 +72,12 @@ uint64_t kernels_of(const fs::path& path) {
   if (fs::is_directory(path, ignored)) return folder_bytes(path) / kSogBytes;
   if (path.filename() == "meta.json") return folder_bytes(path.parent_path()) / kSogBytes;
   const std::string extension = path.extension().string();
-  if (extension == ".ply") return number_after(read_text(path, kMostHeaderBytes), "element vertex").value_or(0);
+  if (extension == ".ply") return number_after(read_text(path, kMaxHeaderBytes), "element vertex").value_or(0);
   const uint64_t each = extension == ".splat" ? kSplatBytes : extension == ".spz" ? kSpzBytes : kSogBytes;
   return file_bytes(path) / each;
 }
 
-constexpr size_t kMostStateBytes = 64u << 10;
+constexpr size_t kMaxStateBytes = 64u << 10;
 
 // The two hierarchies of control groups (kernel documentation, cgroup-v1/memory.rst and cgroup-v2.rst).
 struct GroupFiles {
@@ -92,10 +92,10 @@ constexpr std::array<GroupFiles, 2> kHierarchies{{{"::", "sys/fs/cgroup", "memor
 
 uint64_t left_in_group(const fs::path& group, const GroupFiles& files) {
   constexpr uint64_t kNoLimit = std::numeric_limits<uint64_t>::max();
-  const auto limit = number_after(read_text(group / files.limit, kMostStateBytes), "");  // "max" is none
-  const auto used = number_after(read_text(group / files.used, kMostStateBytes), "");
+  const auto limit = number_after(read_text(group / files.limit, kMaxStateBytes), "");  // "max" is none
+  const auto used = number_after(read_text(group / files.used, kMaxStateBytes), "");
   if (!limit || !used) return kNoLimit;
-  const uint64_t reclaimable = number_after(read_text(group / "memory.stat", kMostStateBytes), files.reclaimable).value_or(0);
+  const uint64_t reclaimable = number_after(read_text(group / "memory.stat", kMaxStateBytes), files.reclaimable).value_or(0);
   const uint64_t held = *used - std::min(*used, reclaimable);
   return *limit - std::min(*limit, held);
 }
@@ -103,7 +103,7 @@ uint64_t left_in_group(const fs::path& group, const GroupFiles& files) {
 // A limit of a group holds for all groups below it. In a container the group's own folder may be the root of the mount.
 uint64_t left_in_groups(const fs::path& root) {
   uint64_t left = std::numeric_limits<uint64_t>::max();
-  const std::string groups = read_text(root / "proc/self/cgroup", kMostStateBytes);
+  const std::string groups = read_text(root / "proc/self/cgroup", kMaxStateBytes);
   for (const GroupFiles& files : kHierarchies) {
     const size_t at = groups.find(files.controller);
     if (at == std::string::npos) continue;
@@ -139,7 +139,7 @@ uint64_t scene_bytes(const SceneSize& size) {
 }
 
 uint64_t free_bytes(const fs::path& root) {
-  const auto available_kb = number_after(read_text(root / "proc/meminfo", kMostStateBytes), "MemAvailable:");
+  const auto available_kb = number_after(read_text(root / "proc/meminfo", kMaxStateBytes), "MemAvailable:");
   return std::min(available_kb ? *available_kb * 1024 : machine_bytes(), left_in_groups(root));
 }
 

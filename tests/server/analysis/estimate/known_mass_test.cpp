@@ -18,7 +18,7 @@ struct Bar {
   const char* id;
   bool mape;  // is judged: it meets 0.25
 };
-constexpr double kMostMape = 0.25, kLeastMnre = 0.60, kLeastCoverage = 0.85;
+constexpr double kMaxMape = 0.25, kMinMnre = 0.60, kMinCoverage = 0.85;
 
 class KnownMass : public testing::TestWithParam<Bar> {};
 
@@ -32,12 +32,12 @@ TEST_P(KnownMass, IsEstimatedWithinItsBar) {
               kNameGiven[static_cast<int>(bar.name)], 100 * scores.mape.value, scores.mnre.value,
               100 * scores.coverage.value, scores.width.value, scores.width_needed.value);
   if (bar.mape) {
-    EXPECT_LE(scores.mape.value, kMostMape);
+    EXPECT_LE(scores.mape.value, kMaxMape);
   } else if (bar.name != NameGiven::None) {
     report_gap(std::string("known_mass.mape.") + bar.id, scores.mape.value);
   }
-  EXPECT_GE(scores.mnre.value, kLeastMnre);
-  EXPECT_GE(scores.coverage.value, kLeastCoverage);
+  EXPECT_GE(scores.mnre.value, kMinMnre);
+  EXPECT_GE(scores.coverage.value, kMinCoverage);
   // High over low, over the width that would just hold 95 %.
   report_gap(std::string("known_mass.width.") + bar.id, scores.width.value / scores.width_needed.value);
 }
